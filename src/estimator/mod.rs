@@ -1,0 +1,3 @@
+//! One sample of one pixel.
+
+pub mod trace;

@@ -1,0 +1,12 @@
+//! Rays, primitives, and the tree over them. The only module that knows obvhs, which builds the tree; the walk is ours.
+
+mod bvh;
+mod geometry;
+mod mesh;
+pub mod ray;
+mod sphere;
+mod triangle;
+
+pub use geometry::{Geometry, ObjectRange, SurfacePoint};
+pub use mesh::Mesh;
+pub use ray::{Hit, PrimitiveId, Ray};

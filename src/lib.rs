@@ -1,0 +1,38 @@
+//! iorect: rendering of scenes in which dielectrics sit inside dielectrics.
+//!
+//! A user gives every object the index of refraction (IOR) of its own interior. What lies on the *other* side of each surface is
+//! found by the program: *IOR rectification* pre-traces rays outward from each refractor; the first dielectric whose first hit
+//! is from behind is its exterior. It is stored, and rendering needs no state per path.
+//!
+//! # Map of the code, in the order in which data flows
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`optics`] | Fresnel and Snell, dispersion formulas, media, the catalogue: physics without geometry |
+//! | [`geometry`] | rays, triangles, spheres, meshes, and the tree that finds what a ray hits |
+//! | [`scene`] | the scene as the user wrote it ([`scene::Description`]), its files, and its compiled form ([`scene::World`]) |
+//! | [`rectify`] | what lies on the other side of every refractor: the pre-trace, its votes, the interface table |
+//! | [`tracking`] | the modes: given a crossing, which medium is left and which is entered |
+//! | [`estimator`] | one sample of one pixel; one path, vertex by vertex |
+//! | [`render`] | film, samples in bulk on all cores, the worker behind the window |
+//! | [`measure`] | image differences |
+//! | [`export`] | PNG and EXR, labelled comparisons |
+//! | [`cli`], [`app`] | the command line and the window, both thin over the rest |
+//!
+//! # Invariants
+//!
+//! - Nothing outside `app` knows egui; nothing outside `geometry` knows obvhs; `cli` and `app` never use each other.
+//! - No tracker sees a scattering function and no scattering function sees a tracker: they share a pair of IORs.
+//! - Random numbers are a pure function of (seed, pixel, sample, dimension), the same in every mode.
+
+pub mod app;
+pub mod cli;
+pub mod estimator;
+pub mod export;
+pub mod geometry;
+pub mod measure;
+pub mod optics;
+pub mod rectify;
+pub mod render;
+pub mod scene;
+pub mod tracking;

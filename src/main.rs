@@ -1,0 +1,7 @@
+//! The `iorect` binary: everything is in the library.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    iorect::cli::main()
+}

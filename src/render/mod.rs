@@ -1,0 +1,11 @@
+//! Samples in bulk: a scene made ready, a film, and passes over it on all cores.
+
+pub mod cpu;
+pub mod events;
+pub mod film;
+pub mod prepare;
+
+pub use cpu::{RenderSettings, accumulate};
+pub use events::Events;
+pub use film::Film;
+pub use prepare::{PrepareSeconds, Prepared, prepare};

@@ -1,0 +1,20 @@
+//! The scene: as written ([`Description`]), read from files ([`load`]), built in ([`builtin`]), and compiled for tracing ([`World`]).
+
+pub mod builtin;
+pub mod camera;
+pub mod check;
+pub mod compile;
+pub mod description;
+pub mod environment;
+pub mod error;
+pub mod light;
+pub mod load;
+pub mod needs;
+pub mod save;
+pub mod shapes;
+pub mod world;
+
+pub use description::Description;
+pub use error::SceneError;
+pub use needs::SceneNeeds;
+pub use world::World;

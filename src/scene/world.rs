@@ -1,0 +1,105 @@
+//! The compiled scene: what tracing needs, and nothing else.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::environment::EnvironmentLight;
+use super::light::Emitters;
+use super::needs::SceneNeeds;
+use crate::geometry::Geometry;
+
+/// Index into [`World::media`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct MediumId(pub u32);
+
+impl MediumId {
+    /// The global medium.
+    pub const WORLD: Self = Self(0);
+    /// The reserved exterior of `naive`.
+    pub const VACUUM: Self = Self(1);
+}
+
+/// Index into [`World::objects`]: refractors first, then solids, then lights, each in file order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ObjectId(pub u32);
+
+/// A medium with its numbers worked out for transport in RGB.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorldMedium {
+    /// As in the scene; the global medium is `"world"`, the reserved one `"vacuum"`.
+    pub name: String,
+    /// n − 1, which keeps the digits of an IOR near 1.
+    pub ior_minus_one: f64,
+    /// σ per scene unit.
+    pub absorption: DVec3,
+}
+
+impl WorldMedium {
+    pub fn ior(&self) -> f64 {
+        1.0 + self.ior_minus_one
+    }
+}
+
+/// What an object's surface does.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Surface {
+    Refractor { medium: MediumId, priority: i32, smooth: bool },
+    Diffuse { paint: Paint, smooth: bool },
+    Mirror { paint: Paint, smooth: bool },
+    Light { radiance: DVec3 },
+}
+
+/// Albedo by place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Paint {
+    Color(DVec3),
+    /// Squares over object-space coordinates (u, v) = (dot(p − origin, u_axis), dot(p − origin, v_axis)) / size.
+    Checker {
+        a: DVec3,
+        b: DVec3,
+        origin: DVec3,
+        u_axis: DVec3,
+        v_axis: DVec3,
+    },
+}
+
+/// One object of the scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Object {
+    pub name: String,
+    pub surface: Surface,
+    /// Enclosed volume, ≥ 0; infinite for a surface that encloses none, such as a quad.
+    pub volume: f64,
+}
+
+/// A compiled scene. Coordinates inside are relative to [`Geometry::origin`].
+#[derive(Debug, Clone)]
+pub struct World {
+    pub geometry: Arc<Geometry>,
+    pub objects: Vec<Object>,
+    pub media: Vec<WorldMedium>,
+    pub emitters: Emitters,
+    pub environment: EnvironmentLight,
+    pub needs: SceneNeeds,
+    /// Whether the global medium is indistinguishable from the reserved vacuum.
+    pub world_is_vacuum: bool,
+}
+
+impl World {
+    pub fn object(&self, id: ObjectId) -> &Object {
+        &self.objects[id.0 as usize]
+    }
+
+    pub fn medium(&self, id: MediumId) -> &WorldMedium {
+        &self.media[id.0 as usize]
+    }
+
+    /// Ids and interior media of the refractors.
+    pub fn refractors(&self) -> impl Iterator<Item = (ObjectId, MediumId)> {
+        self.objects.iter().enumerate().filter_map(|(index, object)| match object.surface {
+            Surface::Refractor { medium, .. } => Some((ObjectId(index as u32), medium)),
+            _ => None,
+        })
+    }
+}

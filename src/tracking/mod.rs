@@ -1,0 +1,72 @@
+//! The modes: ways to know, at a crossing of a refractor's surface, which medium is left and which is entered.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// A way of tracking media.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// The exterior is always vacuum.
+    Naive,
+    /// A stack of the media entered so far.
+    Stack,
+    /// The stored answer of IOR rectification; no state per path.
+    Rectified,
+    /// Containment asked anew on both sides of every hit: slow, the truth that the others are measured against.
+    Reference,
+}
+
+impl Mode {
+    pub const ALL: [Self; 4] = [Self::Naive, Self::Stack, Self::Rectified, Self::Reference];
+
+    /// The name used on the command line, in JSON and on labels.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Naive => "naive",
+            Self::Stack => "stack",
+            Self::Rectified => "rectified",
+            Self::Reference => "reference",
+        }
+    }
+
+    /// One sentence for tooltips and help.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Naive => {
+                "Takes every IOR as relative to vacuum: wrong wherever something is nested or the world's IOR is not 1."
+            }
+            Self::Stack => {
+                "Carries the media entered so far along each path: wrong when the path starts inside a dielectric."
+            }
+            Self::Rectified => {
+                "Looks up what rectification found outside each refractor: no state per path, right wherever it starts."
+            }
+            Self::Reference => {
+                "Asks what contains both sides of every hit, with voting rays: slow, the truth the others are measured against."
+            }
+        }
+    }
+}
+
+impl fmt::Display for Mode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Mode {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "priority" {
+            return Err(
+                "the mode `priority` is not yet supported; valid modes: naive, stack, rectified, reference".into()
+            );
+        }
+        Self::ALL
+            .into_iter()
+            .find(|mode| mode.name() == text)
+            .ok_or_else(|| format!("unknown mode `{text}`; valid modes: {}", Self::ALL.map(Self::name).join(", ")))
+    }
+}
