@@ -26,6 +26,7 @@
 //! - Random numbers are a pure function of (seed, pixel, sample, dimension), the same in every mode.
 
 pub mod app;
+pub mod check;
 pub mod cli;
 pub mod estimator;
 pub mod export;

@@ -1,11 +1,13 @@
 //! Samples in bulk: a scene made ready, a film, and passes over it on all cores.
 
 pub mod cpu;
+pub mod display;
 pub mod events;
 pub mod film;
 pub mod prepare;
 
 pub use cpu::{RenderSettings, accumulate};
+pub use display::{Display, ToneCurve};
 pub use events::Events;
 pub use film::Film;
 pub use prepare::{PrepareSeconds, Prepared, prepare};

@@ -2,7 +2,6 @@
 
 pub mod builtin;
 pub mod camera;
-pub mod check;
 pub mod compile;
 pub mod description;
 pub mod environment;
