@@ -114,12 +114,7 @@ pub const ALL: &[Entry] = &[
         source: "G. Beadie et al., Appl. Opt. 54, F139 (2015), one-term fit: 20 °C",
         model: Formula::Sellmeier(PMMA),
     },
-    Entry {
-        name: "acrylic",
-        label: "Acrylic",
-        source: "Another name for pmma",
-        model: Formula::Sellmeier(PMMA),
-    },
+    Entry { name: "acrylic", label: "Acrylic", source: "Another name for pmma", model: Formula::Sellmeier(PMMA) },
     Entry {
         name: "n-bk7",
         label: "Crown glass N-BK7",
@@ -195,7 +190,7 @@ mod tests {
             ("diamond", d, 2.417_485_9, 5e-8),
             ("sapphire", d, 1.768_172_1, 5e-8),
             ("pmma", d, 1.490_618_2, 5e-8),
-            ("air", d, 1.000_277_15, 5e-9),
+            ("air", 0.5893, 1.000_277_15, 5e-9),
             ("ice", d, 1.3097, 1e-12),
             ("ethanol", 0.5893, 1.361_63, 5e-6),
             ("glycerol", 0.5893, 1.472_20, 5e-6),
