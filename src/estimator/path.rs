@@ -18,9 +18,16 @@ use crate::tracking::{Crossing, Sides, Tracker};
 
 /// Segments after which Russian roulette looks at the throughput.
 const ROULETTE_FROM: u32 = 4;
-/// Segments after which every path survives with at most [`SURVIVAL`] a segment, or trapped lossless paths would never end.
+/// Segments after which every path may be ended whatever its throughput, or trapped lossless paths would never end.
 const LONG_PATH: u32 = 64;
-const SURVIVAL: f64 = 0.95;
+
+/// Probability of going on from a segment beyond [`LONG_PATH`]. It starts at 0.95 and rises, so that the chance of lasting k segments
+/// more falls as 1/k: a constant 0.95 would make the paths through hundreds of interfaces, which do arrive, too rare to find. From
+/// the thousandth on it is constant, and a trapped path lasts some hundred segments more in the mean.
+#[inline]
+fn survival_of_long_path(segment: u32) -> f64 {
+    (1.0 - 1.0 / (f64::from(segment - LONG_PATH) + 19.0)).min(0.999)
+}
 
 /// Random dimensions of a path: the camera's, then a block for each segment.
 pub mod dimension {
@@ -124,7 +131,7 @@ impl<T: Tracker> PathTracer<'_, T> {
             if segment > ROULETTE_FROM {
                 let mut survival = beta.max_element().min(1.0);
                 if segment > LONG_PATH {
-                    survival = survival.min(SURVIVAL);
+                    survival = survival.min(survival_of_long_path(segment));
                 }
                 if survival < 1.0 {
                     if sampler.get_1d(dimensions + dimension::ROULETTE) >= survival {
