@@ -92,7 +92,7 @@ pub fn validate(shape: &Shape) -> Checked {
             place("edge_u", *edge_u)?;
             place("edge_v", *edge_v)?;
             for (key, edge) in [("edge_u", edge_u), ("edge_v", edge_v)] {
-                if !(edge.length() > 0.0) {
+                if edge.length() == 0.0 {
                     return fault(key, format!("{key} has no length"));
                 }
             }
@@ -197,7 +197,7 @@ fn check_profile(points: &[[f64; 2]]) -> Checked {
     }
     // Twice the area that the outline encloses with the axis.
     let area: f64 = (0..kept.len()).map(|i| kept[i].perp_dot(kept[(i + 1) % kept.len()])).sum();
-    if !(area.abs() > 0.0) {
+    if area == 0.0 {
         return bad("the profile encloses nothing: its points lie on one line".into());
     }
     Ok(())
