@@ -35,5 +35,6 @@ pub mod measure;
 pub mod optics;
 pub mod rectify;
 pub mod render;
+pub mod scatter;
 pub mod scene;
 pub mod tracking;

@@ -1,3 +1,5 @@
-//! One sample of one pixel.
+//! One sample of one pixel, and one path told vertex by vertex.
 
+pub mod path;
+pub mod sampler;
 pub mod trace;

@@ -1,10 +1,20 @@
-//! One path, vertex by vertex, for people to read.
+//! One path, vertex by vertex, for people to read. It asks the same questions in the same order as the path tracer.
 
-use glam::DVec3;
-
+use super::path::{PathTracer, dimension};
+use super::sampler::Sampler;
 use crate::geometry::Ray;
+use crate::rectify::containment::medium_at;
 use crate::render::{Events, Prepared};
-use crate::tracking::Mode;
+use crate::scatter::dielectric::{self, Choice};
+use crate::scene::world::{MediumId, ObjectId, Surface};
+use crate::tracking::naive::Naive;
+use crate::tracking::rectified::Rectified;
+use crate::tracking::reference::Reference;
+use crate::tracking::stack::Stack;
+use crate::tracking::{Mode, Tracker};
+
+/// Segments at the most: a path may be trapped for ever.
+pub const MOST_SEGMENTS: u32 = 100_000;
 
 /// Which way to go on at an interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -48,6 +58,9 @@ pub struct Vertex {
     /// Unpolarised reflectance.
     pub fresnel: Option<f64>,
     pub event: VertexEvent,
+    /// Whether the medium left is the one that the path was in.
+    #[serde(skip)]
+    pub is_consistent: bool,
 }
 
 /// A whole path.
@@ -65,7 +78,8 @@ pub struct TracedPath {
     pub events: Events,
 }
 
-/// Follows `ray` (scene coordinates) until it escapes, meets a light, or has `max_depth` segments (at most 100,000).
+/// Follows `ray` (scene coordinates) until it escapes, meets an opaque surface that does not mirror, or has `max_depth` segments (at
+/// most [`MOST_SEGMENTS`]).
 pub fn trace(
     prepared: &Prepared,
     mode: Mode,
@@ -74,6 +88,134 @@ pub fn trace(
     seed: u64,
     max_depth: Option<u32>,
 ) -> TracedPath {
-    let _ = (prepared, mode, ray, follow, seed, max_depth, DVec3::ZERO);
-    todo!("core")
+    let tracing =
+        Tracing { prepared, mode, follow, seed, max_depth: max_depth.unwrap_or(MOST_SEGMENTS).min(MOST_SEGMENTS) };
+    match mode {
+        Mode::Naive => tracing.run(&Naive, ray),
+        Mode::Stack => tracing.run(&Stack, ray),
+        Mode::Rectified => tracing.run(&Rectified { table: &prepared.table }, ray),
+        Mode::Reference => tracing.run(&Reference { world: &prepared.world }, ray),
+    }
+}
+
+struct Tracing<'a> {
+    prepared: &'a Prepared,
+    mode: Mode,
+    follow: Follow,
+    seed: u64,
+    max_depth: u32,
+}
+
+impl Tracing<'_> {
+    fn run<T: Tracker>(&self, tracker: &T, ray: Ray) -> TracedPath {
+        let world = &*self.prepared.world;
+        let tracer = PathTracer { world, tracker, needs: world.needs, max_depth: self.max_depth };
+        let mut ray = Ray::new(ray.origin - world.geometry.origin, ray.direction.normalize());
+        let mut state = T::State::default();
+        tracker.start(&mut state);
+        let (mut medium, is_ambiguous) = medium_at(world, ray.origin);
+        let mut path = TracedPath {
+            mode: self.mode,
+            camera_medium: world.medium(medium).name.clone(),
+            vertices: Vec::new(),
+            escaped: false,
+            final_direction: ray.direction.to_array(),
+            events: Events { ambiguous: u64::from(is_ambiguous), ..Events::default() },
+        };
+        let sampler = Sampler::new(self.seed, 0, 0);
+        let mut segment = 1;
+        while let Some(hit) = world.geometry.closest(&ray) {
+            let point = world.geometry.surface(&ray, &hit);
+            let object = ObjectId(world.geometry.object_of(hit.primitive));
+            let name = &world.object(object).name;
+            let mut vertex = Vertex {
+                position: (point.position + world.geometry.origin).to_array(),
+                refractor: None,
+                patch: None,
+                solid: None,
+                from: None,
+                to: None,
+                ior_from: None,
+                ior_to: None,
+                fresnel: None,
+                event: VertexEvent::Scatter,
+                is_consistent: true,
+            };
+            let next = match world.object(object).surface {
+                Surface::Light { .. } => {
+                    vertex.event = VertexEvent::Emit;
+                    vertex.solid = Some(name.clone());
+                    None
+                }
+                Surface::Diffuse { .. } => {
+                    vertex.solid = Some(name.clone());
+                    None
+                }
+                Surface::Mirror { smooth, .. } => {
+                    vertex.solid = Some(name.clone());
+                    vertex.event = VertexEvent::Reflect;
+                    vertex.fresnel = Some(1.0);
+                    let normal = tracer.facing_normal(&ray, &hit, &point, smooth);
+                    let cos = (-ray.direction.dot(normal)).clamp(0.0, 1.0);
+                    let direction = crate::optics::fresnel::reflected(ray.direction, normal, cos);
+                    Some(Ray::leaving(point.position, direction, hit.primitive))
+                }
+                Surface::Refractor { smooth, .. } => {
+                    let met = tracer.meet(&ray, &hit, &state, &mut path.events);
+                    vertex.is_consistent = world.is_consistent(medium, met.sides.from);
+                    path.events.inconsistent += u64::from(!vertex.is_consistent);
+                    let (from, to): (MediumId, MediumId) = (met.sides.from, met.sides.to);
+                    vertex.refractor = Some(name.clone());
+                    vertex.patch = Some(self.prepared.table.patch(object).index);
+                    vertex.from = Some(world.medium(from).name.clone());
+                    vertex.to = Some(world.medium(to).name.clone());
+                    vertex.ior_from = Some(world.medium(from).ior());
+                    vertex.ior_to = Some(world.medium(to).ior());
+                    if met.interface.is_matched() {
+                        vertex.event = VertexEvent::Skip;
+                        vertex.fresnel = Some(0.0);
+                        tracker.transmit(&mut state, &met.crossing);
+                        medium = to;
+                        Some(ray.beyond(&hit))
+                    } else {
+                        let outward = if hit.is_front { 1.0 } else { -1.0 };
+                        let shading = tracer.outward_normal(&hit, &point, smooth) * outward;
+                        let choice = match self.follow {
+                            Follow::Transmit => Choice::Transmit,
+                            Follow::Reflect => Choice::Reflect,
+                            Follow::Sample => Choice::Sample(sampler.get_1d(
+                                dimension::FIRST_SEGMENT + (segment - 1) * dimension::PER_SEGMENT + dimension::SCATTER,
+                            )),
+                        };
+                        let scattered =
+                            dielectric::scatter(&met.interface, ray.direction, point.normal * outward, shading, choice);
+                        vertex.fresnel = Some(scattered.reflectance);
+                        vertex.event = match (scattered.is_transmitted, scattered.is_total) {
+                            (true, _) => VertexEvent::Transmit,
+                            (false, true) => VertexEvent::TotalReflection,
+                            (false, false) => VertexEvent::Reflect,
+                        };
+                        if scattered.is_transmitted {
+                            tracker.transmit(&mut state, &met.crossing);
+                            medium = to;
+                        }
+                        Some(Ray::leaving(point.position, scattered.direction, hit.primitive))
+                    }
+                }
+            };
+            let turns = vertex.event != VertexEvent::Skip;
+            path.vertices.push(vertex);
+            let Some(next) = next else { return path };
+            if turns {
+                if segment >= self.max_depth {
+                    return path;
+                }
+                segment += 1;
+            }
+            ray = next;
+            path.final_direction = ray.direction.to_array();
+        }
+        path.escaped = true;
+        path
+    }
 }

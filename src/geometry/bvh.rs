@@ -1,1 +1,313 @@
-//! (to come)
+//! An eight-wide bounding volume hierarchy, collapsed from the binary one that obvhs builds, and the walk over it.
+//!
+//! Boxes are f32 and slightly too large; rays are f64. The walk only ever errs towards visiting a box, never towards missing one,
+//! so what is hit is decided by the primitives alone.
+
+use std::time::Duration;
+
+use glam::{DVec3, Vec3, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+
+use super::ray::Ray;
+
+/// Children of a node.
+const WIDTH: usize = 8;
+
+/// Relative growth of distances to box sides that covers the rounding of three f32 operations and of the f32 direction.
+const DISTANCE_MARGIN: f32 = 1e-6;
+
+/// Growth of boxes, relative to the tree's largest coordinate: covers the rounding of ray origins to f32 (half a unit in the last
+/// place, at up to twice that coordinate), with room.
+const BOX_MARGIN: f32 = 1.0 / (1 << 21) as f32;
+
+/// Box of a primitive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    pub min: Vec3,
+    pub max: Vec3,
+}
+
+impl Bounds {
+    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {
+        points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.min.x > self.max.x
+    }
+}
+
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+struct Node {
+    /// `[axis][child]`
+    min: [[f32; WIDTH]; 3],
+    max: [[f32; WIDTH]; 3],
+    /// Node index of an inner child, first leaf slot of a leaf.
+    first: [u32; WIDTH],
+    /// Leaf slots; 0 for inner children.
+    count: [u32; WIDTH],
+}
+
+impl Node {
+    /// No child: empty boxes, which no ray meets.
+    const EMPTY: Self = Self {
+        min: [[f32::INFINITY; WIDTH]; 3],
+        max: [[f32::NEG_INFINITY; WIDTH]; 3],
+        first: [0; WIDTH],
+        count: [0; WIDTH],
+    };
+}
+
+/// The tree. Leaves are ranges of *slots*; the builder says which primitives each slot holds.
+#[derive(Debug, Default)]
+pub struct Tree {
+    nodes: Vec<Node>,
+    center: DVec3,
+    /// Of a sphere around everything.
+    radius: f64,
+}
+
+/// Up to `per_slot` primitives for each leaf slot.
+pub struct Slots {
+    pub per_slot: usize,
+    /// Primitive indices, `per_slot` to a slot, unused ones [`u32::MAX`].
+    pub primitives: Vec<u32>,
+}
+
+impl Tree {
+    /// Builds the tree over `bounds`. Primitives are packed `per_slot` to a leaf slot.
+    pub fn build(bounds: &[Bounds], per_slot: usize) -> (Self, Slots) {
+        let mut slots = Slots { per_slot, primitives: Vec::new() };
+        if bounds.is_empty() {
+            return (Self::default(), slots);
+        }
+        let binary = build_binary(bounds);
+        let all = bounds.iter().fold(Bounds::EMPTY, |a, b| a.union(*b));
+        let margin = all.min.abs().max(all.max.abs()).max_element() * BOX_MARGIN;
+        let mut tree = Self {
+            nodes: Vec::with_capacity(bounds.len() / 4 + 1),
+            center: (all.min.as_dvec3() + all.max.as_dvec3()) / 2.0,
+            radius: (all.max.as_dvec3() - all.min.as_dvec3()).length() / 2.0,
+        };
+        tree.nodes.push(Node::EMPTY);
+        // (node of the wide tree to fill, node of the binary tree that it stands for)
+        let mut open = vec![(0usize, 0usize)];
+        while let Some((wide, root)) = open.pop() {
+            let children = widen(&binary, root);
+            for (lane, &child) in children.iter().enumerate() {
+                let source = &binary.nodes[child];
+                let (first, count) = if source.is_leaf() {
+                    let start = source.first_index as usize;
+                    slots.push(&binary.primitive_indices[start..start + source.prim_count as usize])
+                } else {
+                    tree.nodes.push(Node::EMPTY);
+                    open.push((tree.nodes.len() - 1, child));
+                    (tree.nodes.len() as u32 - 1, 0)
+                };
+                let node = &mut tree.nodes[wide];
+                for axis in 0..3 {
+                    node.min[axis][lane] = source.aabb().min[axis] - margin;
+                    node.max[axis][lane] = source.aabb().max[axis] + margin;
+                }
+                node.first[lane] = first;
+                node.count[lane] = count;
+            }
+        }
+        (tree, slots)
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.nodes.len() * size_of::<Node>()
+    }
+
+    /// Visits the leaf slots whose boxes `ray` meets between `ray.t_min` and `*t_max`, near ones first by box. `visit` gets a slot
+    /// and may lower `t_max`; it ends the walk by returning `true`.
+    #[inline(always)]
+    pub fn walk(&self, ray: &Ray, t_max: &mut f64, mut visit: impl FnMut(u32, &mut f64) -> bool) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        // Boxes are tested in f32 from a point moved next to the tree, so that a far origin costs no precision.
+        let shift = ((self.center - ray.origin).dot(ray.direction) - self.radius).max(0.0);
+        let origin = ray.at(shift).as_vec3();
+        let inverse = Vec3::from_array(ray.direction.to_array().map(inverse_of));
+        let near_limit = lower((ray.t_min - shift) as f32).max(0.0);
+        let mut far_limit = upper((*t_max - shift) as f32);
+
+        let mut stack = Stack::new();
+        let mut current = (0u32, 0u32);
+        loop {
+            let (first, count) = current;
+            if count == 0 {
+                let node = &self.nodes[first as usize];
+                let (near, hit) = node.test(origin, inverse, near_limit, far_limit);
+                if hit != 0 {
+                    stack.push_sorted(node, &near, hit);
+                }
+            } else {
+                for slot in first..first + count {
+                    if visit(slot, t_max) {
+                        return;
+                    }
+                }
+                far_limit = upper((*t_max - shift) as f32);
+            }
+            match stack.pop_nearer_than(far_limit) {
+                Some(next) => current = next,
+                None => return,
+            }
+        }
+    }
+}
+
+impl Node {
+    /// Entry distances of all children, and a bit for each child that is met.
+    #[inline(always)]
+    fn test(&self, origin: Vec3, inverse: Vec3, near_limit: f32, far_limit: f32) -> ([f32; WIDTH], u32) {
+        let mut near = [near_limit; WIDTH];
+        let mut far = [far_limit; WIDTH];
+        for axis in 0..3 {
+            let (o, i) = (origin[axis], inverse[axis]);
+            for lane in 0..WIDTH {
+                let a = (self.min[axis][lane] - o) * i;
+                let b = (self.max[axis][lane] - o) * i;
+                // The smaller and larger side, whatever the sign of the direction, −0 included.
+                let (low, high) = if a < b { (a, b) } else { (b, a) };
+                let (low, high) = (low - low.abs() * DISTANCE_MARGIN, high + high.abs() * DISTANCE_MARGIN);
+                near[lane] = if low > near[lane] { low } else { near[lane] };
+                far[lane] = if high < far[lane] { high } else { far[lane] };
+            }
+        }
+        let mut hit = 0;
+        for lane in 0..WIDTH {
+            // An empty box gives infinities that no finite limit meets; `first` is checked by the boxes alone.
+            hit |= u32::from(near[lane] <= far[lane] && self.min[0][lane] <= self.max[0][lane]) << lane;
+        }
+        (near, hit)
+    }
+}
+
+/// Reciprocal of a direction's component, finite even for ±0.
+#[inline]
+fn inverse_of(component: f64) -> f32 {
+    const SMALLEST: f32 = 1e-20;
+    let c = component as f32;
+    1.0 / if c.abs() < SMALLEST { SMALLEST.copysign(c) } else { c }
+}
+
+#[inline]
+fn upper(t: f32) -> f32 {
+    t + t.abs() * DISTANCE_MARGIN
+}
+
+#[inline]
+fn lower(t: f32) -> f32 {
+    t - t.abs() * DISTANCE_MARGIN
+}
+
+/// What is still to be visited: fixed room for ordinary trees, more on the heap for degenerate ones.
+struct Stack {
+    fixed: [(f32, u32, u32); Self::ROOM],
+    length: usize,
+    more: Vec<(f32, u32, u32)>,
+}
+
+impl Stack {
+    const ROOM: usize = 96;
+
+    #[inline(always)]
+    fn new() -> Self {
+        Self { fixed: [(0.0, 0, 0); Self::ROOM], length: 0, more: Vec::new() }
+    }
+
+    /// Pushes the children whose bit is set, farthest first.
+    #[inline(always)]
+    fn push_sorted(&mut self, node: &Node, near: &[f32; WIDTH], mut hit: u32) {
+        if self.length + WIDTH > Self::ROOM {
+            self.more.extend_from_slice(&self.fixed[..self.length]);
+            self.length = 0;
+        }
+        let base = self.length;
+        while hit != 0 {
+            let lane = hit.trailing_zeros() as usize;
+            hit &= hit - 1;
+            let entry = (near[lane], node.first[lane], node.count[lane]);
+            let mut at = self.length;
+            while at > base && self.fixed[at - 1].0 < entry.0 {
+                self.fixed[at] = self.fixed[at - 1];
+                at -= 1;
+            }
+            self.fixed[at] = entry;
+            self.length += 1;
+        }
+    }
+
+    #[inline(always)]
+    fn pop_nearer_than(&mut self, far_limit: f32) -> Option<(u32, u32)> {
+        loop {
+            let (near, first, count) = if self.length > 0 {
+                self.length -= 1;
+                self.fixed[self.length]
+            } else {
+                self.more.pop()?
+            };
+            if near <= far_limit {
+                return Some((first, count));
+            }
+        }
+    }
+}
+
+impl Slots {
+    /// Adds slots for `primitives`; returns the first and how many.
+    fn push(&mut self, primitives: &[u32]) -> (u32, u32) {
+        let first = self.primitives.len() / self.per_slot;
+        for chunk in primitives.chunks(self.per_slot) {
+            self.primitives.extend_from_slice(chunk);
+            self.primitives.extend(std::iter::repeat_n(u32::MAX, self.per_slot - chunk.len()));
+        }
+        (first as u32, (self.primitives.len() / self.per_slot - first) as u32)
+    }
+}
+
+/// The binary tree: PLOC, reinsertion, leaves collapsed by cost.
+fn build_binary(bounds: &[Bounds]) -> Bvh2 {
+    let boxes: Vec<Aabb> = bounds.iter().map(|b| Aabb::new(Vec3A::from(b.min), Vec3A::from(b.max))).collect();
+    build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default())
+}
+
+/// Up to eight nodes that together stand for `root`: the inner one of largest surface is opened until there are enough.
+fn widen(binary: &Bvh2, root: usize) -> Vec<usize> {
+    if binary.nodes[root].is_leaf() {
+        return vec![root];
+    }
+    let left = binary.nodes[root].first_index as usize;
+    let mut children = vec![left, left + 1];
+    while children.len() < WIDTH {
+        let Some(widest) = (0..children.len())
+            .filter(|&i| !binary.nodes[children[i]].is_leaf())
+            .max_by(|&a, &b| area(binary, children[a]).total_cmp(&area(binary, children[b])))
+        else {
+            break;
+        };
+        let left = binary.nodes[children[widest]].first_index as usize;
+        children[widest] = left;
+        children.push(left + 1);
+    }
+    children
+}
+
+fn area(binary: &Bvh2, node: usize) -> f32 {
+    binary.nodes[node].aabb().half_area()
+}

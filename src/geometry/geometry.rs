@@ -1,21 +1,456 @@
-//! All primitives of a scene and the tree over them.
+//! All primitives of a scene, the trees over them, and every question that is asked of them.
 
 use std::ops::Range;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
-/// All primitives of a scene and the tree over them.
-#[derive(Debug)]
-pub struct Geometry {
-    /// Scene coordinates of the local origin.
-    pub origin: DVec3,
+use super::bvh::{Bounds, Tree};
+use super::mesh::Mesh;
+use super::ray::{Hit, PrimitiveId, Ray};
+use super::sphere::Sphere;
+use super::triangle::{self, PACK, ShearedRay, TrianglePack};
+
+/// The surface of one object, in scene coordinates.
+#[derive(Debug, Clone)]
+pub enum Part {
+    Mesh {
+        mesh: Mesh,
+        /// Whether the mesh's normals are kept for shading.
+        smooth: bool,
+    },
+    Sphere {
+        center: DVec3,
+        radius: f64,
+    },
 }
 
 /// The primitives of one object.
-pub type ObjectRange = Range<u32>;
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ObjectRange {
+    Triangles(Range<u32>),
+    Sphere(PrimitiveId),
+}
 
-/// The surface at a hit.
-#[derive(Debug, Clone, Copy)]
+/// A point on a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
     pub position: DVec3,
+    /// Unit, outward.
+    pub normal: DVec3,
+    pub primitive: PrimitiveId,
+}
+
+/// Primitives and trees. Object ids are the indices of the parts it was built from. All coordinates are relative to `origin`.
+#[derive(Debug)]
+pub struct Geometry {
+    /// Scene coordinates of the local origin: zero, or the middle of a scene that is far from zero for its size, so that f32 vertices
+    /// keep their digits.
+    pub origin: DVec3,
+    positions: Vec<Vec3>,
+    /// Of the vertices of smooth objects; empty where there are none.
+    normals: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    spheres: Vec<Sphere>,
+    object_of_primitive: Vec<u32>,
+    ranges: Vec<ObjectRange>,
+    /// Running sums of triangle areas, restarting at each object.
+    areas: Vec<f64>,
+    triangle_tree: Tree,
+    packs: Vec<TrianglePack>,
+    sphere_tree: Tree,
+    sphere_slots: Vec<u32>,
+    bounds: Option<Sphere>,
+}
+
+/// A scene farther from zero than this many times its own size is moved.
+const FAR: f64 = 16.0;
+
+impl Geometry {
+    /// Builds everything. Every coordinate is finite, every radius > 0, every index in range.
+    pub fn build(parts: &[Part]) -> Self {
+        let origin = local_origin(parts);
+        let mut geometry = Self {
+            origin,
+            positions: Vec::new(),
+            normals: Vec::new(),
+            triangles: Vec::new(),
+            spheres: Vec::new(),
+            object_of_primitive: Vec::new(),
+            ranges: Vec::with_capacity(parts.len()),
+            areas: Vec::new(),
+            triangle_tree: Tree::default(),
+            packs: Vec::new(),
+            sphere_tree: Tree::default(),
+            sphere_slots: Vec::new(),
+            bounds: None,
+        };
+        let any_smooth = parts.iter().any(|p| matches!(p, Part::Mesh { smooth: true, .. }));
+        let mut object_of_sphere = Vec::new();
+        for (object, part) in parts.iter().enumerate() {
+            match part {
+                Part::Mesh { mesh, smooth } => geometry.add_mesh(object as u32, mesh, *smooth, any_smooth),
+                Part::Sphere { center, radius } => {
+                    geometry.ranges.push(ObjectRange::Sphere(geometry.spheres.len() as u32));
+                    geometry.spheres.push(Sphere { center: *center - origin, radius: *radius });
+                    object_of_sphere.push(object as u32);
+                }
+            }
+        }
+        // Spheres come after the triangles, whose number is known only now.
+        let triangles = geometry.triangles.len() as u32;
+        geometry.object_of_primitive.extend(object_of_sphere);
+        for range in &mut geometry.ranges {
+            if let ObjectRange::Sphere(id) = range {
+                *id += triangles;
+            }
+        }
+        geometry.build_trees();
+        geometry
+    }
+
+    fn add_mesh(&mut self, object: u32, mesh: &Mesh, smooth: bool, any_smooth: bool) {
+        let first_vertex = self.positions.len() as u32;
+        let first_triangle = self.triangles.len() as u32;
+        self.positions.extend(mesh.positions.iter().map(|&p| (p - self.origin).as_vec3()));
+        if any_smooth {
+            if smooth && mesh.normals.len() == mesh.positions.len() {
+                self.normals.extend(mesh.normals.iter().map(|n| n.as_vec3()));
+            } else {
+                // Zero: the face's own normal.
+                self.normals.resize(self.positions.len(), Vec3::ZERO);
+            }
+        }
+        self.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first_vertex)));
+        self.object_of_primitive.resize(self.triangles.len(), object);
+        let mut sum = 0.0;
+        for id in first_triangle..self.triangles.len() as u32 {
+            sum += 0.5 * triangle::area_vector(self.corners(id)).length();
+            self.areas.push(sum);
+        }
+        self.ranges.push(ObjectRange::Triangles(first_triangle..self.triangles.len() as u32));
+    }
+
+    fn build_trees(&mut self) {
+        let corners = |t: &[u32; 3]| t.map(|i| self.positions[i as usize]);
+        let boxes: Vec<Bounds> = self.triangles.iter().map(|t| Bounds::of(corners(t))).collect();
+        let (tree, slots) = Tree::build(&boxes, PACK);
+        self.packs = slots
+            .primitives
+            .chunks_exact(PACK)
+            .map(|ids| {
+                let mut pack = TrianglePack::EMPTY;
+                for (lane, &id) in ids.iter().enumerate().filter(|(_, id)| **id != u32::MAX) {
+                    pack.set(lane, id, corners(&self.triangles[id as usize]));
+                }
+                pack
+            })
+            .collect();
+        self.triangle_tree = tree;
+
+        let sphere_boxes: Vec<Bounds> = (self.spheres.iter())
+            .map(|s| {
+                // Rounded to f32 and grown by the tree's own margin, which covers that rounding.
+                let (min, max) = (s.center - s.radius, s.center + s.radius);
+                Bounds::of([min.as_vec3(), max.as_vec3()])
+            })
+            .collect();
+        let (tree, slots) = Tree::build(&sphere_boxes, 1);
+        self.sphere_tree = tree;
+        self.sphere_slots = slots.primitives;
+
+        let all = boxes.iter().chain(&sphere_boxes).fold(Bounds::EMPTY, |a, b| a.union(*b));
+        self.bounds = (!all.is_empty()).then(|| {
+            let (min, max) = (all.min.as_dvec3(), all.max.as_dvec3());
+            Sphere { center: (min + max) / 2.0, radius: (max - min).length() / 2.0 }
+        });
+    }
+
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    pub fn sphere_count(&self) -> usize {
+        self.spheres.len()
+    }
+
+    /// Bytes held by trees, packs and attributes.
+    pub fn bytes(&self) -> usize {
+        self.triangle_tree.bytes()
+            + self.sphere_tree.bytes()
+            + size_of_val(&self.packs[..])
+            + size_of_val(&self.positions[..])
+            + size_of_val(&self.normals[..])
+            + size_of_val(&self.triangles[..])
+            + size_of_val(&self.object_of_primitive[..])
+            + size_of_val(&self.areas[..])
+    }
+
+    /// The first hit in the order (distance, primitive).
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let mut search = Closest { best: None };
+        self.search(ray, f64::INFINITY, &mut search);
+        search.best
+    }
+
+    /// Whether anything lies nearer than `t_max`.
+    #[inline]
+    pub fn is_occluded(&self, ray: &Ray, t_max: f64) -> bool {
+        let mut search = Any { found: false };
+        self.search(ray, t_max, &mut search);
+        search.found
+    }
+
+    /// Calls `visit` for every hit, in no particular order.
+    pub fn for_each_hit(&self, ray: &Ray, visit: impl FnMut(Hit)) {
+        self.search(ray, f64::INFINITY, &mut All { visit });
+    }
+
+    /// Every hit, in the order (distance, primitive).
+    pub fn all_hits(&self, ray: &Ray) -> Vec<Hit> {
+        let mut hits = Vec::new();
+        self.for_each_hit(ray, |hit| hits.push(hit));
+        hits.sort_by(|a, b| (a.t, a.primitive).partial_cmp(&(b.t, b.primitive)).expect("distances are numbers"));
+        hits
+    }
+
+    #[inline]
+    fn search(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has the feature that this copy of the code is compiled for.
+            #[allow(unsafe_code)]
+            return unsafe { self.search_avx2(ray, t_max, search) };
+        }
+        self.search_portable(ray, t_max, search);
+    }
+
+    /// The same code, compiled for wider registers. Rust fuses no multiplications and additions, so results are identical.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn search_avx2(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
+        self.search_portable(ray, t_max, search);
+    }
+
+    #[inline(always)]
+    fn search_portable(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
+        let mut t_max = t_max;
+        let mut done = false;
+        if !self.packs.is_empty() {
+            let sheared = ShearedRay::new(ray);
+            self.triangle_tree.walk(ray, &mut t_max, |slot, t_max| {
+                triangle::intersect(&sheared, &self.packs[slot as usize], |primitive, hit| {
+                    if primitive != ray.from && is_behind(ray, hit.t, primitive) && hit.t <= *t_max {
+                        let triangle::TriangleHit { t, barycentric, is_front } = hit;
+                        done |= search.found(Hit { t, primitive, barycentric, is_front }, t_max);
+                    }
+                });
+                done
+            });
+        }
+        if !self.spheres.is_empty() && !done {
+            self.sphere_tree.walk(ray, &mut t_max, |slot, t_max| {
+                let index = self.sphere_slots[slot as usize];
+                let primitive = index + self.triangles.len() as u32;
+                let distances = self.spheres[index as usize].intersect(ray, primitive == ray.from);
+                for (t, is_front) in distances.into_iter().zip([true, false]) {
+                    let Some(t) = t else { continue };
+                    // Both hits of one sphere carry the same id: the second lies behind the first unless they coincide.
+                    if is_behind(ray, t, primitive) && t <= *t_max {
+                        done |= search.found(Hit { t, primitive, barycentric: [0.0; 2], is_front }, t_max);
+                    }
+                }
+                done
+            });
+        }
+    }
+
+    /// The surface at a hit of `ray`. The position is taken from the primitive, not from the ray.
+    #[inline]
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let primitive = hit.primitive;
+        if let Some(sphere) = self.sphere(primitive) {
+            let position = sphere.project(ray.at(hit.t));
+            SurfacePoint { position, normal: (position - sphere.center) / sphere.radius, primitive }
+        } else {
+            let corners = self.corners(primitive);
+            let [v, w] = hit.barycentric;
+            SurfacePoint {
+                position: corners[0] * (1.0 - v - w) + corners[1] * v + corners[2] * w,
+                normal: triangle::area_vector(corners).normalize_or_zero(),
+                primitive,
+            }
+        }
+    }
+
+    /// The interpolated unit normal at a hit, on the outward side; the geometric `normal` where there is none to interpolate.
+    #[inline]
+    pub fn shading_normal(&self, hit: &Hit, normal: DVec3) -> DVec3 {
+        if self.normals.is_empty() || hit.primitive as usize >= self.triangles.len() {
+            return normal;
+        }
+        let corners = self.triangles[hit.primitive as usize].map(|i| self.normals[i as usize].as_dvec3());
+        let [v, w] = hit.barycentric;
+        let shading = (corners[0] * (1.0 - v - w) + corners[1] * v + corners[2] * w).normalize_or(normal);
+        if shading.dot(normal) > 0.0 { shading } else { normal }
+    }
+
+    /// Index of the object that a primitive belongs to.
+    #[inline]
+    pub fn object_of(&self, primitive: PrimitiveId) -> u32 {
+        self.object_of_primitive[primitive as usize]
+    }
+
+    /// The primitives of an object.
+    pub fn range(&self, object: u32) -> &ObjectRange {
+        &self.ranges[object as usize]
+    }
+
+    /// The sphere of that id, if it is one.
+    #[inline]
+    pub fn sphere(&self, primitive: PrimitiveId) -> Option<&Sphere> {
+        (primitive as usize).checked_sub(self.triangles.len()).map(|index| &self.spheres[index])
+    }
+
+    /// Corners of a triangle.
+    #[inline]
+    pub fn corners(&self, triangle: PrimitiveId) -> [DVec3; 3] {
+        self.triangles[triangle as usize].map(|i| self.positions[i as usize].as_dvec3())
+    }
+
+    /// A sphere around everything; `None` for an empty scene.
+    #[inline]
+    pub fn bounding_sphere(&self) -> Option<&Sphere> {
+        self.bounds.as_ref()
+    }
+
+    /// Lowest and highest coordinates of an object.
+    pub fn bounds_of(&self, object: u32) -> (DVec3, DVec3) {
+        match self.range(object) {
+            ObjectRange::Sphere(id) => self
+                .sphere(*id)
+                .map_or((DVec3::INFINITY, DVec3::NEG_INFINITY), |s| (s.center - s.radius, s.center + s.radius)),
+            ObjectRange::Triangles(range) => range
+                .clone()
+                .flat_map(|id| self.corners(id))
+                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p))),
+        }
+    }
+
+    /// Number of primitives of an object.
+    pub fn face_count(&self, object: u32) -> u32 {
+        match self.range(object) {
+            ObjectRange::Triangles(range) => range.len() as u32,
+            ObjectRange::Sphere(_) => 1,
+        }
+    }
+
+    /// Surface area of an object, in scene units squared.
+    pub fn area(&self, object: u32) -> f64 {
+        match self.range(object) {
+            ObjectRange::Triangles(range) => range.clone().next_back().map_or(0.0, |last| self.areas[last as usize]),
+            ObjectRange::Sphere(id) => {
+                self.sphere(*id).map_or(0.0, |s| 4.0 * std::f64::consts::PI * s.radius * s.radius)
+            }
+        }
+    }
+
+    /// A point of an object's surface, uniform by area, for `u` uniform in [0, 1)³. `None` when the object has no area.
+    pub fn sample_surface(&self, object: u32, u: [f64; 3]) -> Option<SurfacePoint> {
+        match self.range(object) {
+            ObjectRange::Sphere(primitive) => {
+                let sphere = self.sphere(*primitive)?;
+                let normal = uniform_direction([u[0], u[1]]);
+                Some(SurfacePoint { position: sphere.center + normal * sphere.radius, normal, primitive: *primitive })
+            }
+            ObjectRange::Triangles(range) => {
+                let areas = &self.areas[range.start as usize..range.end as usize];
+                let total = *areas.last()?;
+                let at = areas.partition_point(|&sum| sum <= u[0] * total).min(areas.len() - 1);
+                let primitive = range.start + at as u32;
+                let corners = self.corners(primitive);
+                // Uniform on the triangle: a square folded along its diagonal.
+                let (mut v, mut w) = (u[1], u[2]);
+                if v + w > 1.0 {
+                    (v, w) = (1.0 - v, 1.0 - w);
+                }
+                let normal = triangle::area_vector(corners).try_normalize()?;
+                let position = corners[0] * (1.0 - v - w) + corners[1] * v + corners[2] * w;
+                Some(SurfacePoint { position, normal, primitive })
+            }
+        }
+    }
+}
+
+/// Uniform unit direction for `u` uniform in [0, 1)².
+#[inline]
+pub fn uniform_direction(u: [f64; 2]) -> DVec3 {
+    let z = 1.0 - 2.0 * u[0];
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = (std::f64::consts::TAU * u[1]).sin_cos();
+    DVec3::new(r * cos, r * sin, z)
+}
+
+/// Whether a hit comes after the ray's start in the order (distance, primitive).
+#[inline(always)]
+fn is_behind(ray: &Ray, t: f64, primitive: PrimitiveId) -> bool {
+    t > ray.t_min || (t == ray.t_min && primitive > ray.after)
+}
+
+/// What to do with a hit. Returns whether the search is over.
+trait Search {
+    fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool;
+}
+
+struct Closest {
+    best: Option<Hit>,
+}
+
+impl Search for Closest {
+    #[inline(always)]
+    fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool {
+        // Hits at equal distance go to the smaller id, whatever the order of the walk.
+        if self.best.is_none_or(|best| (hit.t, hit.primitive) < (best.t, best.primitive)) {
+            self.best = Some(hit);
+            *t_max = hit.t;
+        }
+        false
+    }
+}
+
+struct Any {
+    found: bool,
+}
+
+impl Search for Any {
+    #[inline(always)]
+    fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool {
+        self.found |= hit.t < *t_max;
+        self.found
+    }
+}
+
+struct All<F> {
+    visit: F,
+}
+
+impl<F: FnMut(Hit)> Search for All<F> {
+    #[inline(always)]
+    fn found(&mut self, hit: Hit, _: &mut f64) -> bool {
+        (self.visit)(hit);
+        false
+    }
+}
+
+/// Where to put the local origin.
+fn local_origin(parts: &[Part]) -> DVec3 {
+    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for part in parts {
+        match part {
+            Part::Mesh { mesh, .. } => mesh.positions.iter().for_each(|p| (min, max) = (min.min(*p), max.max(*p))),
+            Part::Sphere { center, radius } => (min, max) = (min.min(*center - *radius), max.max(*center + *radius)),
+        }
+    }
+    let (center, size) = ((min + max) / 2.0, (max - min).length());
+    if center.is_finite() && center.length() > FAR * size { center } else { DVec3::ZERO }
 }

@@ -4,9 +4,9 @@ mod bvh;
 mod geometry;
 mod mesh;
 pub mod ray;
-mod sphere;
+pub mod sphere;
 mod triangle;
 
-pub use geometry::{Geometry, ObjectRange, SurfacePoint};
+pub use geometry::{Geometry, ObjectRange, Part, SurfacePoint, uniform_direction};
 pub use mesh::Mesh;
 pub use ray::{Hit, PrimitiveId, Ray};

@@ -1,9 +1,12 @@
 //! IOR against wavelength.
+//!
+//! Everything is worked out as n − 1: near 1, as in air, most digits of n are the leading 1, and Fresnel needs the others.
 
 use super::catalog;
 
-/// The helium d line, in micrometres: the wavelength at which an IOR is taken where transport is in RGB.
-pub const WAVELENGTH_D_UM: f64 = 0.58756;
+/// The helium d line, in micrometres (587.5618 nm, commonly written 587.56): the wavelength at which an IOR is taken where
+/// transport is in RGB, and at which glass makers print n.
+pub const WAVELENGTH_D_UM: f64 = 0.587_561_8;
 
 /// How a medium's index of refraction is given.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,4 +19,87 @@ pub enum IorModel {
     Sellmeier(Vec<[f64; 2]>),
     /// By name, from [`catalog`].
     Catalog(&'static catalog::Entry),
+}
+
+impl IorModel {
+    /// n − 1 at a wavelength in micrometres, with full relative precision. NaN where a formula has no real answer, as a
+    /// Sellmeier sum has near its poles.
+    pub fn ior_minus_one(&self, wavelength_um: f64) -> f64 {
+        match self {
+            Self::Constant(n) => n - 1.0,
+            Self::Cauchy(coefficients) => cauchy(coefficients, wavelength_um),
+            Self::Sellmeier(terms) => sellmeier(terms, wavelength_um),
+            Self::Catalog(entry) => entry.model.ior_minus_one(wavelength_um),
+        }
+    }
+
+    /// n at the d line.
+    pub fn ior(&self) -> f64 {
+        match self {
+            // Not (n − 1) + 1: a number that was typed comes back as typed.
+            Self::Constant(n) => *n,
+            _ => 1.0 + self.ior_minus_one(WAVELENGTH_D_UM),
+        }
+    }
+
+    /// Whether n changes with wavelength.
+    pub fn is_dispersive(&self) -> bool {
+        match self {
+            Self::Constant(_) => false,
+            Self::Cauchy([_, b, c]) => *b != 0.0 || *c != 0.0,
+            Self::Sellmeier(terms) => terms.iter().any(|[b, c]| *b != 0.0 && *c != 0.0),
+            Self::Catalog(entry) => !matches!(entry.model, catalog::Formula::Constant(_)),
+        }
+    }
+}
+
+/// A + B/λ² + C/λ⁴ − 1.
+pub(super) fn cauchy([a, b, c]: &[f64; 3], wavelength_um: f64) -> f64 {
+    let inverse_square = 1.0 / (wavelength_um * wavelength_um);
+    (a - 1.0) + (b + c * inverse_square) * inverse_square
+}
+
+/// n − 1 = (n² − 1)/(n + 1), where n² − 1 is the Sellmeier sum itself.
+pub(super) fn sellmeier(terms: &[[f64; 2]], wavelength_um: f64) -> f64 {
+    let square = wavelength_um * wavelength_um;
+    let sum: f64 = terms.iter().map(|[b, c]| b * square / (square - c)).sum();
+    sum / ((1.0 + sum).sqrt() + 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_typed_number_comes_back_as_typed() {
+        for n in [1.1, 1.333, 1.000277, 0.7] {
+            assert_eq!(IorModel::Constant(n).ior(), n);
+        }
+    }
+
+    #[test]
+    fn digits_near_one_survive() {
+        // One term that makes n² − 1 = 2e-12: n − 1 = 1e-12 − 5e-25.
+        let model = IorModel::Sellmeier(vec![[2e-12, 0.0]]);
+        let got = model.ior_minus_one(WAVELENGTH_D_UM);
+        assert!((got / (1e-12 - 5e-25) - 1.0).abs() < 1e-15, "{got:e}");
+        assert_eq!(IorModel::Cauchy([1.25, 0.0, 0.0]).ior_minus_one(0.5), 0.25);
+    }
+
+    #[test]
+    fn cauchy_and_sellmeier_by_hand() {
+        // λ = 0.5: λ² = 0.25, 1/λ² = 4, 1/λ⁴ = 16.
+        assert!((IorModel::Cauchy([1.5, 0.01, 0.001]).ior_minus_one(0.5) - 0.556).abs() < 1e-15);
+        // n² = 1 + 0.75·0.25/(0.25 − 0.1) = 2.25.
+        assert!((IorModel::Sellmeier(vec![[0.75, 0.1]]).ior_minus_one(0.5) - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn dispersive_or_not() {
+        assert!(!IorModel::Constant(1.5).is_dispersive());
+        assert!(!IorModel::Cauchy([1.5, 0.0, 0.0]).is_dispersive());
+        assert!(IorModel::Sellmeier(vec![[1.0, 0.01]]).is_dispersive());
+        assert!(IorModel::Catalog(catalog::find("water").unwrap()).is_dispersive());
+        assert!(!IorModel::Catalog(catalog::find("ice").unwrap()).is_dispersive());
+    }
 }

@@ -2,6 +2,8 @@
 
 pub mod containment;
 pub mod pretrace;
+mod random;
 pub mod table;
 
+pub use pretrace::rectify;
 pub use table::{InterfaceTable, Patch};

@@ -1,11 +1,26 @@
 //! Passes over the image on all cores.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::events::Events;
 use super::film::Film;
 use super::prepare::Prepared;
+use crate::estimator::path::{PathTracer, Scratch, dimension};
+use crate::estimator::sampler::Sampler;
+use crate::geometry::Ray;
+use crate::rectify::containment::medium_at;
+use crate::scene::World;
 use crate::scene::camera::Camera;
-use crate::tracking::Mode;
+use crate::scene::needs::SceneNeeds;
+use crate::scene::world::MediumId;
+use crate::tracking::naive::Naive;
+use crate::tracking::rectified::Rectified;
+use crate::tracking::reference::Reference;
+use crate::tracking::stack::Stack;
+use crate::tracking::{Mode, Tracker};
 
 /// What decides an image, next to the scene and the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,6 +45,115 @@ pub fn accumulate(
     samples: u32,
     cancel: &AtomicBool,
 ) -> bool {
-    let _ = (prepared, camera, settings, film, samples, cancel);
-    todo!("core")
+    let pass = Pass { prepared, camera, settings, samples, cancel };
+    match settings.mode {
+        Mode::Naive => pass.run(&Naive, film),
+        Mode::Stack => pass.run(&Stack, film),
+        Mode::Rectified => pass.run(&Rectified { table: &prepared.table }, film),
+        Mode::Reference => pass.run(&Reference { world: &prepared.world }, film),
+    }
+}
+
+struct Pass<'a> {
+    prepared: &'a Prepared,
+    camera: &'a Camera,
+    settings: &'a RenderSettings,
+    samples: u32,
+    cancel: &'a AtomicBool,
+}
+
+impl Pass<'_> {
+    fn run<T: Tracker>(&self, tracker: &T, film: &mut Film) -> bool {
+        let world = &*self.prepared.world;
+        let tracer = PathTracer {
+            world,
+            tracker,
+            needs: if self.settings.leave_out { world.needs } else { SceneNeeds::EVERYTHING.without_impossible(world) },
+            max_depth: self.settings.max_depth.unwrap_or(u32::MAX),
+        };
+        let camera = Camera { position: self.camera.position - world.geometry.origin, ..*self.camera };
+        let start = CameraMedium::of(world, &camera);
+        let width = film.width;
+        let size = DVec2::new(f64::from(film.width), f64::from(film.height));
+        let first = film.samples;
+
+        let events = (film.sums.par_chunks_mut(width as usize))
+            .zip(film.counts.par_chunks_mut(width as usize))
+            .enumerate()
+            .map_init(Scratch::<T::State>::default, |scratch, (row, (sums, counts))| {
+                scratch.events = Events::default();
+                if self.cancel.load(Ordering::Relaxed) {
+                    return Events::default();
+                }
+                for (column, (sum, count)) in sums.iter_mut().zip(counts).enumerate() {
+                    let pixel = row as u32 * width + column as u32;
+                    for sample in first..first + self.samples {
+                        let sampler = Sampler::new(self.settings.seed, pixel, sample);
+                        let [x, y] = sampler.get_2d(dimension::PIXEL);
+                        let at = DVec2::new(column as f64 + x, row as f64 + y);
+                        let ray = camera.ray(at, size, lens_point(&camera, &sampler));
+                        let radiance = tracer.radiance(ray, start.at(world, &ray), &sampler, scratch);
+                        if radiance.is_finite() {
+                            *sum += radiance;
+                            *count += 1;
+                        } else {
+                            scratch.events.non_finite += 1;
+                        }
+                    }
+                }
+                scratch.events
+            })
+            .reduce(Events::default, |mut a, b| {
+                a += b;
+                a
+            });
+        if self.cancel.load(Ordering::Relaxed) {
+            return false;
+        }
+        film.events += events;
+        film.events.ambiguous += u64::from(start.is_ambiguous && first == 0);
+        film.samples += self.samples;
+        true
+    }
+}
+
+/// A point of the unit disc, uniform by area (Shirley and Chiu 1997).
+fn lens_point(camera: &Camera, sampler: &Sampler) -> DVec2 {
+    if camera.aperture_radius == 0.0 {
+        return DVec2::ZERO;
+    }
+    let u = DVec2::from(sampler.get_2d(dimension::LENS)) * 2.0 - 1.0;
+    if u == DVec2::ZERO {
+        return u;
+    }
+    let quarter = std::f64::consts::FRAC_PI_4;
+    let (r, angle) =
+        if u.x.abs() > u.y.abs() { (u.x, quarter * u.y / u.x) } else { (u.y, 2.0 * quarter - quarter * u.x / u.y) };
+    DVec2::from_angle(angle) * r
+}
+
+/// The medium that camera paths start in.
+struct CameraMedium {
+    medium: MediumId,
+    /// Whether the lens straddles a surface, so that every sample must ask for itself.
+    is_split: bool,
+    is_ambiguous: bool,
+}
+
+impl CameraMedium {
+    fn of(world: &World, camera: &Camera) -> Self {
+        let (medium, is_ambiguous) = medium_at(world, camera.position);
+        let rim = (0..8).map(|k| DVec2::from_angle(f64::from(k) * std::f64::consts::FRAC_PI_4));
+        let is_split = camera.aperture_radius > 0.0
+            && rim.into_iter().any(|lens| {
+                let offset: DVec3 = (camera.right * lens.x + camera.up * lens.y) * camera.aperture_radius;
+                medium_at(world, camera.position + offset).0 != medium
+            });
+        Self { medium, is_split, is_ambiguous }
+    }
+
+    #[inline]
+    fn at(&self, world: &World, ray: &Ray) -> MediumId {
+        if self.is_split { medium_at(world, ray.origin).0 } else { self.medium }
+    }
 }

@@ -1,1 +1,122 @@
-//! (to come)
+//! Scenes that are compiled into the program, so that they work from any folder.
+
+use std::path::{Path, PathBuf};
+
+use super::SceneError;
+use super::description::Description;
+use super::load;
+
+/// The scene that opens where none is asked for.
+pub const DEFAULT: &str = "camera-in-water";
+
+/// A scene that is compiled into the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Builtin {
+    /// The name that works wherever a file's does.
+    pub name: &'static str,
+    /// What it shows, in one sentence.
+    pub about: &'static str,
+    /// The scene file.
+    pub text: &'static str,
+}
+
+/// Folder that the paths of built-in scenes begin with; no such folder exists.
+const ROOT: &str = "built-in";
+
+macro_rules! builtins {
+    ($($name:literal: $about:literal,)*) => {
+        &[$(Builtin {
+            name: $name,
+            about: $about,
+            text: include_str!(concat!("../../assets/scenes/", $name, ".toml")),
+        }),*]
+    };
+}
+
+const SCENES: &[Builtin] = builtins! {
+    "camera-in-water": "The camera is under water: a glass ball with a bubble of air hangs below Snell's window.",
+    "nested-spheres": "Air in water in glass: three spheres, one in the other.",
+    "plain-glass": "Nothing is nested and the world is vacuum: all modes agree.",
+};
+
+macro_rules! assets {
+    ($($path:literal,)*) => {
+        &[$(($path, include_bytes!(concat!("../../assets/", $path)))),*]
+    };
+}
+
+/// Files that the scenes name, by their path under `assets/`.
+const ASSETS: &[(&str, &[u8])] = assets! {
+    "environments/forest.exr",
+    "environments/studio.exr",
+    "environments/sunset.exr",
+    "environments/warehouse.exr",
+};
+
+/// Every built-in scene, in the order of a gallery.
+pub fn all() -> &'static [Builtin] {
+    SCENES
+}
+
+/// The built-in scene of that name.
+pub fn find(name: &str) -> Option<&'static Builtin> {
+    SCENES.iter().find(|scene| scene.name == name)
+}
+
+/// Reads a built-in scene.
+///
+/// # Errors
+/// Only if the program was built with a scene that it cannot read, which a test rules out.
+pub fn description(builtin: &Builtin) -> Result<Description, SceneError> {
+    load::parse(builtin.text, &path(builtin.name), true)
+}
+
+/// The path by which a built-in scene goes.
+fn path(name: &str) -> PathBuf {
+    [ROOT, "scenes", &format!("{name}.toml")].iter().collect()
+}
+
+/// The contents of a file that a built-in scene names, by its path with [`ROOT`] in front.
+pub(super) fn asset(path: &Path) -> Option<&'static [u8]> {
+    let path = path.strip_prefix(ROOT).ok()?;
+    ASSETS.iter().find(|(name, _)| Path::new(name) == path).map(|(_, bytes)| *bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn every_scene_can_be_read() {
+        for scene in all() {
+            let description = description(scene).unwrap_or_else(|error| panic!("{}: {error}", scene.name));
+            assert!(!description.refractors.is_empty(), "{} shows no dielectric", scene.name);
+            assert!(description.source.is_some_and(|source| source.is_builtin));
+            assert!(scene.about.ends_with('.') && scene.about.len() < 120, "{}", scene.about);
+        }
+    }
+
+    #[test]
+    fn names_are_unique_and_the_default_is_there() {
+        let names: HashSet<_> = all().iter().map(|scene| scene.name).collect();
+        assert_eq!(names.len(), all().len());
+        assert!(find(DEFAULT).is_some());
+        assert!(find("no-such-scene").is_none());
+    }
+
+    #[test]
+    fn every_scene_file_is_built_in() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/scenes");
+        let mut count = 0;
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|ending| ending == "toml") {
+                count += 1;
+                let name = path.file_stem().unwrap().to_str().unwrap();
+                assert!(find(name).is_some(), "{name} lies in assets/scenes but is not built in");
+            }
+        }
+        assert_eq!(count, all().len());
+    }
+}

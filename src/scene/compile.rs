@@ -1,1 +1,246 @@
-//! (to come)
+//! From a description to a [`World`].
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::description::{self, Description, Environment, Shape, Transform};
+use super::environment::EnvironmentLight;
+use super::error::SceneError;
+use super::light::Emitters;
+use super::needs::SceneNeeds;
+use super::shapes;
+use super::world::{MediumId, Object, ObjectId, Paint, Surface, World, WorldMedium};
+use crate::geometry::{Geometry, Mesh, Part};
+use crate::optics::dispersion::WAVELENGTH_D_UM;
+use crate::optics::{IorModel, medium};
+
+/// Compiles `description`. With `previous`, the description and world compiled before it, geometry is kept where no shape has changed.
+///
+/// # Errors
+/// When an IOR, an absorption or a shape is impossible, or a medium is unknown. The loader finds such things with their line; this is
+/// for descriptions edited or made in memory.
+pub fn compile(description: &Description, previous: Option<(&Description, &World)>) -> Result<World, SceneError> {
+    let media = compile_media(description)?;
+    let kept = previous.filter(|(before, _)| has_same_geometry(before, description)).map(|(_, world)| world);
+    let (geometry, volumes) = match kept {
+        Some(world) => (Arc::clone(&world.geometry), world.objects.iter().map(|o| o.volume).collect()),
+        None => {
+            let parts = parts(description)?;
+            (Arc::new(Geometry::build(&parts)), parts.iter().map(volume).collect::<Vec<f64>>())
+        }
+    };
+    let objects = objects(description, geometry.origin, &volumes)?;
+    let environment = match kept.zip(previous) {
+        // An image's sampling tables are worth keeping.
+        Some((world, (before, _))) if is_same_environment(&before.environment, &description.environment) => {
+            world.environment.clone()
+        }
+        _ => EnvironmentLight::new(&description.environment),
+    };
+    let emitters = Emitters::new(
+        &geometry,
+        objects.iter().enumerate().filter_map(|(index, object)| match object.surface {
+            Surface::Light { radiance } => Some((ObjectId(index as u32), radiance)),
+            _ => None,
+        }),
+    );
+    let needs = SceneNeeds::of(&geometry, &objects, &media, &emitters, &environment);
+    let world_is_vacuum = media[0].ior_minus_one == 0.0 && media[0].absorption == DVec3::ZERO;
+    Ok(World { geometry, objects, media, emitters, environment, needs, world_is_vacuum })
+}
+
+fn compile_media(description: &Description) -> Result<Vec<WorldMedium>, SceneError> {
+    let world = &description.world;
+    let mut media = vec![
+        compile_medium(medium::WORLD, &world.ior, world.absorption)?,
+        WorldMedium { name: medium::VACUUM.into(), ior_minus_one: 0.0, absorption: DVec3::ZERO },
+    ];
+    for m in &description.media {
+        media.push(compile_medium(&m.name, &m.ior, m.absorption)?);
+    }
+    Ok(media)
+}
+
+fn compile_medium(name: &str, ior: &IorModel, absorption: [f64; 3]) -> Result<WorldMedium, SceneError> {
+    let ior_minus_one = ior.ior_minus_one(WAVELENGTH_D_UM);
+    if !(ior_minus_one.is_finite() && ior_minus_one > -1.0) {
+        let value = 1.0 + ior_minus_one;
+        return Err(SceneError::new(format!(
+            "medium `{name}`: the IOR is {value}, must be a finite number greater than 0"
+        )));
+    }
+    if !absorption.iter().all(|a| a.is_finite() && *a >= 0.0) {
+        let [r, g, b] = absorption;
+        return Err(SceneError::new(format!(
+            "medium `{name}`: the absorption is [{r}, {g}, {b}], each must be 0 or more"
+        )));
+    }
+    Ok(WorldMedium { name: name.into(), ior_minus_one, absorption: absorption.into() })
+}
+
+/// Every object's surface in scene coordinates, in the order of object ids.
+fn parts(description: &Description) -> Result<Vec<Part>, SceneError> {
+    let refractors = description.refractors.iter().map(|r| (&r.name, &r.shape, &r.transform, r.smooth));
+    let solids = description.solids.iter().map(|s| (&s.name, &s.shape, &s.transform, s.smooth));
+    let lights = description.lights.iter().map(|l| (&l.name, &l.shape, &l.transform, false));
+    refractors
+        .chain(solids)
+        .chain(lights)
+        .map(|(name, shape, transform, smooth)| {
+            part(shape, transform, smooth).map_err(|e| SceneError { message: format!("`{name}`: {}", e.message), ..e })
+        })
+        .collect()
+}
+
+fn part(shape: &Shape, transform: &Transform, smooth: bool) -> Result<Part, SceneError> {
+    let matrix = transform.matrix();
+    if let Shape::Sphere { center, radius } = shape {
+        let scale = transform.scale.abs();
+        if scale.x != scale.y || scale.x != scale.z {
+            return Err(SceneError::new(
+                "an analytic sphere cannot be scaled by different amounts along its axes; use an icosphere",
+            ));
+        }
+        let (center, radius) = (matrix.transform_point3(*center), radius * scale.x);
+        if !(center.is_finite() && radius.is_finite() && radius > 0.0) {
+            return Err(SceneError::new(format!(
+                "the sphere's radius is {radius}, must be a finite number greater than 0"
+            )));
+        }
+        return Ok(Part::Sphere { center, radius });
+    }
+    let mut mesh = match shape {
+        Shape::Mesh { mesh, .. } => (**mesh).clone(),
+        _ => shapes::tessellate(shape)?.unwrap_or_default(),
+    };
+    if mesh.triangles.is_empty() {
+        return Err(SceneError::new("the shape has no triangles"));
+    }
+    if smooth {
+        mesh.ensure_normals();
+    }
+    transform_mesh(&mut mesh, &matrix);
+    let largest = mesh.positions.iter().fold(0.0, |m: f64, p| m.max(p.abs().max_element()));
+    if largest > f64::from(f32::MAX) || mesh.positions.iter().any(|p| !p.is_finite()) {
+        return Err(SceneError::new("a vertex is not a finite number, or too large, after the transform"));
+    }
+    Ok(Part::Mesh { mesh, smooth })
+}
+
+fn transform_mesh(mesh: &mut Mesh, matrix: &DAffine3) {
+    if *matrix == DAffine3::IDENTITY {
+        return;
+    }
+    mesh.positions.iter_mut().for_each(|p| *p = matrix.transform_point3(*p));
+    let determinant = matrix.matrix3.determinant();
+    // Cofactors: the inverse transpose up to scale, which carries the reversal of a mirroring too.
+    let columns = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis];
+    let cofactors =
+        DMat3::from_cols(columns[1].cross(columns[2]), columns[2].cross(columns[0]), columns[0].cross(columns[1]))
+            * determinant.signum();
+    mesh.normals.iter_mut().for_each(|n| *n = (cofactors * *n).normalize_or(DVec3::Y));
+    if determinant < 0.0 {
+        // A mirrored mesh keeps its outside outside. Its normals already point there.
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+}
+
+/// Enclosed volume; infinite for what encloses none.
+fn volume(part: &Part) -> f64 {
+    match part {
+        Part::Sphere { radius, .. } => 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3),
+        Part::Mesh { mesh, .. } => {
+            let volume = mesh.signed_volume().abs();
+            if volume > 0.0 { volume } else { f64::INFINITY }
+        }
+    }
+}
+
+fn objects(description: &Description, origin: DVec3, volumes: &[f64]) -> Result<Vec<Object>, SceneError> {
+    let mut objects = Vec::with_capacity(volumes.len());
+    let mut add = |name: &str, surface| {
+        let volume = volumes[objects.len()];
+        objects.push(Object { name: name.into(), surface, volume });
+    };
+    for r in &description.refractors {
+        let index = description.media.iter().position(|m| m.name == r.medium).ok_or_else(|| {
+            let valid: Vec<&str> = description.media.iter().map(|m| m.name.as_str()).collect();
+            SceneError::new(format!(
+                "refractor `{}`: unknown medium `{}`; valid: {}",
+                r.name,
+                r.medium,
+                valid.join(", ")
+            ))
+        })?;
+        let medium = MediumId(index as u32 + 2);
+        add(&r.name, Surface::Refractor { medium, priority: r.priority, smooth: r.smooth });
+    }
+    for s in &description.solids {
+        let paint = paint(&s.paint, &s.shape, &s.transform, origin);
+        let smooth = s.smooth;
+        add(&s.name, if s.mirror { Surface::Mirror { paint, smooth } } else { Surface::Diffuse { paint, smooth } });
+    }
+    for l in &description.lights {
+        add(&l.name, Surface::Light { radiance: l.radiance.into() });
+    }
+    Ok(objects)
+}
+
+fn paint(paint: &description::Paint, shape: &Shape, transform: &Transform, local_origin: DVec3) -> Paint {
+    match *paint {
+        description::Paint::Color(color) => Paint::Color(color.into()),
+        description::Paint::Checker { a, b, size } => {
+            let (corner, u, v) = match shape {
+                Shape::Quad { center, edge_u, edge_v } => {
+                    (*center - *edge_u / 2.0 - *edge_v / 2.0, edge_u.normalize_or_zero(), edge_v.normalize_or_zero())
+                }
+                _ => (DVec3::ZERO, DVec3::X, DVec3::Z),
+            };
+            let world_from_object = transform.matrix();
+            // A plane's coordinate transforms by the inverse transpose.
+            let plane_from_object = world_from_object.matrix3.inverse().transpose();
+            Paint::Checker {
+                a: a.into(),
+                b: b.into(),
+                origin: world_from_object.transform_point3(corner) - local_origin,
+                u_axis: plane_from_object * u / size,
+                v_axis: plane_from_object * v / size,
+            }
+        }
+    }
+}
+
+/// Whether two descriptions give the same primitives, object by object.
+fn has_same_geometry(a: &Description, b: &Description) -> bool {
+    let same = |x: (&Shape, &Transform, bool), y: (&Shape, &Transform, bool)| {
+        x.1 == y.1 && x.2 == y.2 && is_same_shape(x.0, y.0)
+    };
+    a.refractors.len() == b.refractors.len()
+        && a.solids.len() == b.solids.len()
+        && a.lights.len() == b.lights.len()
+        && (a.refractors.iter().zip(&b.refractors))
+            .all(|(x, y)| same((&x.shape, &x.transform, x.smooth), (&y.shape, &y.transform, y.smooth)))
+        && (a.solids.iter().zip(&b.solids))
+            .all(|(x, y)| same((&x.shape, &x.transform, x.smooth), (&y.shape, &y.transform, y.smooth)))
+        && (a.lights.iter().zip(&b.lights))
+            .all(|(x, y)| same((&x.shape, &x.transform, false), (&y.shape, &y.transform, false)))
+}
+
+fn is_same_shape(a: &Shape, b: &Shape) -> bool {
+    match (a, b) {
+        // Meshes are large and shared: the same one, or taken to be different.
+        (Shape::Mesh { mesh: a, .. }, Shape::Mesh { mesh: b, .. }) => Arc::ptr_eq(a, b),
+        _ => a == b,
+    }
+}
+
+fn is_same_environment(a: &Environment, b: &Environment) -> bool {
+    match (a, b) {
+        (
+            Environment::Image { image: a, rotation: ra, scale: sa, .. },
+            Environment::Image { image: b, rotation: rb, scale: sb, .. },
+        ) => Arc::ptr_eq(a, b) && ra == rb && sa == sb,
+        _ => a == b,
+    }
+}

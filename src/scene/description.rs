@@ -209,6 +209,8 @@ pub enum Shape {
         /// As written in the file.
         path: PathBuf,
         mesh: Arc<Mesh>,
+        /// How many triangles of the file were left out because they have no area.
+        dropped: usize,
     },
 }
 

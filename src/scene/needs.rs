@@ -1,5 +1,12 @@
 //! What a scene needs from the tracer. Everything it does not need is left out of the work.
 
+use glam::DVec3;
+
+use super::environment::EnvironmentLight;
+use super::light::Emitters;
+use super::world::{Object, Surface, World, WorldMedium};
+use crate::geometry::Geometry;
+
 /// Worked out once per compile. Each `false` removes work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SceneNeeds {
@@ -34,6 +41,56 @@ impl SceneNeeds {
         image_environment: true,
     };
 
+    /// Works out the needs of a compiled scene. In doubt: needed.
+    pub(super) fn of(
+        geometry: &Geometry,
+        objects: &[Object],
+        media: &[WorldMedium],
+        emitters: &Emitters,
+        environment: &EnvironmentLight,
+    ) -> Self {
+        let refractors: Vec<(usize, usize)> = (objects.iter().enumerate())
+            .filter_map(|(index, object)| match object.surface {
+                Surface::Refractor { medium, .. } => Some((index, medium.0 as usize)),
+                _ => None,
+            })
+            .collect();
+        let mut indices: Vec<f64> = refractors.iter().map(|&(_, medium)| media[medium].ior_minus_one).collect();
+        // The global medium, and the reserved one that `naive` puts outside.
+        indices.push(media[0].ior_minus_one);
+        if media[0].ior_minus_one != 0.0 {
+            indices.push(0.0);
+        }
+        indices.sort_by(f64::total_cmp);
+        let is_smooth = |object: &Object| {
+            matches!(
+                object.surface,
+                Surface::Refractor { smooth: true, .. }
+                    | Surface::Diffuse { smooth: true, .. }
+                    | Surface::Mirror { smooth: true, .. }
+            )
+        };
+        Self {
+            nesting: media[0].ior_minus_one != 0.0 || boxes_overlap(geometry, refractors.iter().map(|r| r.0)),
+            absorption: refractors.iter().map(|r| r.1).chain([0]).any(|medium| media[medium].absorption != DVec3::ZERO),
+            index_matching: indices.windows(2).any(|pair| pair[0] == pair[1]),
+            smooth_normals: objects.iter().any(is_smooth),
+            spheres: geometry.sphere_count() > 0,
+            triangles: geometry.triangle_count() > 0,
+            emitters: !emitters.is_empty(),
+            image_environment: environment.is_image(),
+        }
+    }
+
+    /// Turns off what the scene has no data for: a picture without an environment image cannot sample one.
+    pub fn without_impossible(self, world: &World) -> Self {
+        Self {
+            image_environment: self.image_environment && world.environment.is_image(),
+            emitters: self.emitters && !world.emitters.is_empty(),
+            ..self
+        }
+    }
+
     /// Each need by name, with whether the scene has it.
     pub fn named(&self) -> [(&'static str, bool); 8] {
         [
@@ -52,4 +109,16 @@ impl SceneNeeds {
     pub fn left_out(&self) -> Vec<&'static str> {
         self.named().into_iter().filter(|(_, needed)| !needed).map(|(name, _)| name).collect()
     }
+}
+
+/// Whether any two of these objects' bounding boxes overlap: sorted by their lower x, each is compared with those that start before
+/// it ends.
+fn boxes_overlap(geometry: &Geometry, objects: impl Iterator<Item = usize>) -> bool {
+    let mut boxes: Vec<(DVec3, DVec3)> = objects.map(|object| geometry.bounds_of(object as u32)).collect();
+    boxes.sort_by(|a, b| a.0.x.total_cmp(&b.0.x));
+    boxes.iter().enumerate().any(|(index, (min, max))| {
+        (boxes[index + 1..].iter())
+            .take_while(|other| other.0.x <= max.x)
+            .any(|other| other.0.cmple(*max).all() && min.cmple(other.1).all())
+    })
 }

@@ -95,6 +95,13 @@ impl World {
         &self.media[id.0 as usize]
     }
 
+    /// Whether leaving the medium `left` is what a path in the medium `current` must do. Media are compared by identity; the reserved
+    /// vacuum stands for a global medium of the same optics.
+    #[inline]
+    pub fn is_consistent(&self, current: MediumId, left: MediumId) -> bool {
+        current == left || (self.world_is_vacuum && current.0 <= MediumId::VACUUM.0 && left.0 <= MediumId::VACUUM.0)
+    }
+
     /// Ids and interior media of the refractors.
     pub fn refractors(&self) -> impl Iterator<Item = (ObjectId, MediumId)> {
         self.objects.iter().enumerate().filter_map(|(index, object)| match object.surface {

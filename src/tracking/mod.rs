@@ -1,7 +1,61 @@
 //! The modes: ways to know, at a crossing of a refractor's surface, which medium is left and which is entered.
 
+pub mod naive;
+pub mod rectified;
+pub mod reference;
+pub mod stack;
+
 use std::fmt;
 use std::str::FromStr;
+
+use crate::geometry::SurfacePoint;
+use crate::render::Events;
+use crate::scene::world::{MediumId, ObjectId};
+
+/// A ray meeting a refractor's surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Crossing {
+    pub refractor: ObjectId,
+    /// The medium inside `refractor`.
+    pub interior: MediumId,
+    /// Whether the ray comes from outside.
+    pub is_entering: bool,
+    pub point: SurfacePoint,
+}
+
+/// The media on both sides of a crossing, seen along the ray.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sides {
+    pub from: MediumId,
+    pub to: MediumId,
+}
+
+impl Crossing {
+    /// The sides, given what lies outside.
+    #[inline]
+    fn sides(&self, outside: MediumId) -> Sides {
+        if self.is_entering {
+            Sides { from: outside, to: self.interior }
+        } else {
+            Sides { from: self.interior, to: outside }
+        }
+    }
+}
+
+/// A mode at work. The path loop is compiled once for each.
+pub trait Tracker: Sync {
+    /// What a path carries.
+    type State: Clone + Default + Send;
+
+    /// Makes `state` that of a fresh path.
+    fn start(&self, state: &mut Self::State);
+
+    /// Which media the crossing lies between. Reflection there leaves the state as it is.
+    fn sides(&self, state: &Self::State, crossing: &Crossing, events: &mut Events) -> Sides;
+
+    /// Records that the path went through.
+    fn transmit(&self, state: &mut Self::State, crossing: &Crossing);
+}
 
 /// A way of tracking media.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]

@@ -1,0 +1,374 @@
+//! The path tracer: one sample of one pixel, with any tracker.
+//!
+//! Light is gathered where a path meets it and, at diffuse vertices, by next-event estimation, both weighted by multiple importance
+//! sampling (Veach 1997, chapter 9, power heuristic). Radiance is scaled by (n_from/n_to)² at every transmission (chapter 5), apart
+//! from the throughput that Russian roulette looks at.
+
+use glam::DVec3;
+
+use super::sampler::Sampler;
+use crate::geometry::{Hit, Ray, SurfacePoint};
+use crate::optics::Interface;
+use crate::rectify::containment::medium_of;
+use crate::render::Events;
+use crate::scatter::{dielectric, diffuse};
+use crate::scene::SceneNeeds;
+use crate::scene::world::{MediumId, ObjectId, Paint, Surface, World};
+use crate::tracking::{Crossing, Sides, Tracker};
+
+/// Segments after which Russian roulette looks at the throughput.
+const ROULETTE_FROM: u32 = 4;
+/// Segments after which every path may be ended whatever its throughput, or trapped lossless paths would never end.
+const LONG_PATH: u32 = 64;
+
+/// Probability of going on from a segment beyond [`LONG_PATH`]. It starts at 0.95 and rises, so that the chance of lasting k segments
+/// more falls as 1/k: a constant 0.95 would make the paths through hundreds of interfaces, which do arrive, too rare to find. From
+/// the thousandth on it is constant, and a trapped path lasts some hundred segments more in the mean.
+#[inline]
+fn survival_of_long_path(segment: u32) -> f64 {
+    (1.0 - 1.0 / (f64::from(segment - LONG_PATH) + 19.0)).min(0.999)
+}
+
+/// Random dimensions of a path: the camera's, then a block for each segment.
+pub mod dimension {
+    pub const PIXEL: u32 = 0;
+    pub const LENS: u32 = 1;
+    pub const FIRST_SEGMENT: u32 = 2;
+    pub const PER_SEGMENT: u32 = 5;
+    pub const SCATTER: u32 = 0;
+    pub const DIRECTION: u32 = 1;
+    pub const LIGHT_CHOICE: u32 = 2;
+    pub const LIGHT: u32 = 3;
+    pub const ROULETTE: u32 = 4;
+}
+
+/// What all samples of an image share.
+#[derive(Clone, Copy)]
+pub struct PathTracer<'a, T> {
+    pub world: &'a World,
+    pub tracker: &'a T,
+    pub needs: SceneNeeds,
+    /// Cap on segments; `u32::MAX` for none.
+    pub max_depth: u32,
+}
+
+/// What one worker reuses from path to path.
+#[derive(Default)]
+pub struct Scratch<S> {
+    state: S,
+    shadow: S,
+    pub events: Events,
+}
+
+/// Where the path last scattered by a density that light sampling competes with.
+#[derive(Clone, Copy)]
+struct LastScatter {
+    position: DVec3,
+    pdf: f64,
+}
+
+/// A crossing with all that is known of it.
+pub(super) struct Met {
+    pub crossing: Crossing,
+    pub sides: Sides,
+    pub interface: Interface,
+}
+
+impl<T: Tracker> PathTracer<'_, T> {
+    /// Radiance along `ray` (local coordinates), which starts in the medium `start`.
+    #[inline]
+    pub fn radiance(&self, mut ray: Ray, start: MediumId, sampler: &Sampler, scratch: &mut Scratch<T::State>) -> DVec3 {
+        let world = self.world;
+        self.tracker.start(&mut scratch.state);
+        let mut medium = start;
+        let mut radiance = DVec3::ZERO;
+        // Throughput, and apart from it the product of (n_from/n_to)².
+        let mut beta = DVec3::ONE;
+        let mut scale = 1.0;
+        let mut last: Option<LastScatter> = None;
+        let mut segment = 1;
+        loop {
+            let Some(hit) = world.geometry.closest(&ray) else {
+                beta *= self.transmittance(medium, &ray, f64::INFINITY);
+                let weight = last.map_or(1.0, |l| power_heuristic(l.pdf, self.environment_pdf(ray.direction)));
+                return radiance + beta * world.environment.radiance(ray.direction) * (scale * weight);
+            };
+            beta *= self.transmittance(medium, &ray, hit.t);
+            let object = ObjectId(world.geometry.object_of(hit.primitive));
+            let surface = &world.object(object).surface;
+
+            if let Surface::Light { radiance: emitted } = *surface {
+                if !hit.is_front {
+                    return radiance;
+                }
+                let weight = last.map_or(1.0, |l| {
+                    let point = world.geometry.surface(&ray, &hit);
+                    power_heuristic(l.pdf, self.emitter_pdf(l.position, ray.direction, object, &point))
+                });
+                return radiance + beta * emitted * (scale * weight);
+            }
+
+            let mut met = None;
+            if let Surface::Refractor { smooth, .. } = *surface {
+                let found = self.meet(&ray, &hit, &scratch.state, &mut scratch.events);
+                scratch.events.inconsistent += u64::from(!world.is_consistent(medium, found.sides.from));
+                if found.interface.is_matched() {
+                    // Straight on: the same ray, no depth, no random numbers.
+                    self.tracker.transmit(&mut scratch.state, &found.crossing);
+                    medium = found.sides.to;
+                    ray = ray.beyond(&hit);
+                    continue;
+                }
+                met = Some((found, smooth));
+            }
+
+            // From here on the path turns: a new segment.
+            if segment >= self.max_depth {
+                return radiance;
+            }
+            let dimensions = dimension::FIRST_SEGMENT + (segment - 1) * dimension::PER_SEGMENT;
+            segment += 1;
+            if segment > ROULETTE_FROM {
+                let mut survival = beta.max_element().min(1.0);
+                if segment > LONG_PATH {
+                    survival = survival.min(survival_of_long_path(segment));
+                }
+                if survival < 1.0 {
+                    if sampler.get_1d(dimensions + dimension::ROULETTE) >= survival {
+                        return radiance;
+                    }
+                    beta /= survival;
+                }
+            }
+
+            if let Some((met, smooth)) = met {
+                let point = met.crossing.point;
+                let outward = if hit.is_front { 1.0 } else { -1.0 };
+                let shading = self.outward_normal(&hit, &point, smooth) * outward;
+                let choice = dielectric::Choice::Sample(sampler.get_1d(dimensions + dimension::SCATTER));
+                let scattered =
+                    dielectric::scatter(&met.interface, ray.direction, point.normal * outward, shading, choice);
+                if scattered.is_transmitted {
+                    self.tracker.transmit(&mut scratch.state, &met.crossing);
+                    scale *= met.interface.radiance_factor();
+                    medium = met.sides.to;
+                }
+                ray = Ray::leaving(point.position, scattered.direction, hit.primitive);
+                last = None;
+                continue;
+            }
+
+            let point = world.geometry.surface(&ray, &hit);
+            match *surface {
+                Surface::Mirror { ref paint, smooth } => {
+                    let normal = self.facing_normal(&ray, &hit, &point, smooth);
+                    let cos = (-ray.direction.dot(normal)).clamp(0.0, 1.0);
+                    beta *= albedo(paint, point.position);
+                    let direction = crate::optics::fresnel::reflected(ray.direction, normal, cos);
+                    ray = Ray::leaving(point.position, direction, hit.primitive);
+                    last = None;
+                }
+                Surface::Diffuse { ref paint, smooth } => {
+                    let normal = self.facing_normal(&ray, &hit, &point, smooth);
+                    beta *= albedo(paint, point.position);
+                    if beta == DVec3::ZERO {
+                        return radiance;
+                    }
+                    let direct = self.direct(&point, normal, medium, dimensions, sampler, scratch);
+                    radiance += beta * direct * scale;
+                    let (direction, pdf) = diffuse::sample(normal, sampler.get_2d(dimensions + dimension::DIRECTION));
+                    ray = Ray::leaving(point.position, direction, hit.primitive);
+                    last = Some(LastScatter { position: point.position, pdf });
+                }
+                // Dealt with above.
+                Surface::Light { .. } | Surface::Refractor { .. } => return radiance,
+            }
+        }
+    }
+
+    /// Light that reaches a diffuse point directly, times 1/π and cosine: the albedo is the caller's.
+    #[inline]
+    fn direct(
+        &self,
+        point: &SurfacePoint,
+        normal: DVec3,
+        medium: MediumId,
+        dimensions: u32,
+        sampler: &Sampler,
+        scratch: &mut Scratch<T::State>,
+    ) -> DVec3 {
+        let world = self.world;
+        let environment_share = self.environment_share();
+        if environment_share == 0.0 && !self.needs.emitters {
+            return DVec3::ZERO;
+        }
+        let choice = sampler.get_1d(dimensions + dimension::LIGHT_CHOICE);
+        let u = sampler.get_2d(dimensions + dimension::LIGHT);
+        let (target, sample, share) = if choice < environment_share {
+            (None, world.environment.sample(u), environment_share)
+        } else {
+            let share = 1.0 - environment_share;
+            let select = (choice - environment_share) / share;
+            match world.emitters.sample(&world.geometry, point.position, select, u) {
+                Some((object, sample)) => (Some(object), Some(sample), share),
+                None => return DVec3::ZERO,
+            }
+        };
+        let Some(sample) = sample else { return DVec3::ZERO };
+        let cos = sample.direction.dot(normal);
+        // The geometric side decides what can be reached; an interpolated normal must not let light through the surface.
+        let is_above = (sample.direction.dot(point.normal) > 0.0) == (normal.dot(point.normal) > 0.0);
+        if cos <= 0.0 || !is_above {
+            return DVec3::ZERO;
+        }
+        let ray = Ray::leaving(point.position, sample.direction, point.primitive);
+        let Some(transmittance) = self.visibility(ray, target, medium, scratch) else { return DVec3::ZERO };
+        let pdf = sample.pdf * share;
+        let weight = power_heuristic(pdf, diffuse::pdf(cos));
+        sample.radiance * transmittance * (diffuse::pdf(cos) * weight / pdf)
+    }
+
+    /// Transmittance from the ray's start to the light `target` (`None`: the environment), through surfaces that do not bend light;
+    /// `None` when something else is in the way. Arriving at the very object needs no distance to compare with.
+    #[inline]
+    fn visibility(
+        &self,
+        mut ray: Ray,
+        target: Option<ObjectId>,
+        mut medium: MediumId,
+        scratch: &mut Scratch<T::State>,
+    ) -> Option<DVec3> {
+        let world = self.world;
+        if target.is_none() && !self.needs.index_matching {
+            let is_open = !world.geometry.is_occluded(&ray, f64::INFINITY);
+            return is_open.then(|| self.transmittance(medium, &ray, f64::INFINITY));
+        }
+        let mut transmittance = DVec3::ONE;
+        let mut has_state = false;
+        loop {
+            let Some(hit) = world.geometry.closest(&ray) else {
+                return target.is_none().then(|| transmittance * self.transmittance(medium, &ray, f64::INFINITY));
+            };
+            transmittance *= self.transmittance(medium, &ray, hit.t);
+            let object = ObjectId(world.geometry.object_of(hit.primitive));
+            if Some(object) == target {
+                return hit.is_front.then_some(transmittance);
+            }
+            if !self.needs.index_matching || !matches!(world.object(object).surface, Surface::Refractor { .. }) {
+                return None;
+            }
+            if !has_state {
+                scratch.shadow.clone_from(&scratch.state);
+                has_state = true;
+            }
+            // Events are counted along camera paths only.
+            let met = self.meet(&ray, &hit, &scratch.shadow, &mut Events::default());
+            if !met.interface.is_matched() {
+                return None;
+            }
+            self.tracker.transmit(&mut scratch.shadow, &met.crossing);
+            medium = met.sides.to;
+            ray = ray.beyond(&hit);
+        }
+    }
+
+    /// Asks the tracker about a hit of a refractor.
+    #[inline]
+    pub(super) fn meet(&self, ray: &Ray, hit: &Hit, state: &T::State, events: &mut Events) -> Met {
+        let world = self.world;
+        let refractor = ObjectId(world.geometry.object_of(hit.primitive));
+        let interior = medium_of(world, Some(refractor));
+        let point = world.geometry.surface(ray, hit);
+        let crossing = Crossing { refractor, interior, is_entering: hit.is_front, point };
+        let sides = self.tracker.sides(state, &crossing, events);
+        let interface = Interface::new(world.medium(sides.from).ior_minus_one, world.medium(sides.to).ior_minus_one);
+        Met { crossing, sides, interface }
+    }
+
+    /// What is left of light after the part of `ray` from its start to `t`.
+    #[inline]
+    fn transmittance(&self, medium: MediumId, ray: &Ray, t: f64) -> DVec3 {
+        if !self.needs.absorption {
+            return DVec3::ONE;
+        }
+        let absorption = self.world.medium(medium).absorption;
+        if absorption == DVec3::ZERO {
+            return DVec3::ONE;
+        }
+        let length = match self.world.geometry.bounding_sphere() {
+            // The global medium fills the bounding sphere and no more, or nothing would be left of the environment.
+            Some(sphere) if medium == MediumId::WORLD => {
+                let whole_line = Ray { t_min: 0.0, ..*ray };
+                match sphere.intersect(&whole_line, false) {
+                    [Some(enter), Some(leave)] => (t.min(leave) - ray.t_min.max(enter)).max(0.0),
+                    _ => 0.0,
+                }
+            }
+            _ => t - ray.t_min,
+        };
+        if length.is_finite() { (absorption * -length).exp() } else { DVec3::ZERO }
+    }
+
+    /// The outward normal that scattering uses.
+    #[inline]
+    pub(super) fn outward_normal(&self, hit: &Hit, point: &SurfacePoint, smooth: bool) -> DVec3 {
+        if smooth && self.needs.smooth_normals {
+            self.world.geometry.shading_normal(hit, point.normal)
+        } else {
+            point.normal
+        }
+    }
+
+    /// The same, turned to the side that the ray comes from; the geometric normal where the interpolated one would face away.
+    #[inline]
+    pub(super) fn facing_normal(&self, ray: &Ray, hit: &Hit, point: &SurfacePoint, smooth: bool) -> DVec3 {
+        let outward = if hit.is_front { 1.0 } else { -1.0 };
+        let normal = self.outward_normal(hit, point, smooth) * outward;
+        if normal.dot(ray.direction) < 0.0 { normal } else { point.normal * outward }
+    }
+
+    /// Probability with which light sampling asks the environment rather than the emitters.
+    #[inline]
+    fn environment_share(&self) -> f64 {
+        match (self.needs.image_environment, self.needs.emitters) {
+            (false, _) => 0.0,
+            (true, false) => 1.0,
+            (true, true) => 0.5,
+        }
+    }
+
+    #[inline]
+    fn environment_pdf(&self, direction: DVec3) -> f64 {
+        if self.needs.image_environment {
+            self.environment_share() * self.world.environment.pdf(direction)
+        } else {
+            0.0
+        }
+    }
+
+    #[inline]
+    fn emitter_pdf(&self, from: DVec3, direction: DVec3, object: ObjectId, point: &SurfacePoint) -> f64 {
+        if !self.needs.emitters {
+            return 0.0;
+        }
+        (1.0 - self.environment_share()) * self.world.emitters.pdf(&self.world.geometry, from, direction, object, point)
+    }
+}
+
+/// Weight of a sample of density `pdf` against another way of density `other`.
+#[inline]
+fn power_heuristic(pdf: f64, other: f64) -> f64 {
+    pdf * pdf / (pdf * pdf + other * other)
+}
+
+#[inline]
+fn albedo(paint: &Paint, position: DVec3) -> DVec3 {
+    match paint {
+        Paint::Color(color) => *color,
+        Paint::Checker { a, b, origin, u_axis, v_axis } => {
+            let p = position - *origin;
+            let squares = p.dot(*u_axis).floor() + p.dot(*v_axis).floor();
+            if squares.rem_euclid(2.0) == 0.0 { *a } else { *b }
+        }
+    }
+}

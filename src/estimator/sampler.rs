@@ -1,0 +1,150 @@
+//! Random numbers: Sobol points, Owen-scrambled and shuffled by hashing (Burley 2020, "Practical Hash-based Owen Scrambling"), padded
+//! in pairs of dimensions.
+//!
+//! Every number is a pure function of (seed, pixel, sample, dimension). Within a pixel and dimension the first n samples are
+//! well distributed for every n.
+
+/// The numbers of one sample of one pixel.
+#[derive(Debug, Clone, Copy)]
+pub struct Sampler {
+    pixel_seed: u32,
+    sample: u32,
+}
+
+impl Sampler {
+    #[inline]
+    pub fn new(seed: u64, pixel: u32, sample: u32) -> Self {
+        let mut h = mix(seed as u32 ^ 0x9E37_79B9);
+        h = mix(h ^ (seed >> 32) as u32);
+        Self { pixel_seed: mix(h ^ pixel.wrapping_mul(0x85EB_CA6B)), sample }
+    }
+
+    /// Uniform in [0, 1).
+    #[inline]
+    pub fn get_1d(&self, dimension: u32) -> f64 {
+        let seed = mix(self.pixel_seed ^ dimension.wrapping_mul(0xC2B2_AE35));
+        let index = scramble(self.sample, seed);
+        // The first Sobol dimension is the index with its bits reversed.
+        to_unit(scramble(index.reverse_bits(), mix(seed ^ 0x27D4_EB2F)))
+    }
+
+    /// Uniform in [0, 1)²; uses the one dimension id.
+    #[inline]
+    pub fn get_2d(&self, dimension: u32) -> [f64; 2] {
+        let seed = mix(self.pixel_seed ^ dimension.wrapping_mul(0xC2B2_AE35));
+        let index = scramble(self.sample, seed);
+        [
+            to_unit(scramble(index.reverse_bits(), mix(seed ^ 0x27D4_EB2F))),
+            to_unit(scramble(sobol_second(index), mix(seed ^ 0x1656_67B1))),
+        ]
+    }
+}
+
+/// Integer hash with good avalanche (Wellons, "lowbias32").
+#[inline]
+fn mix(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x7FEB_352D);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x846C_A68B);
+    x ^ (x >> 16)
+}
+
+/// Nested uniform scramble in base 2: the permutation of Laine and Karras (2011) with Vegdahl's constants, on reversed bits.
+#[inline]
+fn scramble(x: u32, seed: u32) -> u32 {
+    let mut x = x.reverse_bits();
+    x ^= x.wrapping_mul(0x3D20_ADEA);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6C56);
+    x ^= x.wrapping_mul(0x53A2_2864);
+    x.reverse_bits()
+}
+
+#[inline]
+fn to_unit(x: u32) -> f64 {
+    f64::from(x) * (1.0 / 4_294_967_296.0)
+}
+
+/// The second Sobol dimension: Pascal's triangle modulo 2, a byte of the index at a time.
+#[inline]
+fn sobol_second(index: u32) -> u32 {
+    let bytes = index.to_le_bytes();
+    (0..4).fold(0, |sum, byte| sum ^ SECOND[byte][usize::from(bytes[byte])])
+}
+
+static SECOND: [[u32; 256]; 4] = second_table();
+
+const fn second_table() -> [[u32; 256]; 4] {
+    let mut directions = [0u32; 32];
+    let mut direction = 1u32 << 31;
+    let mut bit = 0;
+    while bit < 32 {
+        directions[bit] = direction;
+        direction ^= direction >> 1;
+        bit += 1;
+    }
+    let mut table = [[0u32; 256]; 4];
+    let mut byte = 0;
+    while byte < 4 {
+        let mut value = 0;
+        while value < 256 {
+            let mut bit = 0;
+            while bit < 8 {
+                if value >> bit & 1 == 1 {
+                    table[byte][value] ^= directions[byte * 8 + bit];
+                }
+                bit += 1;
+            }
+            value += 1;
+        }
+        byte += 1;
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Any 2^k samples of a pair are a (0, k, 2)-net: each elementary interval of area 2^−k holds exactly one.
+    #[test]
+    fn pairs_are_nets() {
+        for (pixel, dimension) in [(0, 0), (7, 3), (123_456, 41)] {
+            let points: Vec<[f64; 2]> = (0..64).map(|s| Sampler::new(5, pixel, s).get_2d(dimension)).collect();
+            for bits in 0..=6u32 {
+                let (nx, ny) = (1usize << bits, 1usize << (6 - bits));
+                let mut seen = vec![0; 64];
+                for p in &points {
+                    seen[(p[0] * nx as f64) as usize * ny + (p[1] * ny as f64) as usize] += 1;
+                }
+                assert!(seen.iter().all(|&count| count == 1), "{nx}×{ny}");
+            }
+        }
+    }
+
+    #[test]
+    fn dimensions_pixels_and_seeds_differ() {
+        let base = Sampler::new(0, 0, 0).get_1d(0);
+        assert_ne!(base, Sampler::new(0, 0, 0).get_1d(1));
+        assert_ne!(base, Sampler::new(0, 1, 0).get_1d(0));
+        assert_ne!(base, Sampler::new(1, 0, 0).get_1d(0));
+        assert_ne!(base, Sampler::new(1 << 32, 0, 0).get_1d(0));
+    }
+
+    /// Two dimensions of one pixel are not correlated: over many pixels the mean of the product is that of independent numbers.
+    #[test]
+    fn dimensions_are_independent() {
+        let count = 40_000;
+        let mean: f64 = (0..count)
+            .map(|pixel| {
+                let s = Sampler::new(9, pixel, 3);
+                (s.get_1d(4) - 0.5) * (s.get_1d(5) - 0.5)
+            })
+            .sum::<f64>()
+            / f64::from(count);
+        // Standard deviation of the product is 1/12.
+        assert!(mean.abs() < 4.0 / 12.0 / f64::from(count).sqrt(), "{mean}");
+    }
+}

@@ -1,0 +1,166 @@
+//! Refractors, solids and lights.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::files::Files;
+use super::node::{Node, Table};
+use super::shape::{self, MeshCache};
+use super::suggest::suggestion;
+use crate::optics::{Medium, catalog, medium};
+use crate::scene::SceneError;
+use crate::scene::description::{Light, Paint, Refractor, Shape, Solid, Transform};
+
+/// Albedo of a solid that gives none.
+pub(crate) const DEFAULT_ALBEDO: [f64; 3] = [0.8; 3];
+
+/// Reads objects; knows the names and meshes met so far.
+pub(super) struct Reader<'a> {
+    files: Files<'a>,
+    media: &'a [Medium],
+    /// Names of all objects so far, with what they are.
+    names: HashMap<String, &'static str>,
+    meshes: MeshCache,
+}
+
+impl<'a> Reader<'a> {
+    pub fn new(files: Files<'a>, media: &'a [Medium]) -> Self {
+        Self { files, media, names: HashMap::new(), meshes: MeshCache::default() }
+    }
+
+    pub fn refractors(&mut self, root: &Table<'_>) -> Result<Vec<Refractor>, SceneError> {
+        const KEYS: [&str; 7] = ["name", "medium", "shape", "priority", "roughness", "smooth", "transform"];
+        let mut refractors = Vec::new();
+        for table in root.read("refractor", Vec::new(), Node::tables)? {
+            let (name, table) = self.begin(table, "refractor", &KEYS)?;
+            if let Some(node) = table.get("roughness")
+                && node.number_that("between 0 and 1", |x| (0.0..=1.0).contains(&x))? != 0.0
+            {
+                return Err(node.error("rough surfaces are not yet supported; set `roughness` to 0 or remove it"));
+            }
+            let medium = self.medium(&table.need("medium")?)?;
+            let (shape, transform) = self.shape(&table)?;
+            refractors.push(Refractor {
+                name,
+                medium,
+                shape,
+                priority: table.read("priority", 0, |node| node.integer(i32::MIN..=i32::MAX))?,
+                smooth: table.read("smooth", false, Node::boolean)?,
+                transform,
+            });
+        }
+        Ok(refractors)
+    }
+
+    pub fn solids(&mut self, root: &Table<'_>) -> Result<Vec<Solid>, SceneError> {
+        const KEYS: [&str; 7] = ["name", "shape", "color", "checker", "mirror", "smooth", "transform"];
+        let mut solids = Vec::new();
+        for table in root.read("solid", Vec::new(), Node::tables)? {
+            let (name, table) = self.begin(table, "solid", &KEYS)?;
+            let paint = match (table.get("color"), table.get("checker")) {
+                (Some(_), Some(checker)) => {
+                    return Err(checker.error(format!("solid `{name}` has both `color` and `checker`; remove one")));
+                }
+                (Some(color), None) => Paint::Color(color.albedo()?),
+                (None, Some(checker)) => self::checker(&checker.table()?)?,
+                (None, None) => Paint::Color(DEFAULT_ALBEDO),
+            };
+            let (shape, transform) = self.shape(&table)?;
+            solids.push(Solid {
+                name,
+                shape,
+                paint,
+                mirror: table.read("mirror", false, Node::boolean)?,
+                smooth: table.read("smooth", false, Node::boolean)?,
+                transform,
+            });
+        }
+        Ok(solids)
+    }
+
+    pub fn lights(&mut self, root: &Table<'_>) -> Result<Vec<Light>, SceneError> {
+        let mut lights = Vec::new();
+        for table in root.read("light", Vec::new(), Node::tables)? {
+            let (name, table) = self.begin(table, "light", &["name", "shape", "radiance", "transform"])?;
+            let (shape, transform) = self.shape(&table)?;
+            lights.push(Light { name, shape, radiance: table.need("radiance")?.non_negative3()?, transform });
+        }
+        Ok(lights)
+    }
+
+    /// Checks an object's keys and name; later errors call the table by that name.
+    fn begin<'t>(
+        &mut self,
+        table: Table<'t>,
+        kind: &'static str,
+        keys: &[&str],
+    ) -> Result<(String, Table<'t>), SceneError> {
+        let table = table.renamed(format!("[[{kind}]]"));
+        table.only(keys)?;
+        let node = table.need("name")?;
+        let name = node.words()?.to_owned();
+        if matches!(name.as_str(), medium::WORLD | medium::VACUUM) {
+            return Err(node.error(format!("`{name}` is a reserved name; call the {kind} something else")));
+        }
+        if let Some(other) = self.names.insert(name.clone(), kind) {
+            return Err(
+                node.error(format!("there is already a {other} called `{name}`; names of objects must be unique"))
+            );
+        }
+        let table = table.renamed(format!("{kind} `{name}`"));
+        Ok((name, table))
+    }
+
+    fn medium(&self, node: &Node<'_>) -> Result<String, SceneError> {
+        let name = node.words()?;
+        let names = || self.media.iter().map(|medium| medium.name.as_str());
+        if names().any(|other| other == name) {
+            return Ok(name.to_owned());
+        }
+        let hint = if matches!(name, medium::WORLD | medium::VACUUM) {
+            "; the name is reserved: give this object a [[medium]] of its own, with the same IOR".to_owned()
+        } else if let Some(entry) = catalog::find(name) {
+            format!("; the catalogue has it: add a [[medium]] with ior = {{ catalog = \"{}\" }}", entry.name)
+        } else {
+            suggestion(name, names())
+        };
+        let list = names().collect::<Vec<_>>().join(", ");
+        let list = if list.is_empty() { "it has none".to_owned() } else { format!("media: {list}") };
+        Err(node.error(format!("the scene has no medium `{name}`{hint}; {list}")))
+    }
+
+    fn shape(&mut self, table: &Table<'_>) -> Result<(Shape, Transform), SceneError> {
+        let shape = shape::shape(&table.need("shape")?, self.files, &mut self.meshes)?;
+        let Some(node) = table.get("transform") else { return Ok((shape, Transform::IDENTITY)) };
+        let transform = self::transform(&node.table()?)?;
+        let s = transform.scale.abs();
+        if matches!(shape, Shape::Sphere { .. }) && (s.x != s.y || s.y != s.z) {
+            return Err(node
+                .error("a `sphere` is analytic and cannot be scaled differently along its axes; use an `icosphere`"));
+        }
+        Ok((shape, transform))
+    }
+}
+
+fn checker(table: &Table<'_>) -> Result<Paint, SceneError> {
+    table.only(&["a", "b", "size"])?;
+    Ok(Paint::Checker {
+        a: table.need("a")?.albedo()?,
+        b: table.need("b")?.albedo()?,
+        size: table.need("size")?.number_that("greater than 0", |x| x > 0.0)?,
+    })
+}
+
+fn transform(table: &Table<'_>) -> Result<Transform, SceneError> {
+    table.only(&["scale", "rotate", "translate"])?;
+    let scale = table.read("scale", DVec3::ONE, |node| {
+        let scale = if node.is_number() { DVec3::splat(node.number()?) } else { node.vec3()? };
+        if scale.to_array().contains(&0.0) { Err(node.error("`scale` must not be 0")) } else { Ok(scale) }
+    })?;
+    Ok(Transform {
+        scale,
+        rotate: table.read("rotate", DVec3::ZERO, Node::vec3)?,
+        translate: table.read("translate", DVec3::ZERO, Node::vec3)?,
+    })
+}

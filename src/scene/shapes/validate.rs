@@ -1,0 +1,261 @@
+//! Which numbers make a shape.
+
+use glam::DVec3;
+
+use super::profile::{clean, from_points, pieces_cross};
+use super::{MAX_SEGMENTS, MAX_SUBDIVISIONS, MAX_TRIANGLES};
+use crate::scene::description::Shape;
+
+/// Coordinates and lengths beyond this would overflow in volumes and areas.
+const MAX_LENGTH: f64 = 1e18;
+/// Most points of a profile: every piece is tested against every other.
+const MAX_PROFILE_POINTS: usize = 4096;
+
+/// A shape that cannot be.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct ShapeError {
+    /// The key of the scene file that is to blame, such as `radius`; empty where it is the shape as a whole.
+    pub key: &'static str,
+    /// What is wrong and what would be right.
+    pub message: String,
+}
+
+type Checked = Result<(), ShapeError>;
+
+fn fault(key: &'static str, message: impl Into<String>) -> Checked {
+    Err(ShapeError { key, message: message.into() })
+}
+
+/// Checks a shape without making its mesh.
+///
+/// # Errors
+/// Names the number that is to blame and its valid range.
+pub fn validate(shape: &Shape) -> Checked {
+    match shape {
+        Shape::Sphere { center, radius } => {
+            place("center", *center)?;
+            length("radius", *radius)
+        }
+        Shape::Icosphere { center, radius, subdivisions } => {
+            place("center", *center)?;
+            length("radius", *radius)?;
+            if *subdivisions > MAX_SUBDIVISIONS {
+                return fault(
+                    "subdivisions",
+                    format!("subdivisions is {subdivisions}, must be 0 to {MAX_SUBDIVISIONS}"),
+                );
+            }
+            Ok(())
+        }
+        Shape::Box { min, max } => {
+            place("min", *min)?;
+            place("max", *max)?;
+            match (0..3).find(|&axis| min[axis] >= max[axis]) {
+                Some(axis) => fault(
+                    "max",
+                    format!(
+                        "max must be greater than min on every axis, but along {} min is {} and max is {}",
+                        ["x", "y", "z"][axis],
+                        min[axis],
+                        max[axis]
+                    ),
+                ),
+                None => Ok(()),
+            }
+        }
+        Shape::Cylinder { center, radius, height, segments } => {
+            place("center", *center)?;
+            length("radius", *radius)?;
+            length("height", *height)?;
+            count("segments", *segments, 4)
+        }
+        Shape::Torus { center, major, minor, segments, rings } => {
+            place("center", *center)?;
+            length("major", *major)?;
+            length("minor", *minor)?;
+            if minor >= major {
+                return fault(
+                    "minor",
+                    format!("minor is {minor}, must be less than major ({major}), or the tube crosses itself"),
+                );
+            }
+            count("segments", *segments, 2 * u64::from(*rings))?;
+            count("rings", *rings, 2 * u64::from(*segments))
+        }
+        Shape::Lathe { profile, segments } => {
+            check_profile(profile)?;
+            count("segments", *segments, 2 * profile.len() as u64)
+        }
+        Shape::Quad { center, edge_u, edge_v } => {
+            place("center", *center)?;
+            place("edge_u", *edge_u)?;
+            place("edge_v", *edge_v)?;
+            for (key, edge) in [("edge_u", edge_u), ("edge_v", edge_v)] {
+                if edge.length() == 0.0 {
+                    return fault(key, format!("{key} has no length"));
+                }
+            }
+            if edge_u.normalize().cross(edge_v.normalize()).length() < 1e-12 {
+                return fault("edge_v", "edge_u and edge_v are parallel, so the quad has no area");
+            }
+            Ok(())
+        }
+        Shape::Mesh { mesh, .. } => {
+            let vertices = mesh.positions.len();
+            if mesh.triangles.is_empty() {
+                fault("", "the mesh has no triangles")
+            } else if !mesh.normals.is_empty() && mesh.normals.len() != vertices {
+                fault("", "the mesh must have one normal for each vertex, or none")
+            } else if mesh.triangles.iter().flatten().any(|&i| i as usize >= vertices) {
+                fault("", "a triangle of the mesh names a vertex that does not exist")
+            } else if mesh.positions.iter().any(|p| !p.is_finite() || p.abs().max_element() > MAX_LENGTH) {
+                fault("", format!("a vertex of the mesh is not finite, or beyond {MAX_LENGTH:e}"))
+            } else {
+                Ok(())
+            }
+        }
+    }
+}
+
+fn place(key: &'static str, p: DVec3) -> Checked {
+    if !p.is_finite() {
+        return fault(key, format!("{key} is {p}, must be finite"));
+    }
+    if p.abs().max_element() > MAX_LENGTH {
+        return fault(key, format!("{key} is {p}, too large: use a scale with numbers below {MAX_LENGTH:e}"));
+    }
+    Ok(())
+}
+
+fn length(key: &'static str, value: f64) -> Checked {
+    if !(value > 0.0 && value <= MAX_LENGTH) {
+        return fault(key, format!("{key} is {value}, must be greater than 0 (and at most {MAX_LENGTH:e})"));
+    }
+    // Below this the products of three lengths are 0.
+    if value < 1e-100 {
+        return fault(key, format!("{key} is {value:e}, too small to be computed with"));
+    }
+    Ok(())
+}
+
+/// A number of parts around, each of which becomes `triangles_each`.
+fn count(key: &'static str, value: u32, triangles_each: u64) -> Checked {
+    if !(3..=MAX_SEGMENTS).contains(&value) {
+        return fault(key, format!("{key} is {value}, must be 3 to {MAX_SEGMENTS}"));
+    }
+    let triangles = u64::from(value) * triangles_each;
+    if triangles > MAX_TRIANGLES {
+        return fault(
+            key,
+            format!("{key} is {value}, which makes {triangles} triangles; at most {MAX_TRIANGLES} are allowed"),
+        );
+    }
+    Ok(())
+}
+
+fn check_profile(points: &[[f64; 2]]) -> Checked {
+    let bad = |message: String| fault("profile", message);
+    if points.len() > MAX_PROFILE_POINTS {
+        return bad(format!("the profile has {} points, at most {MAX_PROFILE_POINTS} are allowed", points.len()));
+    }
+    for (i, &[r, y]) in points.iter().enumerate() {
+        if !(r.is_finite() && y.is_finite() && r.max(y.abs()) <= MAX_LENGTH) {
+            return bad(format!(
+                "point {} of the profile is [{r}, {y}], must be finite and below {MAX_LENGTH:e}",
+                i + 1
+            ));
+        }
+        if r < 0.0 {
+            return bad(format!("point {} of the profile has r = {r}, must be 0 or more", i + 1));
+        }
+    }
+    let (kept, is_loop) = clean(points);
+    if kept.len() < 3 {
+        return bad(format!("the profile has {} distinct points, must have 3 or more", kept.len()));
+    }
+    let pieces = from_points(points);
+    for i in 0..pieces.len() {
+        for j in i + 1..pieces.len() {
+            let (a, b) = (pieces[i].points, pieces[j].points);
+            let is_around_the_end = is_loop && i == 0 && j + 1 == pieces.len();
+            // Two pieces of a loop of three meet at one joint only, like any others.
+            let crosses = if j == i + 1 {
+                pieces_cross(a, b, true)
+            } else if is_around_the_end {
+                pieces_cross(b, a, true)
+            } else {
+                pieces_cross(a, b, false)
+            };
+            if crosses {
+                return bad(format!(
+                    "the profile crosses or touches itself: the piece from [{}, {}] to [{}, {}] meets the one from [{}, {}] to [{}, {}]",
+                    a[0].x, a[0].y, a[1].x, a[1].y, b[0].x, b[0].y, b[1].x, b[1].y
+                ));
+            }
+        }
+    }
+    // Twice the area that the outline encloses with the axis.
+    let area: f64 = (0..kept.len()).map(|i| kept[i].perp_dot(kept[(i + 1) % kept.len()])).sum();
+    if area == 0.0 {
+        return bad("the profile encloses nothing: its points lie on one line".into());
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Mesh;
+    use std::path::PathBuf;
+    use std::sync::Arc;
+
+    fn lathe(profile: &[[f64; 2]]) -> Shape {
+        Shape::Lathe { profile: profile.to_vec(), segments: 16 }
+    }
+
+    #[test]
+    fn each_impossible_number_is_named() {
+        let o = DVec3::ZERO;
+        let nan = DVec3::new(0.0, f64::NAN, 0.0);
+        for (shape, key) in [
+            (Shape::Sphere { center: o, radius: 0.0 }, "radius"),
+            (Shape::Sphere { center: o, radius: -1.0 }, "radius"),
+            (Shape::Sphere { center: o, radius: f64::NAN }, "radius"),
+            (Shape::Sphere { center: o, radius: f64::INFINITY }, "radius"),
+            (Shape::Sphere { center: nan, radius: 1.0 }, "center"),
+            (Shape::Icosphere { center: o, radius: 1.0, subdivisions: 9 }, "subdivisions"),
+            (Shape::Box { min: o, max: DVec3::new(1.0, 0.0, 1.0) }, "max"),
+            (Shape::Cylinder { center: o, radius: 1.0, height: 0.0, segments: 8 }, "height"),
+            (Shape::Cylinder { center: o, radius: 1.0, height: 1.0, segments: 2 }, "segments"),
+            (Shape::Cylinder { center: o, radius: 1.0, height: 1.0, segments: u32::MAX }, "segments"),
+            (Shape::Torus { center: o, major: 1.0, minor: 1.0, segments: 8, rings: 8 }, "minor"),
+            (Shape::Torus { center: o, major: 1.0, minor: 0.5, segments: 8, rings: 2 }, "rings"),
+            (Shape::Torus { center: o, major: 1.0, minor: 0.5, segments: 8000, rings: 8000 }, "segments"),
+            (Shape::Quad { center: o, edge_u: DVec3::X, edge_v: DVec3::X * 3.0 }, "edge_v"),
+            (Shape::Quad { center: o, edge_u: o, edge_v: DVec3::X }, "edge_u"),
+            (Shape::Mesh { path: PathBuf::new(), mesh: Arc::new(Mesh::default()), dropped: 0 }, ""),
+        ] {
+            assert_eq!(validate(&shape).unwrap_err().key, key, "{shape:?}");
+        }
+    }
+
+    #[test]
+    fn profiles_that_make_no_solid() {
+        for (profile, word) in [
+            (&[[0.0, 0.0], [1.0, 1.0]][..], "3 or more"),
+            (&[[1.0, 0.0], [1.0, 0.0], [1.0, 1.0]], "3 or more"),
+            (&[[0.0, 0.0], [-1.0, 0.0], [0.0, 1.0]], "r = -1"),
+            (&[[0.0, 0.0], [f64::NAN, 0.0], [0.0, 1.0]], "finite"),
+            (&[[1.0, 0.0], [2.0, 1.0], [2.0, 0.0], [1.0, 1.0]], "crosses"),
+            (&[[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [0.0, 1.0]], "crosses"),
+            (&[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 0.0], [0.0, 2.0]], "crosses"),
+            (&[[0.0, 0.0], [0.0, 1.0], [0.0, 2.0]], "encloses nothing"),
+        ] {
+            let error = validate(&lathe(profile)).unwrap_err();
+            assert!(error.message.contains(word), "{}", error.message);
+        }
+        assert!(validate(&lathe(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])).is_ok());
+        assert!(validate(&lathe(&[[1.0, 0.0], [2.0, 0.0], [1.0, 1.0]])).is_ok());
+    }
+}

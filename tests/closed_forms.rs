@@ -1,0 +1,411 @@
+//! Known answers: deflection by nested spheres (Bouguer's invariant n r sin i), slabs and stacks, prisms, absorption, and furnaces.
+//! Expected values were computed with 50-digit arithmetic from those formulas, not with this program.
+
+mod common;
+
+use common::{add, deflection_degrees, empty, mean, nest, ready, render, sphere, through};
+use glam::DVec3;
+use iorect::estimator::trace::{Follow, VertexEvent, trace};
+use iorect::geometry::Ray;
+use iorect::render::Prepared;
+use iorect::scene::description::{Environment, Light, Shape, Transform};
+use iorect::tracking::Mode;
+
+const HEIGHTS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+const CASE_A: [(f64, f64); 4] = [(1.0, 1.5), (0.8, 1.333), (0.6, 1.0), (0.4, 2.417)];
+const CASE_F: [(f64, f64); 5] = [(1.0, 1.31), (0.9, 1.333), (0.8, 1.5), (0.7, 1.7), (0.6, 2.417)];
+const CASE_D: [(f64, f64); 3] = [(1.0, 1.5), (0.7, 1.333), (0.5, 1.5)];
+
+/// Deflection at each of [`HEIGHTS`], `tolerance` in degrees.
+fn check_deflection(scene: &Prepared, mode: Mode, expected: [f64; 5], tolerance: f64) {
+    for (b, degrees) in HEIGHTS.into_iter().zip(expected) {
+        let path = through(scene, mode, b);
+        assert!(path.escaped, "{mode} at {b}");
+        assert_eq!(path.events.total(), 0, "{mode} at {b}");
+        let measured = deflection_degrees(&path);
+        assert!((measured - degrees).abs() <= tolerance, "{mode} at {b}: {measured} is not {degrees}");
+    }
+}
+
+const STATELESS_AND_STACK: [Mode; 3] = [Mode::Rectified, Mode::Reference, Mode::Stack];
+
+#[test]
+fn one_ball() {
+    let ball = ready(nest(1.0, &[(1.0, 1.5)]));
+    for mode in Mode::ALL {
+        check_deflection(&ball, mode, [3.83323350, 11.8412882, 21.0575587, 33.2177294, 54.5763392], 1e-6);
+    }
+}
+
+#[test]
+fn nests_from_outside() {
+    for mode in STATELESS_AND_STACK {
+        let a = ready(nest(1.0, &CASE_A));
+        check_deflection(&a, mode, [14.89026936, 53.20437591, -21.11344634, -35.32376167, 36.63552520], 1e-6);
+        assert!(through(&a, mode, 0.7).vertices.iter().any(|v| v.event == VertexEvent::TotalReflection));
+        let f = ready(nest(1.0, &CASE_F));
+        check_deflection(&f, mode, [8.72537123, 27.01173198, 48.27519242, 76.89552179, 128.6267351], 1e-6);
+        let d = ready(nest(1.0, &CASE_D));
+        check_deflection(&d, mode, [4.39260273, 13.88142961, 26.72105044, 19.62510644, 23.18417474], 1e-6);
+        let hollow = ready(nest(1.0, &[(1.0, 1.5), (0.9, 1.0)]));
+        check_deflection(&hollow, mode, [-0.429461587, -1.42197627, -2.96349688, -6.43153000, -41.8030302], 1e-6);
+    }
+}
+
+#[test]
+fn naive_is_wrong_in_every_nest() {
+    for (shells, b, expected) in [(&CASE_A[..], 0.5, -21.11344634), (&CASE_F[..], 0.5, 48.27519242)] {
+        let path = through(&ready(nest(1.0, shells)), Mode::Naive, b);
+        assert!((deflection_degrees(&path) - expected).abs() > 1.0);
+        assert!(path.events.inconsistent > 0, "wrong, and countedly so");
+    }
+}
+
+#[test]
+fn a_bubble_in_a_world_of_water() {
+    let bubble = ready(nest(1.333, &[(1.0, 1.0)]));
+    for mode in STATELESS_AND_STACK {
+        for (b, degrees) in [(0.1, -3.84231624), (0.3, -12.2286480), (0.5, -23.5950089), (0.7, -48.9926383)] {
+            let measured = deflection_degrees(&through(&bubble, mode, b));
+            assert!((measured - degrees).abs() < 1e-6, "{mode} at {b}: {measured}");
+        }
+        assert_eq!(through(&bubble, mode, 0.9).vertices[0].event, VertexEvent::TotalReflection);
+    }
+}
+
+/// A shell of thickness 1e-6: Θ = −2.56453e-5°.
+#[test]
+fn a_very_thin_shell() {
+    let shell = ready(nest(1.0, &[(1.0, 1.5), (1.0 - 1e-6, 1.0)]));
+    for mode in STATELESS_AND_STACK {
+        let path = through(&shell, mode, 0.5);
+        assert_eq!(path.vertices.len(), 4);
+        assert!((deflection_degrees(&path) + 2.56453e-5).abs() < 1e-9);
+    }
+}
+
+/// N shells for a graded ball: r_k = (N−k)/N, n_k = n((N−k−½)/N).
+fn graded(count: usize, ior: impl Fn(f64) -> f64) -> Prepared {
+    let n = count as f64;
+    let shells: Vec<_> = (0..count).map(|k| ((n - k as f64) / n, ior((n - k as f64 - 0.5) / n))).collect();
+    ready(nest(1.0, &shells))
+}
+
+#[test]
+fn graded_balls_as_many_shells() {
+    let luneburg = |r: f64| (2.0 - r * r).sqrt();
+    for (count, half, quarter) in
+        [(10, 29.6432634, 14.9232303), (100, 29.6749795, 14.6892687), (1000, 29.5495953, 14.3609488)]
+    {
+        let ball = graded(count, luneburg);
+        let modes = if count == 1000 { &[Mode::Rectified][..] } else { &[Mode::Rectified, Mode::Reference] };
+        for &mode in modes {
+            for (b, expected) in [(0.5, half), (0.25, quarter)] {
+                let measured = deflection_degrees(&through(&ball, mode, b));
+                assert!(
+                    (measured - expected).abs() < 1e-5,
+                    "{mode}, {count} shells at {b}: {measured} is not {expected}"
+                );
+            }
+        }
+    }
+    for (count, expected) in [(10, 132.100161), (100, 170.127654), (1000, 172.103821)] {
+        let eaton = graded(count, |r| (2.0 / r - 1.0).sqrt());
+        let measured = deflection_degrees(&through(&eaton, Mode::Rectified, 0.5));
+        assert!((measured - expected).abs() < 1e-4, "{count} shells: {measured} is not {expected}");
+    }
+}
+
+/// From inside: the ray runs the second half of a path whose first half came from outside, so both must leave in the same direction.
+#[test]
+fn paths_that_start_inside() {
+    let scene = ready(nest(1.0, &CASE_F));
+    let whole = through(&scene, Mode::Rectified, 0.3);
+    let turn = whole.vertices.len() / 2 - 1;
+    let [a, b] = [turn, turn + 1].map(|i| DVec3::from(whole.vertices[i].position));
+    let ray = Ray::new(a.midpoint(b), (b - a).normalize());
+    for mode in Mode::ALL {
+        let rest = trace(&scene, mode, ray, Follow::Transmit, 0, None);
+        let difference = (DVec3::from(rest.final_direction) - DVec3::from(whole.final_direction)).length();
+        assert_eq!(rest.camera_medium, "object 4");
+        if matches!(mode, Mode::Rectified | Mode::Reference) {
+            assert!(difference < 1e-9, "{mode}: {difference}");
+            assert_eq!(rest.events.total(), 0);
+        } else {
+            assert!(difference > 0.05, "{mode} should be wrong from inside: {difference}");
+            assert!(rest.events.total() > 0, "{mode} should say so");
+        }
+        if mode == Mode::Stack {
+            assert!(rest.events.stack_underflow > 0);
+        }
+    }
+}
+
+/// Eccentric spheres leave no closed form, but reversing a path must lead back.
+#[test]
+fn eccentric_nests_are_reversible() {
+    let mut description = empty(1.2);
+    add(&mut description, sphere(DVec3::ZERO, 1.0), 1.5, 0.0);
+    add(&mut description, sphere(DVec3::new(0.1, 0.2, 0.05), 0.6), 1.333, 0.0);
+    add(&mut description, sphere(DVec3::new(0.2, 0.1, -0.1), 0.25), 1.8, 0.0);
+    let scene = ready(description);
+    for b in [0.05, 0.15, 0.25, 0.4] {
+        let there = through(&scene, Mode::Rectified, b);
+        let reference = through(&scene, Mode::Reference, b);
+        assert_eq!(there.vertices.len(), reference.vertices.len());
+        assert_eq!(there.final_direction, reference.final_direction);
+        let last = DVec3::from(there.vertices.last().unwrap().position);
+        let direction = DVec3::from(there.final_direction);
+        let back = trace(&scene, Mode::Rectified, Ray::new(last + direction, -direction), Follow::Transmit, 0, None);
+        assert!((DVec3::from(back.final_direction) + DVec3::X).length() < 1e-9);
+    }
+}
+
+/// Wide boxes, each inside the one before or apart from it, over a lamp of radiance 1 in the dark: (top, bottom, ior, absorption), outermost first.
+fn boxes(list: &[(f64, f64, f64, f64)], degrees: f64) -> Prepared {
+    let mut description = empty(1.0);
+    for (index, &(top, bottom, ior, absorption)) in list.iter().enumerate() {
+        let half = 1e5 - 100.0 * index as f64;
+        let (min, max) = (DVec3::new(-half, bottom, -half), DVec3::new(half, top, half));
+        add(&mut description, Shape::Box { min, max }, ior, absorption);
+    }
+    lit_from_below(&mut description, degrees);
+    ready(description)
+}
+
+fn lit_from_below(description: &mut iorect::scene::Description, degrees: f64) {
+    description.environment = Environment::Color([0.0; 3]);
+    description.lights.push(Light {
+        name: "lamp".into(),
+        shape: Shape::Quad {
+            center: DVec3::new(0.0, -1000.0, 0.0),
+            edge_u: DVec3::new(0.0, 0.0, 4e5),
+            edge_v: DVec3::new(4e5, 0.0, 0.0),
+        },
+        radiance: [1.0; 3],
+        transform: Transform::IDENTITY,
+    });
+    let angle = degrees.to_radians();
+    description.camera.position = DVec3::new(-angle.sin(), angle.cos(), 0.0) * 10.0;
+    description.camera.target = DVec3::ZERO;
+    description.camera.up = DVec3::Z;
+    description.camera.vertical_fov = 1e-6;
+}
+
+/// Four standard errors, and a bound for what is not noise.
+fn check_mean(scene: &Prepared, mode: Mode, expected: f64) {
+    let (measured, error) = mean(&render(scene, mode, (64, 64), 64, None));
+    assert!((measured - expected).abs() <= 4.0 * error + 1e-6, "{mode}: {measured} ± {error} is not {expected}");
+}
+
+#[test]
+fn slab_of_glass() {
+    for (degrees, r) in [(0.0, 0.0769230769), (45.0, 0.0956732085), (60.0, 0.163767537)] {
+        let scene = boxes(&[(0.0, -1.0, 1.5, 0.0)], degrees);
+        for mode in Mode::ALL {
+            check_mean(&scene, mode, 1.0 - r);
+        }
+    }
+}
+
+/// 1 | 1.5 | 1.333 | 1.5 | 1.
+#[test]
+fn water_between_glass() {
+    for (degrees, t) in [(0.0, 0.917172595), (45.0, 0.898031936), (60.0, 0.829635708)] {
+        let scene = boxes(&[(0.0, -3.0, 1.5, 0.0), (-1.0, -2.0, 1.333, 0.0)], degrees);
+        for mode in STATELESS_AND_STACK {
+            check_mean(&scene, mode, t);
+        }
+    }
+}
+
+#[test]
+fn four_nested_media_at_45_degrees() {
+    let list: Vec<_> = [1.31, 1.333, 1.5, 1.7]
+        .into_iter()
+        .enumerate()
+        .map(|(k, ior)| (-(k as f64), -10.0 + k as f64, ior, 0.0))
+        .collect();
+    check_mean(&boxes(&list, 45.0), Mode::Rectified, 0.936681539);
+}
+
+/// 100 panes of 1.5, 200 interfaces, no cap on depth.
+#[test]
+fn two_hundred_interfaces() {
+    let list: Vec<_> = (0..100).map(|k| (f64::from(-2 * k), f64::from(-2 * k - 1), 1.5, 0.0)).collect();
+    check_mean(&boxes(&list, 45.0), Mode::Rectified, 0.0863595512);
+}
+
+#[test]
+fn absorbing_slab_of_optical_depth_one() {
+    let scene = boxes(&[(0.0, -1.0, 1.5, 1.0)], 0.0);
+    check_mean(&scene, Mode::Rectified, 0.339111123);
+}
+
+#[test]
+fn lateral_shift_of_a_slab() {
+    let scene = boxes(&[(0.0, -1.0, 1.5, 0.0)], 0.0);
+    for (degrees, shift) in [(30.0f64, 0.193813782), (45.0, 0.329142308)] {
+        let angle = degrees.to_radians();
+        let direction = DVec3::new(angle.sin(), -angle.cos(), 0.0);
+        let path = trace(&scene, Mode::Rectified, Ray::new(-direction, direction), Follow::Transmit, 0, None);
+        let exit = DVec3::from(path.vertices[1].position);
+        let measured = exit.cross(direction).length();
+        assert!((measured - shift).abs() < 1e-8, "{measured}");
+        assert!((DVec3::from(path.final_direction) - direction).length() < 1e-12);
+    }
+}
+
+#[test]
+fn prism_at_minimum_deviation() {
+    for (world, ior, degrees) in [(1.0, 1.5, 37.1807558), (1.0, 1.333, 23.5950089), (1.333, 1.5, 8.47722885)] {
+        let mut description = empty(world);
+        // Apex of 60° at the top; the ray inside runs level.
+        let h = 0.75f64.sqrt();
+        let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        let positions = [-1.0, 1.0]
+            .into_iter()
+            .flat_map(|z| [corner(-0.5, 0.0, z), corner(0.5, 0.0, z), corner(0.0, h, z)])
+            .collect();
+        let triangles = vec![[0, 2, 1], [3, 4, 5], [0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5]];
+        let mesh = iorect::geometry::Mesh { positions, normals: Vec::new(), triangles };
+        assert!(mesh.signed_volume() > 0.0);
+        let shape = Shape::Mesh { path: "prism".into(), mesh: std::sync::Arc::new(mesh), dropped: 0 };
+        add(&mut description, shape, ior, 0.0);
+        let scene = ready(description);
+        let tilt = (degrees / 2.0f64).to_radians();
+        let direction = DVec3::new(tilt.cos(), tilt.sin(), 0.0);
+        let entry = DVec3::new(-0.25, h / 2.0, 0.1);
+        let path = trace(&scene, Mode::Rectified, Ray::new(entry - direction, direction), Follow::Transmit, 0, None);
+        let measured = direction.angle_between(DVec3::from(path.final_direction)).to_degrees();
+        assert!((measured - degrees).abs() < 1e-6, "{measured} is not {degrees}");
+    }
+}
+
+/// A lossless nest in a white room cannot be seen from outside.
+#[test]
+fn furnace() {
+    let mut description = nest(1.0, &CASE_A);
+    description.camera.vertical_fov = 12.0;
+    let scene = ready(description);
+    for mode in [Mode::Rectified, Mode::Reference, Mode::Stack] {
+        let film = render(&scene, mode, (48, 48), if mode == Mode::Reference { 2 } else { 16 }, None);
+        assert_eq!(film.events.total(), 0);
+        let (measured, error) = mean(&film);
+        assert!((measured - 1.0).abs() <= 4.0 * error + 1e-5, "{mode}: {measured} ± {error}");
+    }
+}
+
+/// A cap of eight interface vertices loses 3.08e-4 of the light that meets a sphere of 1.5; one of four, 3.50e-3.
+#[test]
+fn furnace_with_a_cap_on_depth() {
+    let mut description = nest(1.0, &[(1.0, 1.5)]);
+    description.camera.position = DVec3::new(0.0, 0.0, 1e6);
+    // The sphere fills a disc of diameter 1 of the image's side.
+    description.camera.vertical_fov = 2.0 * (1e-6f64).atan().to_degrees();
+    let scene = ready(description);
+    for (vertices, deficit) in [(4, 3.50e-3), (8, 3.08e-4)] {
+        let (measured, error) = mean(&render(&scene, Mode::Rectified, (256, 256), 32, Some(vertices + 1)));
+        let expected = 1.0 - deficit * std::f64::consts::FRAC_PI_4;
+        assert!(
+            (measured - expected).abs() <= 4.0 * error + 5e-6,
+            "{vertices}: {measured} ± {error} is not {expected}"
+        );
+    }
+}
+
+#[test]
+fn radiance_inside_media() {
+    let inside = |world: f64, ior: f64, offset: f64| {
+        let mut description = nest(world, &[(1.0, ior)]);
+        description.camera.position = DVec3::new(0.0, 0.0, offset);
+        description.camera.target = DVec3::new(0.3, 0.2, 0.7);
+        description.camera.vertical_fov = 90.0;
+        ready(description)
+    };
+    // At the centre every path leaves, sooner or later, with the same factor.
+    for mode in Mode::ALL {
+        let (measured, error) = mean(&render(&inside(1.0, 1.333, 0.0), mode, (16, 16), 16, None));
+        assert!((measured - 1.776889).abs() <= 4.0 * error + 1e-9, "{mode}: {measured}");
+    }
+    let glass_in_water = inside(1.333, 1.5, 0.0);
+    for (mode, expected) in [(Mode::Rectified, 1.266258), (Mode::Reference, 1.266258), (Mode::Naive, 2.25)] {
+        let (measured, error) = mean(&render(&glass_in_water, mode, (16, 16), 16, None));
+        assert!((measured - expected).abs() <= 4.0 * error + 1e-6, "{mode}: {measured}");
+    }
+}
+
+/// Off centre some directions are trapped for ever. Mean over all directions from 0.9 of the radius: 0.738470238.
+#[test]
+fn trapped_paths_end() {
+    // Six square views make a cube, but its solid angle per pixel varies: directions are drawn here instead.
+    let scene = ready(nest(1.0, &[(1.0, 1.5)]));
+    let count = 40_000u32;
+    let mut values = Vec::new();
+    for k in 0..count {
+        // A spiral of equal areas over the sphere of directions.
+        let z = 1.0 - 2.0 * (f64::from(k) + 0.5) / f64::from(count);
+        let (sin, cos) = (2.399_963_229_728_653 * f64::from(k)).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        let ray = Ray::new(DVec3::new(0.0, 0.0, 0.9), DVec3::new(r * cos, r * sin, z));
+        let path = trace(&scene, Mode::Rectified, ray, Follow::Sample, u64::from(k), Some(400));
+        values.push(if path.escaped { 2.25 } else { 0.0 });
+    }
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    assert!((mean - 0.738470238).abs() < 0.005, "{mean}");
+    // And the renderer itself comes back from a camera there, with a finite picture.
+    let mut description = nest(1.0, &[(1.0, 1.5)]);
+    description.camera.position = DVec3::new(0.0, 0.0, 0.9);
+    description.camera.target = DVec3::X;
+    let film = render(&ready(description), Mode::Rectified, (16, 16), 4, None);
+    assert_eq!(film.events.total(), 0);
+}
+
+/// A matched rod that does not absorb leaves every bit of the image as it was.
+#[test]
+fn a_matched_rod_is_invisible() {
+    let scene = |with_rod: bool| {
+        let mut description = empty(1.47);
+        description.environment =
+            Environment::Gradient { zenith: [0.2, 0.4, 1.0], horizon: [1.0; 3], nadir: [0.3, 0.1, 0.0] };
+        add(&mut description, sphere(DVec3::new(0.3, 0.1, 0.0), 0.8), 1.6, 0.3);
+        if with_rod {
+            let rod = Shape::Cylinder { center: DVec3::new(0.0, 0.0, 2.0), radius: 0.5, height: 4.0, segments: 32 };
+            add(&mut description, rod, 1.47, 0.0);
+        }
+        description.camera.vertical_fov = 30.0;
+        ready(description)
+    };
+    for mode in [Mode::Rectified, Mode::Reference, Mode::Stack] {
+        let (with, without) =
+            (render(&scene(true), mode, (32, 32), 4, None), render(&scene(false), mode, (32, 32), 4, None));
+        assert_eq!(with.sums, without.sums, "{mode}");
+    }
+    // The comparison can fail: the naive mode sees the rod.
+    let (with, without) =
+        (render(&scene(true), Mode::Naive, (32, 32), 4, None), render(&scene(false), Mode::Naive, (32, 32), 4, None));
+    assert_ne!(with.sums, without.sums);
+}
+
+#[test]
+fn rainbow_angle() {
+    // One internal reflection in a drop of water: the deviation has its minimum, 137.921893°, somewhere over the drop.
+    let drop = ready(nest(1.0, &[(1.0, 1.333)]));
+    let mut least = f64::INFINITY;
+    for k in 0..4000 {
+        let b = f64::from(k) / 4000.0;
+        let start = Ray::new(DVec3::new(-10.0, b, 0.0), DVec3::X);
+        let entry = trace(&drop, Mode::Rectified, start, Follow::Transmit, 0, Some(2));
+        let reflected = {
+            // In, one reflection, out: followed by hand from the far side.
+            let [a, c] = [0, 1].map(|i| DVec3::from(entry.vertices[i].position));
+            let d = (c - a).normalize();
+            let n = -c.normalize();
+            let r = d - n * (2.0 * d.dot(n));
+            trace(&drop, Mode::Rectified, Ray::new(c * (1.0 - 1e-12), r), Follow::Transmit, 0, None)
+        };
+        let turned = DVec3::X.angle_between(DVec3::from(reflected.final_direction)).to_degrees();
+        least = least.min(turned);
+    }
+    assert!((least - 137.921893).abs() < 1e-4, "{least}");
+}
