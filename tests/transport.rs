@@ -150,10 +150,8 @@ fn image_environments_are_sampled_without_bias() {
         (sampled - scattered).abs() <= 4.0 * error.hypot(other_error),
         "{sampled} ± {error}, {scattered} ± {other_error}"
     );
-    assert!(
-        error < 0.5 * other_error * 8.0,
-        "sampling helps: {error} against {other_error} with sixteen times the samples"
-    );
+    // A quarter of the error would be what sixteen times the samples give.
+    assert!(error < 2.0 * other_error, "sampling helps: {error} against {other_error} with sixteen times the samples");
 }
 
 /// A grey convex solid in a white room has the radiance of its albedo; in a mirror the room looks as it is, times the tint.
@@ -283,7 +281,10 @@ mod against_another_renderer {
         let film = render(&ready(description), mode, (256, 256), SPP, None);
         let (image, truth) = (film.to_rgb(), truth());
         let blocks = |rgb: &[[f32; 3]]| metrics::block_means(rgb, 256, 256, 16).unwrap();
-        (metrics::relmse(&image, &truth).unwrap(), metrics::relmse(&blocks(&image), &blocks(&truth)).unwrap())
+        (
+            metrics::difference(&image, &truth).unwrap().relmse,
+            metrics::difference(&blocks(&image), &blocks(&truth)).unwrap().relmse,
+        )
     }
 
     /// relMSE falls as one over the samples: below 5e-4 at 1024 is below 8e-3 at 64; of the blocks, which average 256 pixels, 3e-5 is
