@@ -215,12 +215,7 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, SceneError>) -> Result<T, SceneEr
     })
 }
 
-fn prepare_scenes(
-    requests: &Mailbox<Request>,
-    lanes: &[Arc<Mailbox<LaneMessage>>; 2],
-    board: &Board,
-    wake: &Wake,
-) {
+fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>>; 2], board: &Board, wake: &Wake) {
     let mut current: Option<Prepared> = None;
     while let Some(request) = requests.wait() {
         let is_new = current.as_ref().is_none_or(|p| !Arc::ptr_eq(&p.description, &request.description));
@@ -255,14 +250,18 @@ fn prepare_scenes(
             lane.post(if modes.is_empty() {
                 LaneMessage::Hold
             } else {
-                LaneMessage::Render(Job { prepared: prepared.clone(), camera, modes, request: request.clone() })
+                LaneMessage::Render(Box::new(Job {
+                    prepared: prepared.clone(),
+                    camera,
+                    modes,
+                    request: request.clone(),
+                }))
             });
         }
         board.lock().snapshots.retain(|mode, _| request.modes.contains(mode));
         if is_new {
             let problems = guarded(|| Ok(check(&prepared))).unwrap_or_default();
-            let report =
-                SceneReport { epoch: request.epoch, prepared: prepared.clone(), problems: Some(problems) };
+            let report = SceneReport { epoch: request.epoch, prepared: prepared.clone(), problems: Some(problems) };
             board.lock().scene = Some(Arc::new(report));
             wake(News::Scene);
             current = Some(prepared);

@@ -14,7 +14,7 @@ use crate::tracking::Mode;
 /// What a lane is told.
 #[derive(Debug, Clone)]
 pub(super) enum LaneMessage {
-    Render(Job),
+    Render(Box<Job>),
     /// Nothing to do until told otherwise.
     Hold,
 }
@@ -71,8 +71,8 @@ pub(super) fn run_lane(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessage>,
             Some(LaneMessage::Hold) => progress = None,
             Some(LaneMessage::Render(job)) => match &mut progress {
                 // Only the limit or the pause has changed: go on.
-                Some(p) if p.job.request.epoch == job.request.epoch => p.job = job,
-                _ => progress = Some(Progress::new(job, &speed)),
+                Some(p) if p.job.request.epoch == job.request.epoch => p.job = *job,
+                _ => progress = Some(Progress::new(*job, &speed)),
             },
             None => {}
         }
@@ -174,7 +174,8 @@ impl Progress {
         self.is_first_pass = false;
         // Reading a large film costs time that rendering could use: at most a sixth of it.
         let due = Duration::from_secs_f64(SLICE_SECONDS).max(5 * self.publish_cost);
-        if self.divisor > 1 || self.samples() <= samples || self.remaining() == 0 || self.last_published.elapsed() > due {
+        if self.divisor > 1 || self.samples() <= samples || self.remaining() == 0 || self.last_published.elapsed() > due
+        {
             self.publish(board);
             wake(News::Images);
         }

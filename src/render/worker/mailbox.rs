@@ -27,10 +27,7 @@ pub(super) enum Taken<T> {
 
 impl<T> Mailbox<T> {
     pub(super) fn new() -> Self {
-        Self {
-            slot: Mutex::new(Slot { message: None, is_closed: false, is_finished: false }),
-            changed: Condvar::new(),
-        }
+        Self { slot: Mutex::new(Slot { message: None, is_closed: false, is_finished: false }), changed: Condvar::new() }
     }
 
     fn lock(&self) -> MutexGuard<'_, Slot<T>> {
