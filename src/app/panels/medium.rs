@@ -12,7 +12,7 @@ use crate::scene::Description;
 /// The slider's range; anything greater than 0 can be typed.
 const SLIDER: std::ops::RangeInclusive<f64> = 1.0..=2.5;
 const VALUE_WIDTH: f32 = 58.0;
-const SLIDER_WIDTH: f32 = 64.0;
+const SLIDER_WIDTH: f32 = 60.0;
 
 /// Width that [`ior_ui`] takes.
 pub const IOR_WIDTH: f32 = VALUE_WIDTH + SLIDER_WIDTH + 6.0;
@@ -62,6 +62,8 @@ pub fn ior_ui(
             commands.push(Command::SetIor(medium.clone(), IorModel::Constant(value)));
         }
         let mut value = ior;
+        // A small knob leaves more of the rail to drag on.
+        ui.spacing_mut().interact_size.y = 16.0;
         let slider = Slider::new(&mut value, SLIDER).show_value(false).clamping(SliderClamping::Never).step_by(0.001);
         if ui.add(slider).on_hover_text(&tip).changed() && value != ior {
             commands.push(Command::SetIor(medium.clone(), IorModel::Constant(value)));

@@ -72,7 +72,9 @@ fn display_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let mut exposure = settings.display.exposure;
         ui.spacing_mut().slider_width = ui.available_width() - 54.0;
         let slider = Slider::new(&mut exposure, -8.0..=8.0).clamping(egui::SliderClamping::Never).show_value(false);
+        let height = std::mem::replace(&mut ui.spacing_mut().interact_size.y, 16.0);
         let is_dragged = ui.add(slider).on_hover_text(about).changed();
+        ui.spacing_mut().interact_size.y = height;
         let typed = DragValue::new(&mut exposure).speed(0.02).range(-30.0..=30.0).fixed_decimals(2);
         let is_typed = ui.add_sized([46.0, ui.spacing().interact_size.y], typed).on_hover_text(about).changed();
         if is_dragged || is_typed {
