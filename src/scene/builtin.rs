@@ -34,9 +34,18 @@ macro_rules! builtins {
 }
 
 const SCENES: &[Builtin] = builtins! {
-    "camera-in-water": "The camera is under water: a glass ball with a bubble of air hangs below Snell's window.",
+    "camera-in-water": "The camera is under water: a glass ball with a bubble in it hangs below Snell's window.",
     "nested-spheres": "Air in water in glass: three spheres, one in the other.",
+    "bubble-in-glass": "Bubbles of air in a paperweight, which naive does not see at all.",
+    "three-shells": "Thin shells of glass with air between them, six surfaces deep.",
+    "siblings": "Four balls side by side in one block: neighbours, but nobody's container.",
+    "diamond-in-water": "A diamond in water has less fire than a dry one, except for naive.",
+    "world-oil": "The world is oil: a glass rod of the oil's IOR vanishes, a denser one does not.",
+    "lamp-in-ice": "A lamp in ice in water: light that starts inside the nest.",
+    "luneburg": "A Luneburg lens of 100 concentric shells: the deepest nest here.",
     "plain-glass": "Nothing is nested and the world is vacuum: all modes agree.",
+    "iced-water": "Water overlaps its tumbler and ice floats half out: one exterior per object cannot be right.",
+    "half-submerged": "Glass half in water, half in air: one exterior per object cannot be right.",
 };
 
 macro_rules! assets {
@@ -51,6 +60,7 @@ const ASSETS: &[(&str, &[u8])] = assets! {
     "environments/studio.exr",
     "environments/sunset.exr",
     "environments/warehouse.exr",
+    "models/brilliant.obj",
 };
 
 /// Every built-in scene, in the order of a gallery.

@@ -1,0 +1,116 @@
+//! Makes the assets that are computed rather than written: `cargo run --example make_assets`.
+//!
+//! - `assets/models/brilliant.obj`: a round brilliant cut diamond with the proportions of Tolkowsky (1919).
+//! - `assets/scenes/luneburg.toml`: a Luneburg lens as 100 concentric shells.
+
+use std::f64::consts::PI;
+use std::fmt::Write;
+use std::path::Path;
+
+fn main() -> std::io::Result<()> {
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    std::fs::write(assets.join("models/brilliant.obj"), brilliant())?;
+    std::fs::write(assets.join("scenes/luneburg.toml"), luneburg())
+}
+
+/// A round brilliant of girdle radius 1, table up: 33 facets above the girdle, 24 below, and the girdle's 16. Its origin lies in the
+/// plane of the girdle, on the axis.
+pub fn brilliant() -> String {
+    // Tolkowsky's proportions; the length of stars and lower halves as cutters choose them today.
+    let table_radius = 0.53;
+    let crown_tangent = 34.5_f64.to_radians().tan();
+    let pavilion_tangent = 40.75_f64.to_radians().tan();
+    let half_girdle = 0.02;
+    let star_radius = 0.74;
+    let lower_half_radius = 0.24;
+
+    // Heights on the planes of the mains, which pass through the girdle's edge. Half a main's width is 22.5°.
+    let half_width = (PI / 8.0).cos();
+    let table_y = half_girdle + (1.0 - table_radius) * crown_tangent;
+    let star_y = half_girdle + (1.0 - star_radius * half_width) * crown_tangent;
+    let lower_y = -half_girdle - (1.0 - lower_half_radius * half_width) * pavilion_tangent;
+    let culet_y = -half_girdle - pavilion_tangent;
+
+    // Rings of eight: on the axes of the mains (even sixteenths) or between them (odd).
+    let rings = [
+        (table_radius, table_y, 0), // 0: table
+        (star_radius, star_y, 1),   // 1: where star, mains and upper halves meet
+        (1.0, half_girdle, 0),      // 2, 3: upper edge of the girdle
+        (1.0, half_girdle, 1),
+        (1.0, -half_girdle, 0), // 4, 5: its lower edge
+        (1.0, -half_girdle, 1),
+        (lower_half_radius, lower_y, 1), // 6: where mains and lower halves meet
+    ];
+    let mut text = String::from(
+        "# A round brilliant cut diamond, girdle radius 1. Made by `cargo run --example make_assets`.\no brilliant\n",
+    );
+    for (radius, y, offset) in rings {
+        for k in 0..8 {
+            let angle = PI / 8.0 * f64::from(2 * k + offset);
+            // Adding 0 turns −0 into 0.
+            let [x, z] = [radius * angle.cos(), radius * angle.sin()].map(|v| (v * 1e7).round() / 1e7 + 0.0);
+            _ = writeln!(text, "v {x:.7} {y:.7} {z:.7}");
+        }
+    }
+    _ = writeln!(text, "v 0 {culet_y:.7} 0");
+    let vertex = |ring: usize, k: usize| 8 * ring + k % 8 + 1;
+    let culet = 8 * rings.len() + 1;
+    // Angles run from +x towards +z, clockwise seen from above.
+    let mut face = |corners: &[usize]| {
+        let corners: Vec<String> = corners.iter().rev().map(ToString::to_string).collect();
+        _ = writeln!(text, "f {}", corners.join(" "));
+    };
+    face(&(0..8).map(|k| vertex(0, k)).collect::<Vec<_>>());
+    for k in 0..8 {
+        let next = k + 1;
+        let before = k + 7;
+        face(&[vertex(0, next), vertex(0, k), vertex(1, k)]); // star
+        face(&[vertex(0, k), vertex(1, before), vertex(2, k), vertex(1, k)]); // main
+        face(&[vertex(1, k), vertex(2, k), vertex(3, k)]); // upper halves
+        face(&[vertex(1, k), vertex(3, k), vertex(2, next)]);
+        face(&[vertex(2, k), vertex(4, k), vertex(5, k), vertex(3, k)]); // girdle
+        face(&[vertex(3, k), vertex(5, k), vertex(4, next), vertex(2, next)]);
+        face(&[vertex(5, k), vertex(4, k), vertex(6, k)]); // lower halves
+        face(&[vertex(4, next), vertex(5, k), vertex(6, k)]);
+        face(&[vertex(4, k), vertex(6, before), culet, vertex(6, k)]); // pavilion main
+    }
+    text
+}
+
+/// Shells of the Luneburg lens n(r) = √(2 − r²), each with the index in the middle of its layer.
+pub fn luneburg() -> String {
+    const SHELLS: i32 = 100;
+    let mut text = String::from(
+        r#"# A Luneburg lens, n(r) = √(2 − r²), as 100 concentric shells: parallel light meets in a point of the far side. Stepwise graded
+# media are nested dielectrics a hundred deep. Made by `cargo run --example make_assets`.
+name = "Luneburg lens"
+
+[camera]
+position = [0.0, 1.55, 5.6]
+target = [0.0, 0.98, 0.0]
+vertical_fov = 30.0
+
+[environment]
+image = "../environments/sunset.exr"
+rotation = -35.0
+scale = 1.1
+
+[[solid]]
+name = "floor"
+shape = { quad = { center = [0.0, 0.0, 0.0], edge_u = [0.0, 0.0, 40.0], edge_v = [40.0, 0.0, 0.0] } }
+checker = { a = [0.72, 0.72, 0.7], b = [0.1, 0.28, 0.3], size = 0.5 }
+"#,
+    );
+    for k in 0..SHELLS {
+        let shells = f64::from(SHELLS);
+        let radius = (shells - f64::from(k)) / shells;
+        let middle = radius - 0.5 / shells;
+        let n = (2.0 - middle * middle).sqrt();
+        _ = write!(
+            text,
+            "\n[[medium]]\nname = \"layer {k}\"\nior = {n:.10}\n\n[[refractor]]\nname = \"shell {k}\"\nmedium = \"layer {k}\"\n\
+             shape = {{ sphere = {{ center = [0.0, 1.02, 0.0], radius = {radius:.2} }} }}\n"
+        );
+    }
+    text
+}

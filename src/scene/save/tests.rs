@@ -1,0 +1,194 @@
+use super::*;
+use glam::DVec3;
+
+use crate::optics::catalog;
+use crate::scene::builtin;
+use crate::scene::description::Shape;
+
+const TEXT: &str = r#"# A scene with remarks.
+name = "Remarked"   # called so
+
+[camera]
+position = [0, 1, 4]   # standing
+target = [0.0, 0.0, 0.0]
+
+[[medium]]
+name = "glass"
+ior = 1.50   # typed with two digits
+
+# The thing itself.
+[[refractor]]
+name = "ball"
+medium = "glass"
+shape = { sphere = { center = [0, 0, 0], radius = 1 } }
+
+[[medium]]
+name = "water"
+ior = { catalog = "water" }
+
+[[solid]]
+name = "floor"
+color = [0.5, 0.5, 0.5]
+[solid.shape.quad]
+center = [0, -1, 0]
+edge_u = [0, 0, 4]
+edge_v = [4, 0, 0]
+"#;
+
+fn read(text: &str) -> Description {
+    load::parse(text, Path::new("remarked.toml"), false).unwrap()
+}
+
+/// Reads what was written: it must say the same.
+fn assert_faithful(description: &Description) -> String {
+    let text = to_text(description);
+    let mut again = read(&text);
+    again.source.clone_from(&description.source);
+    assert_eq!(&again, description, "{text}");
+    text
+}
+
+#[test]
+fn what_was_not_edited_is_not_touched() {
+    assert_eq!(to_text(&read(TEXT)), TEXT);
+    for scene in builtin::all() {
+        assert_eq!(to_text(&builtin::description(scene).unwrap()), scene.text, "{}", scene.name);
+    }
+}
+
+#[test]
+fn an_edit_changes_its_line_only() {
+    let mut scene = read(TEXT);
+    scene.media[0].ior = IorModel::Constant(1.7);
+    let text = assert_faithful(&scene);
+    assert_eq!(text, TEXT.replace("1.50   #", "1.7   #"));
+    scene.camera.position.x = 0.1;
+    let text = assert_faithful(&scene);
+    assert!(text.contains("position = [0.1, 1.0, 4.0]   # standing"), "{text}");
+}
+
+#[test]
+fn every_kind_of_edit_is_read_back() {
+    let mut scene = read(TEXT);
+    scene.name = "Other \"name\"".into();
+    scene.camera.up = DVec3::Z;
+    scene.camera.vertical_fov = 35.5;
+    scene.camera.aperture_radius = 0.01;
+    scene.camera.focus_distance = Some(3.25);
+    scene.world = WorldMedium { ior: IorModel::Cauchy([1.4, 0.01, 0.0]), absorption: [0.1, 0.2, 1e-7] };
+    scene.environment = Environment::Gradient { zenith: [0.1; 3], horizon: [1.0; 3], nadir: [1e9, 0.0, 0.0] };
+    scene.media[1].absorption = [0.0, 0.5, 1.0];
+    scene.media[0].ior = IorModel::Sellmeier(vec![[1.0, 0.01], [0.1, 100.0]]);
+    scene.refractors[0].priority = -3;
+    scene.refractors[0].smooth = true;
+    scene.refractors[0].medium = "water".into();
+    scene.refractors[0].transform = Transform { scale: DVec3::splat(2.0), rotate: DVec3::X, translate: -DVec3::Y };
+    scene.solids[0].paint = Paint::Checker { a: [0.0; 3], b: [1.0; 3], size: 0.25 };
+    scene.solids[0].mirror = true;
+    scene.solids[0].shape = Shape::Torus { center: DVec3::ZERO, major: 2.0, minor: 0.5, segments: 12, rings: 8 };
+    scene.lights.push(Light {
+        name: "lamp".into(),
+        shape: Shape::Lathe { profile: vec![[0.0, 0.0], [1.0, 0.5], [0.0, 1.0]], segments: 128 },
+        radiance: [3.0, 2.0, 1.0],
+        transform: Transform { scale: DVec3::new(1.0, -2.0, 3.0), ..Transform::IDENTITY },
+    });
+    let text = assert_faithful(&scene);
+    assert!(text.contains("# The thing itself.") && text.contains("# called so"), "{text}");
+}
+
+#[test]
+fn objects_come_go_move_and_are_renamed() {
+    let mut scene = read(TEXT);
+    let ball = scene.refractors[0].clone();
+    scene.refractors.insert(0, Refractor { name: "first".into(), ..ball.clone() });
+    scene.refractors.push(Refractor { name: "last".into(), ..ball });
+    assert_faithful(&scene);
+    scene.refractors.remove(1);
+    scene.media.swap(0, 1);
+    scene.solids[0].name = "ground".into();
+    let text = assert_faithful(&scene);
+    assert!(!text.contains("\"ball\"") && !text.contains("\"floor\""), "{text}");
+    // New ones around one with a subtable, and then in another order.
+    let ground = scene.solids[0].clone();
+    let quad = |center| Shape::Quad { center, edge_u: DVec3::Z, edge_v: DVec3::X };
+    scene.solids.push(Solid { name: "after".into(), shape: quad(DVec3::X), ..ground.clone() });
+    scene.solids.insert(0, Solid { name: "before".into(), shape: quad(DVec3::Y), ..ground });
+    assert_faithful(&scene);
+    scene.source = Some(std::sync::Arc::new(crate::scene::description::Source {
+        path: "remarked.toml".into(),
+        text: to_text(&scene),
+        is_builtin: false,
+    }));
+    scene.solids.rotate_left(1);
+    assert_faithful(&scene);
+    scene.solids.clear();
+    scene.refractors.clear();
+    let text = assert_faithful(&scene);
+    assert!(!text.contains("[[refractor]]") && !text.contains("[solid.shape"), "{text}");
+}
+
+#[test]
+fn a_scene_without_source_is_written_whole() {
+    for scene in builtin::all() {
+        let mut description = builtin::description(scene).unwrap();
+        description.source = None;
+        let text = to_text(&description);
+        let again = load::parse_text_only(&text, Path::new("scene.toml")).unwrap();
+        assert_eq!(again.media, description.media, "{text}");
+        assert_eq!((again.camera, &again.world), (description.camera, &description.world));
+        assert_eq!(again.object_names().collect::<Vec<_>>(), description.object_names().collect::<Vec<_>>());
+    }
+    let mut scene = read(TEXT);
+    scene.media[1].ior = IorModel::Catalog(catalog::find("diamond").unwrap());
+    scene.source = None;
+    let mut again = read(&to_text(&scene));
+    again.source = None;
+    assert_eq!(again, scene);
+}
+
+#[test]
+fn saved_elsewhere_it_still_finds_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |path: &str| folder.path().join(path);
+    for sub in ["a/meshes", "b"] {
+        std::fs::create_dir_all(at(sub)).unwrap();
+    }
+    std::fs::write(at("a/meshes/m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    std::fs::write(
+        at("a/s.toml"),
+        TEXT.replace("sphere = { center = [0, 0, 0], radius = 1 }", "mesh = \"meshes/m.obj\""),
+    )
+    .unwrap();
+    let scene = load::file(&at("a/s.toml")).unwrap();
+    save(&scene, &at("b/s.toml")).unwrap();
+    let again = load::file(&at("b/s.toml")).unwrap();
+    let Shape::Mesh { path, mesh, .. } = &again.refractors[0].shape else { panic!("no mesh") };
+    assert_eq!((path.as_path(), mesh.triangles.len()), (Path::new("../a/meshes/m.obj"), 1));
+    // Back again, over itself.
+    save(&again, &at("a/s.toml")).unwrap();
+    assert_eq!(load::file(&at("a/s.toml")).unwrap().refractors[0].shape, scene.refractors[0].shape);
+}
+
+#[test]
+fn a_saved_built_in_scene_brings_its_image() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = builtin::description(builtin::find("plain-glass").unwrap()).unwrap();
+    let path = folder.path().join("mine.toml");
+    std::fs::write(folder.path().join("studio.exr"), "another file of that name").unwrap();
+    save(&scene, &path).unwrap();
+    save(&scene, &path).unwrap();
+    let again = load::file(&path).unwrap();
+    let Environment::Image { path: image, .. } = &again.environment else { panic!("no image") };
+    assert_eq!(image, Path::new("studio-2.exr"));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+}
+
+#[test]
+fn a_place_that_cannot_be_written_is_an_error() {
+    let scene = read(TEXT);
+    let folder = tempfile::tempdir().unwrap();
+    let error = save(&scene, &folder.path().join("no/such/folder/s.toml")).unwrap_err();
+    assert!(error.to_string().contains("cannot be written"), "{error}");
+    assert!(save(&scene, folder.path()).is_err());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left behind");
+}
