@@ -85,8 +85,8 @@ pub struct WindowArguments {
     /// The light theme
     #[arg(long, hide = true, requires = "screenshot")]
     pub light: bool,
-    /// Tab at the right: view, rectification or inspector
-    #[arg(long, hide = true, requires = "screenshot", value_parser = ["view", "rectification", "inspector"])]
+    /// Tab at the right: render, rectification or inspector
+    #[arg(long, hide = true, requires = "screenshot", value_parser = ["render", "rectification", "inspector"])]
     pub tab: Option<String>,
 }
 
