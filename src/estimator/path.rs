@@ -348,6 +348,9 @@ impl<T: Tracker> PathTracer<'_, T> {
 
     #[inline]
     fn emitter_pdf(&self, from: DVec3, direction: DVec3, object: ObjectId, point: &SurfacePoint) -> f64 {
+        if !self.needs.emitters {
+            return 0.0;
+        }
         (1.0 - self.environment_share()) * self.world.emitters.pdf(&self.world.geometry, from, direction, object, point)
     }
 }

@@ -1,1 +1,19 @@
-//! Pictures on disk: PNG for the eye, EXR for numbers, labelled comparisons. Every file is written beside and renamed.
+//! Pictures to files: PNG for looking at, EXR for measuring, and labelled comparisons of several modes in one picture.
+//!
+//! Everything is written beside its target and renamed ([`write_atomically`]). A PNG carries what it shows as text chunks
+//! ([`metadata`]).
+
+mod atomic;
+mod canvas;
+pub mod color_map;
+mod comparison;
+mod error;
+mod metadata;
+mod picture;
+pub mod words;
+
+pub use atomic::{require_writable, write_atomically};
+pub use comparison::{Comparison, LabelledPane, comparison};
+pub use error::ExportError;
+pub use metadata::{metadata, metadata_for_media};
+pub use picture::{Format, Picture, exr, image_png, png, save};

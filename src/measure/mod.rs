@@ -1,1 +1,5 @@
-//! (to come)
+//! How far two images are apart.
+
+pub mod metrics;
+
+pub use metrics::{Difference, MetricError, block_means, difference};

@@ -102,25 +102,21 @@ impl EnvironmentLight {
 }
 
 impl ImageLight {
-    /// `None` when the image is black or `scale` is 0.
+    /// `None` when the image is black or `scale` is 0: there is nothing to look up.
     fn new(image: Arc<EnvironmentImage>, rotation: f64, scale: f64) -> Option<Self> {
         let (width, height) = (image.width, image.height);
         let mut columns = Vec::with_capacity(width * height);
         let mut rows = Vec::with_capacity(height);
         let mut total = 0.0;
-        for (row, texels) in image.pixels.chunks_exact(width).enumerate() {
+        for row in 0..height {
             let sine = (PI * (row as f64 + 0.5) / height as f64).sin();
-            let mut sum = 0.0f64;
-            let start = columns.len();
             let mut sums = Vec::with_capacity(width);
-            for texel in texels {
-                sum += luminance(*texel);
+            let mut sum = 0.0;
+            for column in 0..width {
+                sum += mean_luminance(&image, row, column);
                 sums.push(sum);
             }
             columns.extend(sums.iter().map(|s| if sum > 0.0 { (s / sum) as f32 } else { 0.0 }));
-            if let Some(last) = columns[start..].last_mut() {
-                *last = 1.0;
-            }
             total += sum * sine;
             rows.push(total);
         }
@@ -199,6 +195,21 @@ impl ImageLight {
         let pdf = self.texel_probability(row, column) * (width * height) as f64 / (2.0 * PI * PI * sine);
         (pdf > 0.0 && pdf.is_finite()).then(|| DirectionSample { direction, radiance: self.radiance(direction), pdf })
     }
+}
+
+/// Mean luminance over a texel of the picture as it is looked up, bilinear between texel centres: next to a sun a texel has a share of
+/// it, and must be sampled for that.
+fn mean_luminance(image: &EnvironmentImage, row: usize, column: usize) -> f64 {
+    const WEIGHTS: [f64; 3] = [1.0 / 8.0, 6.0 / 8.0, 1.0 / 8.0];
+    let mut sum = 0.0;
+    for (j, down) in WEIGHTS.into_iter().enumerate() {
+        let row = (row + j).saturating_sub(1).min(image.height - 1);
+        for (i, across) in WEIGHTS.into_iter().enumerate() {
+            let column = (column + i + image.width - 1) % image.width;
+            sum += down * across * luminance(image.pixels[row * image.width + column]);
+        }
+    }
+    sum
 }
 
 fn luminance(rgb: [f32; 3]) -> f64 {

@@ -1,0 +1,101 @@
+//! Everything that a user can do, as data. Panels, menus and shortcuts return commands; [`super::state`] and [`super::files`] apply
+//! them.
+
+use std::path::PathBuf;
+
+use super::settings::{Arrangement, InterfaceScale, PaneContent, Tab, Theme};
+use crate::estimator::trace::Follow;
+use crate::optics::IorModel;
+use crate::render::ToneCurve;
+use crate::scene::description::CameraDescription;
+
+/// A medium of the scene.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum MediumRef {
+    /// The global medium.
+    World,
+    /// By name.
+    Named(String),
+}
+
+/// What an export writes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ExportKind {
+    /// The active pane, as displayed.
+    PanePng,
+    /// Every pane, labelled.
+    AllPanesPng,
+    /// The active pane's linear radiance.
+    PaneExr,
+}
+
+/// A change or an action.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Command {
+    // The scene. Undoable.
+    SetIor(MediumRef, IorModel),
+    SetAbsorption(MediumRef, [f64; 3]),
+    /// Makes the present view the scene's own.
+    KeepView,
+    Undo,
+    Redo,
+
+    // The view.
+    SetCamera(CameraDescription),
+    ResetCamera,
+    SetPaneCount(usize),
+    SetPaneContent(usize, PaneContent),
+    SetActivePane(usize),
+    SetArrangement(Arrangement),
+    SetDivider([f32; 2]),
+    /// Magnification and the point, in [0, 1]² of the film, that is in the middle.
+    SetZoom(f32, [f32; 2]),
+    /// A pixel of the full-size film, in [0, 1]²; `None` puts the inspector away.
+    Inspect(Option<[f64; 2]>),
+    /// Turns the camera towards what is seen at a point in [0, 1]² of the film, and orbits around it from now on.
+    LookAt([f64; 2]),
+    /// How the inspector goes on at interfaces.
+    SetFollow(Follow),
+
+    // Rendering and display.
+    SetExposure(f32),
+    SetCurve(ToneCurve),
+    SetSignedDifference(bool),
+    SetResolutionScale(f32),
+    SetMaxDepth(Option<u32>),
+    SetSampleLimit(Option<u32>),
+    TogglePause,
+    Restart,
+
+    // Files.
+    AskOpen,
+    /// A path or the name of a built-in scene.
+    Open(String),
+    Save,
+    AskSaveAs,
+    SaveAs(PathBuf),
+    AskExport(ExportKind),
+    Export(ExportKind, PathBuf),
+    ClearRecent,
+    Quit,
+    /// Closes the window even though there are unsaved changes.
+    QuitAnyway,
+
+    // The window.
+    ToggleScenePanel,
+    ToggleRenderPanel,
+    ToggleBothPanels,
+    ToggleProblems,
+    ShowTab(Tab),
+    SetTheme(Theme),
+    SetInterfaceScale(InterfaceScale),
+    /// One step larger (1) or smaller (−1).
+    StepInterfaceScale(i32),
+    SelectObject(Option<String>),
+    ShowGallery(bool),
+    ShowShortcuts(bool),
+    ShowAbout(bool),
+    DismissNotice(u64),
+    /// Closes whatever is on top.
+    Escape,
+}

@@ -1,0 +1,232 @@
+//! The scene being edited, with its history.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::command::MediumRef;
+use crate::optics::IorModel;
+use crate::scene::Description;
+
+/// Edits that can be undone.
+const MAX_UNDO: usize = 200;
+/// Edits of one value follow each other within this many seconds to count as one.
+const MERGE_SECONDS: f64 = 0.8;
+
+/// What an edit changes: successive edits of the same thing are undone together.
+#[derive(Debug, Clone, PartialEq)]
+pub enum EditKey {
+    Ior(MediumRef),
+    Absorption(MediumRef),
+    Camera,
+}
+
+impl EditKey {
+    /// What "Undo" says that it undoes.
+    pub fn label(&self) -> String {
+        let of = |medium: &MediumRef| match medium {
+            MediumRef::World => "world".to_owned(),
+            MediumRef::Named(name) => name.clone(),
+        };
+        match self {
+            Self::Ior(medium) => format!("IOR of {}", of(medium)),
+            Self::Absorption(medium) => format!("absorption of {}", of(medium)),
+            Self::Camera => "scene camera".to_owned(),
+        }
+    }
+}
+
+/// A description with a number of its own, so that "unsaved" needs no comparison of whole scenes.
+#[derive(Debug, Clone)]
+struct Version {
+    description: Arc<Description>,
+    revision: u64,
+}
+
+/// The scene being edited.
+#[derive(Debug, Clone)]
+pub struct Document {
+    current: Version,
+    saved_revision: u64,
+    next_revision: u64,
+    undo: Vec<(EditKey, Version)>,
+    redo: Vec<(EditKey, Version)>,
+    last_edit_secs: f64,
+    /// Where "Save" writes; `None` for a built-in scene that was never saved.
+    pub path: Option<PathBuf>,
+}
+
+impl Document {
+    pub fn new(description: Arc<Description>) -> Self {
+        let path = description.source.as_ref().filter(|source| !source.is_builtin).map(|source| source.path.clone());
+        Self {
+            current: Version { description, revision: 0 },
+            saved_revision: 0,
+            next_revision: 1,
+            undo: Vec::new(),
+            redo: Vec::new(),
+            last_edit_secs: f64::NEG_INFINITY,
+            path,
+        }
+    }
+
+    pub fn description(&self) -> &Arc<Description> {
+        &self.current.description
+    }
+
+    /// Whether there are edits that no file has.
+    pub fn is_dirty(&self) -> bool {
+        self.current.revision != self.saved_revision
+    }
+
+    /// Says that the present version is in the file at `path`, which was written from `description`.
+    pub fn mark_saved(&mut self, path: PathBuf, description: &Arc<Description>) {
+        self.path = Some(path);
+        if Arc::ptr_eq(description, &self.current.description) {
+            self.saved_revision = self.current.revision;
+        }
+    }
+
+    /// Replaces the scene by an edited one. `now_secs` is any steady clock.
+    pub fn edit(&mut self, key: EditKey, now_secs: f64, description: Description) {
+        let version = Version { description: Arc::new(description), revision: self.next_revision };
+        self.next_revision += 1;
+        let old = std::mem::replace(&mut self.current, version);
+        let continues = now_secs - self.last_edit_secs < MERGE_SECONDS
+            && self.undo.last().is_some_and(|(last, _)| *last == key)
+            && self.redo.is_empty();
+        if !continues {
+            self.undo.push((key, old));
+            if self.undo.len() > MAX_UNDO {
+                self.undo.remove(0);
+            }
+        }
+        self.redo.clear();
+        self.last_edit_secs = now_secs;
+    }
+
+    /// What would be undone.
+    pub fn undo_label(&self) -> Option<String> {
+        self.undo.last().map(|(key, _)| key.label())
+    }
+
+    /// What would be done again.
+    pub fn redo_label(&self) -> Option<String> {
+        self.redo.last().map(|(key, _)| key.label())
+    }
+
+    /// Steps back; `false` when there is nothing to undo.
+    pub fn undo(&mut self) -> bool {
+        let Some((key, version)) = self.undo.pop() else { return false };
+        self.redo.push((key, std::mem::replace(&mut self.current, version)));
+        self.last_edit_secs = f64::NEG_INFINITY;
+        true
+    }
+
+    /// Steps forward; `false` when there is nothing to do again.
+    pub fn redo(&mut self) -> bool {
+        let Some((key, version)) = self.redo.pop() else { return false };
+        self.undo.push((key, std::mem::replace(&mut self.current, version)));
+        self.last_edit_secs = f64::NEG_INFINITY;
+        true
+    }
+}
+
+/// The IOR of a medium in a scene.
+pub fn ior_of<'a>(description: &'a Description, medium: &MediumRef) -> Option<&'a IorModel> {
+    match medium {
+        MediumRef::World => Some(&description.world.ior),
+        MediumRef::Named(name) => description.medium(name).map(|m| &m.ior),
+    }
+}
+
+/// The scene with another IOR for one medium; `None` if it has no such medium.
+pub fn with_ior(description: &Description, medium: &MediumRef, ior: IorModel) -> Option<Description> {
+    let mut edited = description.clone();
+    match medium {
+        MediumRef::World => edited.world.ior = ior,
+        MediumRef::Named(name) => edited.media.iter_mut().find(|m| m.name == *name)?.ior = ior,
+    }
+    Some(edited)
+}
+
+/// The scene with another absorption for one medium; `None` if it has no such medium.
+pub fn with_absorption(description: &Description, medium: &MediumRef, absorption: [f64; 3]) -> Option<Description> {
+    let mut edited = description.clone();
+    match medium {
+        MediumRef::World => edited.world.absorption = absorption,
+        MediumRef::Named(name) => edited.media.iter_mut().find(|m| m.name == *name)?.absorption = absorption,
+    }
+    Some(edited)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::scene::description::{CameraDescription, Environment, WorldMedium};
+
+    fn scene() -> Description {
+        Description {
+            name: "test".into(),
+            camera: CameraDescription {
+                position: DVec3::Z,
+                target: DVec3::ZERO,
+                up: DVec3::Y,
+                vertical_fov: 40.0,
+                aperture_radius: 0.0,
+                focus_distance: None,
+            },
+            world: WorldMedium { ior: IorModel::Constant(1.0), absorption: [0.0; 3] },
+            environment: Environment::Color([1.0; 3]),
+            media: Vec::new(),
+            refractors: Vec::new(),
+            solids: Vec::new(),
+            lights: Vec::new(),
+            source: None,
+        }
+    }
+
+    fn set(document: &mut Document, now_secs: f64, ior: f64) {
+        let edited = with_ior(document.description(), &MediumRef::World, IorModel::Constant(ior)).unwrap();
+        document.edit(EditKey::Ior(MediumRef::World), now_secs, edited);
+    }
+
+    fn ior(document: &Document) -> f64 {
+        document.description().world.ior.ior()
+    }
+
+    #[test]
+    fn a_drag_is_undone_as_one_and_a_later_edit_on_its_own() {
+        let mut document = Document::new(Arc::new(scene()));
+        assert!(!document.is_dirty());
+        set(&mut document, 10.0, 1.1);
+        set(&mut document, 10.1, 1.2);
+        set(&mut document, 20.0, 1.3);
+        assert!(document.is_dirty());
+        assert!(document.undo());
+        assert_eq!(ior(&document), 1.2);
+        assert!(document.undo());
+        assert_eq!(ior(&document), 1.0);
+        assert!(!document.is_dirty());
+        assert!(!document.undo());
+        assert!(document.redo() && document.redo() && !document.redo());
+        assert_eq!(ior(&document), 1.3);
+    }
+
+    #[test]
+    fn an_edit_after_undo_drops_what_could_be_redone() {
+        let mut document = Document::new(Arc::new(scene()));
+        set(&mut document, 1.0, 1.1);
+        document.undo();
+        set(&mut document, 1.1, 1.2);
+        assert!(document.redo_label().is_none());
+        document.undo();
+        assert_eq!(ior(&document), 1.0);
+    }
+
+    #[test]
+    fn an_unknown_medium_is_no_edit() {
+        assert!(with_ior(&scene(), &MediumRef::Named("soup".into()), IorModel::Constant(1.1)).is_none());
+    }
+}

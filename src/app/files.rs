@@ -1,0 +1,278 @@
+//! Opening, saving and exporting, on threads of their own: the window never waits for a disk or a dialog.
+
+use std::future::Future;
+use std::path::{Path, PathBuf};
+use std::pin::pin;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::task::{Context, Poll, Wake, Waker};
+use std::thread::Thread;
+use std::time::{Duration, Instant};
+
+use super::command::ExportKind;
+use super::settings::PaneContent;
+use crate::export::{self, Comparison, ExportError, LabelledPane, Picture};
+use crate::render::worker::Snapshot;
+use crate::render::{Display, Events, Prepared};
+use crate::scene::{self, Description};
+use crate::tracking::Mode;
+
+/// A person needs longer than this to close a dialog: a faster answer means that there was none.
+const NO_DIALOG: Duration = Duration::from_millis(250);
+
+/// What a path is wanted for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    Open,
+    SaveAs,
+    Export(ExportKind),
+}
+
+impl Purpose {
+    /// Title of the dialog.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Open => "Open a scene",
+            Self::SaveAs => "Save the scene as",
+            Self::Export(ExportKind::PanePng) => "Export the active pane as PNG",
+            Self::Export(ExportKind::AllPanesPng) => "Export all panes as PNG",
+            Self::Export(ExportKind::PaneExr) => "Export the active pane as EXR",
+        }
+    }
+
+    fn filter(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Open | Self::SaveAs => ("iorect scenes", "toml"),
+            Self::Export(ExportKind::PaneExr) => ("OpenEXR", "exr"),
+            Self::Export(_) => ("PNG", "png"),
+        }
+    }
+}
+
+/// What came of a request.
+pub enum Outcome {
+    /// A path was chosen.
+    Chosen(Purpose, PathBuf),
+    /// This system shows no dialogs: ask in the window.
+    NoDialog(Purpose, PathBuf),
+    Opened(Box<Description>),
+    Saved(PathBuf, Arc<Description>),
+    Exported(PathBuf),
+    /// In words for the user.
+    Failed(String),
+}
+
+/// Everything needed to write pictures.
+#[derive(Clone)]
+pub struct ExportJob {
+    pub kind: ExportKind,
+    pub path: PathBuf,
+    pub prepared: Prepared,
+    pub display: Display,
+    pub seed: u64,
+    /// What the panes show, with their films: the active one alone, or all.
+    pub panes: Vec<(PaneContent, Vec<Arc<Snapshot>>)>,
+}
+
+/// Starts jobs and collects what came of them.
+pub struct Files {
+    sender: Sender<Outcome>,
+    receiver: Receiver<Outcome>,
+    wake: Arc<dyn Fn() + Send + Sync>,
+}
+
+impl Files {
+    pub fn new(wake: Arc<dyn Fn() + Send + Sync>) -> Self {
+        let (sender, receiver) = channel();
+        Self { sender, receiver, wake }
+    }
+
+    /// The next thing that has come of a job.
+    pub fn poll(&self) -> Option<Outcome> {
+        self.receiver.try_recv().ok()
+    }
+
+    fn spawn(&self, job: impl FnOnce() -> Option<Outcome> + Send + 'static) {
+        let (sender, wake) = (self.sender.clone(), Arc::clone(&self.wake));
+        let spawned = std::thread::Builder::new().name("files".into()).spawn(move || {
+            if let Some(outcome) = job() {
+                // The window may be gone by now, and then nobody wants to know.
+                let _ = sender.send(outcome);
+                wake();
+            }
+        });
+        if let Err(error) = spawned {
+            let _ = self.sender.send(Outcome::Failed(format!("Cannot start a thread: {error}")));
+        }
+    }
+
+    /// Asks for a path with the system's dialog.
+    pub fn ask(&self, purpose: Purpose, suggestion: &Path) {
+        let (name, extension) = purpose.filter();
+        let mut dialog = rfd::AsyncFileDialog::new().set_title(purpose.title()).add_filter(name, &[extension]);
+        if let Some(folder) = suggestion.parent().filter(|folder| folder.is_dir()) {
+            dialog = dialog.set_directory(folder);
+        }
+        let file_name = suggestion.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let suggestion = suggestion.to_owned();
+        let start = Instant::now();
+        // The future is made here because some systems want dialogs to be asked for from the main thread.
+        let chosen: std::pin::Pin<Box<dyn Future<Output = Option<rfd::FileHandle>> + Send>> = match purpose {
+            Purpose::Open => Box::pin(dialog.pick_file()),
+            _ => Box::pin(dialog.set_file_name(file_name).save_file()),
+        };
+        self.spawn(move || match block_on(chosen) {
+            Some(file) => Some(Outcome::Chosen(purpose, with_extension(file.path(), extension, purpose))),
+            None if start.elapsed() < NO_DIALOG => Some(Outcome::NoDialog(purpose, suggestion)),
+            None => None,
+        });
+    }
+
+    /// Reads a scene by path or built-in name.
+    pub fn open(&self, name_or_path: String) {
+        self.spawn(move || {
+            Some(match scene::load::open(&name_or_path) {
+                Ok(description) => Outcome::Opened(Box::new(description)),
+                Err(error) => Outcome::Failed(error.to_string()),
+            })
+        });
+    }
+
+    /// Writes the scene.
+    pub fn save(&self, description: Arc<Description>, path: PathBuf) {
+        self.spawn(move || {
+            Some(match scene::save::save(&description, &path) {
+                Ok(()) => Outcome::Saved(path, description),
+                Err(error) => Outcome::Failed(error.to_string()),
+            })
+        });
+    }
+
+    /// Writes pictures.
+    pub fn export(&self, job: ExportJob) {
+        self.spawn(move || {
+            Some(match write_pictures(&job) {
+                Ok(()) => Outcome::Exported(job.path),
+                Err(error) => Outcome::Failed(error.to_string()),
+            })
+        });
+    }
+}
+
+/// The path with `extension` where the user typed none.
+pub fn with_extension(path: &Path, extension: &str, purpose: Purpose) -> PathBuf {
+    if purpose == Purpose::Open || path.extension().is_some() {
+        path.to_owned()
+    } else {
+        path.with_extension(extension)
+    }
+}
+
+/// The extension that files for `purpose` have.
+pub fn extension_of(purpose: Purpose) -> &'static str {
+    purpose.filter().1
+}
+
+fn picture_of(film: &Snapshot) -> Picture {
+    Picture { width: film.size[0], height: film.size[1], rgb: film.rgb.clone() }
+}
+
+fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
+    // Each mode once, in the order of the panes: a difference is told by the modes that it is made of.
+    let mut films: Vec<&Arc<Snapshot>> = Vec::new();
+    for film in job.panes.iter().flat_map(|(_, films)| films) {
+        if films.iter().all(|known| known.mode != film.mode) {
+            films.push(film);
+        }
+    }
+    let Some(first) = films.first() else {
+        return Err(ExportError::BadComparison("there is no image yet; wait for the first one".into()));
+    };
+    let modes: Vec<Mode> = films.iter().map(|film| film.mode).collect();
+    let samples = films.iter().map(|film| film.samples).min().unwrap_or(0);
+    let text = export::metadata(&job.prepared, &modes, samples, job.seed);
+    match job.kind {
+        ExportKind::PaneExr => export::exr(&job.path, &picture_of(first)),
+        ExportKind::PanePng if films.len() == 1 => export::png(&job.path, &picture_of(first), &job.display, &text),
+        ExportKind::PanePng | ExportKind::AllPanesPng => {
+            let pictures: Vec<Picture> = films.iter().map(|film| picture_of(film)).collect();
+            let panes: Vec<LabelledPane<'_>> = (films.iter().zip(&pictures))
+                .map(|(film, picture)| LabelledPane {
+                    title: film.mode.name().to_owned(),
+                    details: format!("{} spp · {:.1} s", film.samples, film.seconds),
+                    events: film.events,
+                    picture,
+                })
+                .collect();
+            // The mode nearest to the truth is what the others are held against.
+            let best = modes.iter().enumerate().max_by_key(|(_, mode)| **mode).map(|(index, _)| index);
+            let about = Comparison {
+                title: job.prepared.description.name.clone(),
+                details: format!("{} × {}", first.size[0], first.size[1]),
+                display: job.display,
+                baseline: best.filter(|_| films.len() > 1),
+            };
+            export::image_png(&job.path, &export::comparison(&panes, &about)?, &text)
+        }
+    }
+}
+
+/// The events of all films together.
+pub fn total_events(films: &[Arc<Snapshot>]) -> Events {
+    films.iter().fold(Events::default(), |mut sum, film| {
+        sum += film.events;
+        sum
+    })
+}
+
+/// Waits for a future on this thread.
+fn block_on<T>(future: impl Future<Output = T>) -> T {
+    struct Unpark(Thread);
+    impl Wake for Unpark {
+        fn wake(self: Arc<Self>) {
+            self.0.unpark();
+        }
+    }
+    let waker = Waker::from(Arc::new(Unpark(std::thread::current())));
+    let mut future = pin!(future);
+    loop {
+        match future.as_mut().poll(&mut Context::from_waker(&waker)) {
+            Poll::Ready(value) => return value,
+            Poll::Pending => std::thread::park(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_future_that_wakes_later_is_waited_for() {
+        let (sender, receiver) = channel();
+        std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_millis(20));
+            sender.send(5).expect("the test waits");
+        });
+        let future = std::future::poll_fn(move |context| match receiver.try_recv() {
+            Ok(value) => Poll::Ready(value),
+            Err(_) => {
+                let waker = context.waker().clone();
+                std::thread::spawn(move || {
+                    std::thread::sleep(Duration::from_millis(5));
+                    waker.wake();
+                });
+                Poll::Pending
+            }
+        });
+        assert_eq!(block_on(future), 5);
+    }
+
+    #[test]
+    fn extensions_are_added_where_there_is_none() {
+        let export = Purpose::Export(ExportKind::PanePng);
+        assert_eq!(with_extension(Path::new("a/b"), extension_of(export), export), Path::new("a/b.png"));
+        assert_eq!(with_extension(Path::new("a/b.x"), "png", export), Path::new("a/b.x"));
+        assert_eq!(with_extension(Path::new("scene"), "toml", Purpose::Open), Path::new("scene"));
+    }
+}

@@ -1,0 +1,123 @@
+//! Questions: a path where the system has no dialog for it, and whether to lose unsaved changes.
+
+use std::path::{Path, PathBuf};
+
+use egui::{Context, Id, Key, Modal, TextEdit, Ui};
+
+use crate::app::command::Command;
+use crate::app::files::{Purpose, extension_of, with_extension};
+use crate::app::state::State;
+use crate::app::widgets::note;
+
+/// The questions that are open.
+#[derive(Default)]
+pub struct Dialogs {
+    pub prompt: Option<PathPrompt>,
+    /// The window is to be closed although there are unsaved changes.
+    pub is_leaving: bool,
+}
+
+/// Asks for a path.
+pub struct PathPrompt {
+    purpose: Purpose,
+    text: String,
+    has_focus: bool,
+}
+
+impl PathPrompt {
+    pub fn new(purpose: Purpose, suggestion: &Path) -> Self {
+        let absolute = std::path::absolute(suggestion).unwrap_or_else(|_| suggestion.to_owned());
+        Self { purpose, text: absolute.display().to_string(), has_focus: false }
+    }
+}
+
+impl Dialogs {
+    /// Closes what is open; `false` if nothing was.
+    pub fn close(&mut self) -> bool {
+        let was_open = self.prompt.is_some() || self.is_leaving;
+        *self = Self::default();
+        was_open
+    }
+
+    pub fn show(&mut self, ctx: &Context, state: &State, commands: &mut Vec<Command>) {
+        if let Some(prompt) = &mut self.prompt {
+            let answer = Modal::new(Id::unique("path")).show(ctx, |ui| prompt.show(ui));
+            match answer.inner {
+                Some(Answer::Path(path)) => {
+                    let command = match prompt.purpose {
+                        Purpose::Open => Command::Open(path.display().to_string()),
+                        Purpose::SaveAs => Command::SaveAs(path),
+                        Purpose::Export(kind) => Command::Export(kind, path),
+                    };
+                    commands.push(command);
+                    self.prompt = None;
+                }
+                Some(Answer::Cancel) => self.prompt = None,
+                None if answer.should_close() => self.prompt = None,
+                None => {}
+            }
+        }
+        if self.is_leaving {
+            let answer = Modal::new(Id::unique("leaving")).show(ctx, |ui| leaving_ui(ui, state, commands));
+            if answer.inner || answer.should_close() {
+                self.is_leaving = false;
+            }
+        }
+    }
+}
+
+enum Answer {
+    Path(PathBuf),
+    Cancel,
+}
+
+impl PathPrompt {
+    fn show(&mut self, ui: &mut Ui) -> Option<Answer> {
+        ui.set_width((ui.ctx().content_rect().width() - 80.0).min(520.0));
+        ui.heading(self.purpose.title());
+        ui.label(note(ui, "This system offers no file dialog; type the path."));
+        ui.add_space(6.0);
+        let field = ui.add(TextEdit::singleline(&mut self.text).desired_width(f32::INFINITY).hint_text("Path"));
+        if !self.has_focus {
+            field.request_focus();
+            self.has_focus = true;
+        }
+        let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        ui.add_space(8.0);
+        let path = self.text.trim();
+        let mut answer = None;
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let verb = if self.purpose == Purpose::Open { "Open" } else { "Save" };
+            let is_clicked = ui.add_enabled(!path.is_empty(), egui::Button::new(verb)).clicked();
+            if (is_clicked || is_entered) && !path.is_empty() {
+                let path = with_extension(Path::new(path), extension_of(self.purpose), self.purpose);
+                answer = Some(Answer::Path(path));
+            }
+            if ui.button("Cancel").clicked() {
+                answer = Some(Answer::Cancel);
+            }
+        });
+        answer
+    }
+}
+
+/// `true` when the question has been answered.
+fn leaving_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) -> bool {
+    ui.set_width(360.0);
+    ui.heading("Unsaved changes");
+    ui.label(format!("“{}” has edits that no file has.", state.document.description().name));
+    ui.add_space(10.0);
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        let save = ui.button("Save…").clicked();
+        let stay = ui.button("Stay").clicked();
+        let lose = ui.button("Quit without saving").clicked();
+        if save {
+            commands.push(Command::Save);
+        }
+        if lose {
+            commands.push(Command::QuitAnyway);
+        }
+        save || stay || lose
+    })
+    .inner
+}

@@ -1,0 +1,193 @@
+//! File, Edit, View, Render, Help, and the scene's name.
+
+use egui::{Align, Button, KeyboardShortcut, Layout, MenuBar, RichText, Ui};
+
+use crate::app::command::{Command, ExportKind};
+use crate::app::keys;
+use crate::app::settings::{Arrangement, InterfaceScale, Tab, Theme};
+use crate::app::state::State;
+use crate::app::theme::{CHECK_MARK, Palette};
+
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    MenuBar::new().ui(ui, |ui| {
+        ui.menu_button("File", |ui| file_ui(ui, state, commands));
+        ui.menu_button("Edit", |ui| edit_ui(ui, state, commands));
+        ui.menu_button("View", |ui| view_ui(ui, state, commands));
+        ui.menu_button("Render", |ui| render_ui(ui, state, commands));
+        ui.menu_button("Help", |ui| {
+            item(ui, "Keyboard and mouse", Some(&keys::SHORTCUTS), commands, Command::ShowShortcuts(true));
+            item(ui, "About iorect", None, commands, Command::ShowAbout(true));
+        });
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let palette = Palette::of(ui);
+            let is_dirty = state.document.is_dirty();
+            let name = &state.document.description().name;
+            let text = if is_dirty { format!("{name} •") } else { name.clone() };
+            let hint = match (&state.document.path, is_dirty) {
+                (Some(path), false) => path.display().to_string(),
+                (Some(path), true) => format!("{}\nEdited: not saved yet.", path.display()),
+                (None, false) => "A built-in scene.".to_owned(),
+                (None, true) => "A built-in scene, edited: not saved yet.".to_owned(),
+            };
+            ui.add(egui::Label::new(RichText::new(text).color(palette.weak_text)).truncate()).on_hover_text(hint);
+        });
+    });
+}
+
+/// An entry of a menu.
+fn item(ui: &mut Ui, text: &str, keys: Option<&KeyboardShortcut>, commands: &mut Vec<Command>, command: Command) {
+    item_enabled(ui, true, text, keys, commands, command);
+}
+
+fn item_enabled(
+    ui: &mut Ui,
+    is_enabled: bool,
+    text: &str,
+    keys: Option<&KeyboardShortcut>,
+    commands: &mut Vec<Command>,
+    command: Command,
+) {
+    let mut button = Button::new(text);
+    if let Some(keys) = keys {
+        button = button.shortcut_text(ui.ctx().format_shortcut(keys));
+    }
+    if ui.add_enabled(is_enabled, button).clicked() {
+        commands.push(command);
+        ui.close();
+    }
+}
+
+/// An entry with a mark that says whether it is on.
+fn choice(
+    ui: &mut Ui,
+    is_on: bool,
+    text: &str,
+    keys: Option<&KeyboardShortcut>,
+    commands: &mut Vec<Command>,
+    command: Command,
+) {
+    // The mark takes the same room when it is off.
+    let mut button = Button::new(text).left_text(RichText::new(if is_on { CHECK_MARK } else { "  " }));
+    if let Some(keys) = keys {
+        button = button.shortcut_text(ui.ctx().format_shortcut(keys));
+    }
+    let response = ui.add(button);
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, is_on, text));
+    if response.clicked() {
+        commands.push(command);
+        ui.close();
+    }
+}
+
+fn file_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    item(ui, "Open…", Some(&keys::OPEN), commands, Command::AskOpen);
+    item(ui, "Built-in scenes…", Some(&keys::GALLERY), commands, Command::ShowGallery(true));
+    ui.menu_button("Open recent", |ui| {
+        if state.settings.recent.is_empty() {
+            ui.weak("No files yet");
+            return;
+        }
+        for path in &state.settings.recent {
+            if ui.add(Button::new(shortened(path)).truncate()).on_hover_text(path).clicked() {
+                commands.push(Command::Open(path.clone()));
+                ui.close();
+            }
+        }
+        ui.separator();
+        item(ui, "Clear the list", None, commands, Command::ClearRecent);
+    });
+    ui.separator();
+    item(ui, "Save", Some(&keys::SAVE), commands, Command::Save);
+    item(ui, "Save as…", Some(&keys::SAVE_AS), commands, Command::AskSaveAs);
+    ui.separator();
+    ui.menu_button("Export", |ui| {
+        let all = [
+            ("Active pane as PNG…", Some(&keys::EXPORT_PANE), ExportKind::PanePng),
+            ("All panes, labelled, as PNG…", Some(&keys::EXPORT_ALL), ExportKind::AllPanesPng),
+            ("Active pane as EXR (linear)…", None, ExportKind::PaneExr),
+        ];
+        for (text, keys, kind) in all {
+            item_enabled(ui, state.report.is_some(), text, keys, commands, Command::AskExport(kind));
+        }
+    });
+    ui.separator();
+    item(ui, "Quit", Some(&keys::QUIT), commands, Command::Quit);
+}
+
+/// The end of a long path, which tells files apart.
+fn shortened(path: &str) -> String {
+    const MOST: usize = 48;
+    let length = path.chars().count();
+    if length <= MOST {
+        path.to_owned()
+    } else {
+        format!("…{}", path.chars().skip(length - MOST).collect::<String>())
+    }
+}
+
+fn edit_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let text = |verb: &str, label: Option<String>| match label {
+        Some(label) => format!("{verb} {label}"),
+        None => verb.to_owned(),
+    };
+    let (undo, redo) = (state.document.undo_label(), state.document.redo_label());
+    item_enabled(ui, undo.is_some(), &text("Undo", undo.clone()), Some(&keys::UNDO), commands, Command::Undo);
+    item_enabled(ui, redo.is_some(), &text("Redo", redo.clone()), Some(&keys::REDO), commands, Command::Redo);
+}
+
+fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let settings = &state.settings;
+    for (count, name, key) in
+        [(1, "One pane", egui::Key::Num1), (2, "Two panes", egui::Key::Num2), (4, "Four panes", egui::Key::Num4)]
+    {
+        let keys = KeyboardShortcut::new(egui::Modifiers::NONE, key);
+        choice(ui, settings.pane_count == count, name, Some(&keys), commands, Command::SetPaneCount(count));
+    }
+    let is_wipe = settings.arrangement == Arrangement::Wipe;
+    let next = if is_wipe { Arrangement::Tiles } else { Arrangement::Wipe };
+    choice(ui, is_wipe, "Wipe", Some(&keys::WIPE), commands, Command::SetArrangement(next));
+    ui.separator();
+    item(ui, "Camera as in the scene", Some(&keys::RESET_CAMERA), commands, Command::ResetCamera);
+    item(ui, "Make this view the scene's own", None, commands, Command::KeepView);
+    item(ui, "Whole picture", Some(&keys::RESET_ZOOM), commands, Command::SetZoom(1.0, [0.5; 2]));
+    ui.separator();
+    choice(ui, settings.show_scene_panel, "Scene panel", Some(&keys::SCENE_PANEL), commands, Command::ToggleScenePanel);
+    choice(
+        ui,
+        settings.show_render_panel,
+        "Render panel",
+        Some(&keys::RENDER_PANEL),
+        commands,
+        Command::ToggleRenderPanel,
+    );
+    choice(ui, settings.show_problems, "Problems", None, commands, Command::ToggleProblems);
+    item(ui, "Inspector", None, commands, Command::ShowTab(Tab::Inspector));
+    ui.separator();
+    ui.menu_button("Theme", |ui| {
+        for (theme, name) in [(Theme::System, "As the system"), (Theme::Dark, "Dark"), (Theme::Light, "Light")] {
+            choice(ui, settings.theme == theme, name, None, commands, Command::SetTheme(theme));
+        }
+    });
+    ui.menu_button("Size of the interface", |ui| {
+        let automatic = InterfaceScale::Automatic;
+        choice(
+            ui,
+            settings.interface_scale == automatic,
+            "Automatic",
+            None,
+            commands,
+            Command::SetInterfaceScale(automatic),
+        );
+        for factor in InterfaceScale::FACTORS {
+            let scale = InterfaceScale::Factor(factor);
+            let name = format!("{} %", factor * 100.0);
+            choice(ui, settings.interface_scale == scale, &name, None, commands, Command::SetInterfaceScale(scale));
+        }
+    });
+}
+
+fn render_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let name = if state.is_paused { "Go on" } else { "Pause" };
+    item(ui, name, Some(&keys::PAUSE), commands, Command::TogglePause);
+    item(ui, "Start anew", Some(&keys::RESTART), commands, Command::Restart);
+}

@@ -1,0 +1,94 @@
+//! What rectification found: per refractor the media on both sides, votes, confidence; and how long it took.
+
+use egui::{Label, RichText, Ui};
+
+use crate::app::command::Command;
+use crate::app::state::State;
+use crate::app::theme::{Palette, WARNING_MARK};
+use crate::app::widgets::{duration, fact_ui, note, section_first_ui, section_ui, thousands, value};
+use crate::rectify::Patch;
+use crate::scene::World;
+
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let Some(report) = &state.report else {
+        ui.label(note(ui, "Preparing the scene…"));
+        return;
+    };
+    let (world, table) = (&report.prepared.world, &report.prepared.table);
+    let seconds = table.seconds;
+    section_first_ui(ui, "Rectification", &duration(seconds.total()));
+    let rays: u64 = table.patches.iter().map(|patch| u64::from(patch.rays)).sum();
+    let least = table.patches.iter().map(|patch| patch.confidence).fold(1.0, f64::min);
+    fact_ui(ui, "Refractors", table.patches.len().to_string(), "Each has one answer, for its whole surface.");
+    fact_ui(ui, "Rays", thousands(rays), "Shot outward from the refractors' surfaces, over all runs on this geometry.");
+    fact_ui(ui, "Least confidence", format!("{:.1} %", least * 100.0), "The refractor whose rays agreed least.");
+    fact_ui(ui, "Pre-trace", duration(seconds.pretrace), "Shooting the rays.");
+    fact_ui(ui, "Resolve", duration(seconds.resolve), "From votes to media; done again at every edit.");
+    if seconds.topology + seconds.patches > 0.0 {
+        fact_ui(
+            ui,
+            "Topology",
+            duration(seconds.topology + seconds.patches),
+            "Looking at the meshes; once per geometry.",
+        );
+    }
+    let prepare = report.prepared.seconds;
+    fact_ui(
+        ui,
+        "Geometry and tree",
+        duration(prepare.bvh),
+        "Tessellating, transforming, building the tree; 0 when kept.",
+    );
+
+    section_ui(ui, "Interfaces", "outside | inside");
+    for patch in &table.patches {
+        patch_ui(ui, state, world, patch, commands);
+    }
+    if table.patches.is_empty() {
+        ui.label(note(ui, "No refractors in this scene."));
+    }
+    let left_out = world.needs.left_out();
+    if !left_out.is_empty() {
+        section_ui(ui, "Left out", "");
+        ui.add(Label::new(note(ui, left_out.join(", ").replace('_', " "))).wrap())
+            .on_hover_text("Work that this scene does not need and the renderer does not do.");
+    }
+}
+
+fn patch_ui(ui: &mut Ui, state: &State, world: &World, patch: &Patch, commands: &mut Vec<Command>) {
+    let palette = Palette::of(ui);
+    let name = &world.object(patch.refractor).name;
+    let (outside, inside) = (world.medium(patch.outside), world.medium(patch.inside));
+    let is_selected = state.selected.as_deref() == Some(name);
+    let fill = if is_selected { ui.visuals().selection.bg_fill } else { ui.visuals().faint_bg_color };
+    let frame = egui::Frame::new().fill(fill).corner_radius(4).inner_margin(egui::Margin::symmetric(8, 4));
+    let response = frame
+        .show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 1.0;
+            ui.horizontal(|ui| {
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    let color = if patch.confidence < 1.0 { palette.warning } else { palette.weak_text };
+                    let mark = if patch.confidence < 1.0 { WARNING_MARK } else { "" };
+                    ui.label(value(format!("{mark} {:.0} %", patch.confidence * 100.0)).color(color));
+                    ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                        ui.add(Label::new(RichText::new(name).strong()).truncate());
+                    });
+                });
+            });
+            let text = format!("{} {:.4}  |  {} {:.4}", outside.name, outside.ior(), inside.name, inside.ior());
+            ui.add(Label::new(value(text)).truncate());
+        })
+        .response
+        .interact(egui::Sense::click());
+    let response = response.on_hover_ui(|ui| {
+        ui.strong(name);
+        ui.label(format!("{} rays, {} faces", thousands(u64::from(patch.rays)), thousands(u64::from(patch.faces))));
+        for (container, votes) in &patch.votes {
+            let container = container.map_or("nothing: the world", |id| world.object(id).name.as_str());
+            ui.label(format!("{votes} votes: inside {container}"));
+        }
+    });
+    if response.clicked() {
+        commands.push(Command::SelectObject((!is_selected).then(|| name.clone())));
+    }
+}

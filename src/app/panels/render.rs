@@ -1,0 +1,212 @@
+//! Panes and their modes, display, quality, progress, events.
+
+use egui::{ComboBox, DragValue, Grid, RichText, Slider, Ui};
+
+use crate::app::command::Command;
+use crate::app::settings::{Arrangement, PaneContent};
+use crate::app::state::State;
+use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
+use crate::app::viewport::{Viewport, content_menu_ui, event_meaning, event_name};
+use crate::app::widgets::{
+    duration, note, row_ui, section_first_ui, section_ui, segmented_ui, short_count, thousands, value,
+};
+use crate::render::ToneCurve;
+
+const SCALES: [(f32, &str); 5] = [(0.25, "¼"), (0.5, "½"), (1.0, "1"), (1.5, "1½"), (2.0, "2")];
+
+pub fn show(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Vec<Command>) {
+    section_first_ui(ui, "Panes", "");
+    panes_ui(ui, state, commands);
+    section_ui(ui, "Display", "");
+    display_ui(ui, state, commands);
+    section_ui(ui, "Quality", "");
+    quality_ui(ui, state, commands);
+    section_ui(ui, "Progress", "");
+    progress_ui(ui, state, viewport);
+    section_ui(ui, "Events", "");
+    events_ui(ui, state, viewport);
+}
+
+fn panes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let settings = &state.settings;
+    let counts = [(1, "1", "One pane (1)"), (2, "2", "Two panes (2)"), (4, "4", "Four panes (4)")];
+    row_ui(ui, "Number", "How many pictures are shown.", |ui| {
+        if let Some(count) = segmented_ui(ui, settings.pane_count, &counts) {
+            commands.push(Command::SetPaneCount(count));
+        }
+    });
+    let arrangements = [
+        (Arrangement::Tiles, "Tiles", "Side by side (W)"),
+        (Arrangement::Wipe, "Wipe", "Over each other, with a divider to drag (W)"),
+    ];
+    row_ui(ui, "Arrange", "How the pictures share the room.", |ui| {
+        if let Some(arrangement) = segmented_ui(ui, settings.arrangement, &arrangements) {
+            commands.push(Command::SetArrangement(arrangement));
+        }
+    });
+    let palette = Palette::of(ui);
+    for (index, content) in settings.shown_panes().iter().enumerate() {
+        let name = format!("Pane {}", index + 1);
+        row_ui(ui, &name, "What this pane shows.", |ui| {
+            let text = match content {
+                PaneContent::Mode(mode) => RichText::new(format!("{DOT} {mode}")).color(palette.mode(*mode)),
+                PaneContent::Difference(..) => RichText::new(content.to_string()),
+            };
+            ComboBox::from_id_salt(("pane", index)).selected_text(text).width(ui.available_width()).truncate().show_ui(
+                ui,
+                |ui| {
+                    if let Some(content) = content_menu_ui(ui, *content) {
+                        commands.push(Command::SetPaneContent(index, content));
+                    }
+                },
+            );
+        });
+    }
+}
+
+fn display_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let settings = &state.settings;
+    let about =
+        "Brightness in stops: radiance is multiplied by 2 to this power. Display only: exported EXR stays as it is.";
+    row_ui(ui, "Exposure", about, |ui| {
+        let mut exposure = settings.display.exposure;
+        ui.spacing_mut().slider_width = ui.available_width() - 54.0;
+        let slider = Slider::new(&mut exposure, -8.0..=8.0).clamping(egui::SliderClamping::Never).show_value(false);
+        let is_dragged = ui.add(slider).on_hover_text(about).changed();
+        let typed = DragValue::new(&mut exposure).speed(0.02).range(-30.0..=30.0).fixed_decimals(2);
+        let is_typed = ui.add_sized([46.0, ui.spacing().interact_size.y], typed).on_hover_text(about).changed();
+        if is_dragged || is_typed {
+            commands.push(Command::SetExposure(exposure));
+        }
+    });
+    let curves = [
+        (ToneCurve::Soft, "Soft", "A shoulder that keeps bright parts apart."),
+        (ToneCurve::Clip, "Clip", "Cut off at white: comparable by eye with other programs' plain output."),
+    ];
+    row_ui(ui, "Curve", "How radiance above 1 is brought into the screen's range.", |ui| {
+        if let Some(curve) = segmented_ui(ui, settings.display.curve, &curves) {
+            commands.push(Command::SetCurve(curve));
+        }
+    });
+    if settings.shown_panes().iter().any(|content| matches!(content, PaneContent::Difference(..))) {
+        let kinds = [
+            (false, "Absolute", "How far apart, in one colour scale."),
+            (true, "Signed", "Blue where the first is darker, orange where it is brighter."),
+        ];
+        row_ui(ui, "Difference", "How differences are coloured. The exposure scales them.", |ui| {
+            if let Some(signed) = segmented_ui(ui, settings.signed_difference, &kinds) {
+                commands.push(Command::SetSignedDifference(signed));
+            }
+        });
+    }
+}
+
+fn quality_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let settings = &state.settings;
+    let about = "Film pixels per screen pixel, each way. Smaller is faster and coarser.";
+    let scales = SCALES.map(|(scale, name)| (scale, name, about));
+    row_ui(ui, "Resolution", about, |ui| {
+        if let Some(scale) = segmented_ui(ui, settings.resolution_scale, &scales) {
+            commands.push(Command::SetResolutionScale(scale));
+        }
+    });
+    let about =
+        "Most segments of a path, the camera's first being one. A cap darkens what many interfaces lie in front of.";
+    limit_ui(ui, "Depth cap", about, settings.max_depth, 64, 1..=100_000, |depth| {
+        commands.push(Command::SetMaxDepth(depth))
+    });
+    let about = "Samples per pixel at which rendering stops.";
+    limit_ui(ui, "Samples", about, settings.sample_limit, 4096, 1..=10_000_000, |limit| {
+        commands.push(Command::SetSampleLimit(limit));
+    });
+}
+
+/// A number that can be absent.
+fn limit_ui(
+    ui: &mut Ui,
+    name: &str,
+    about: &str,
+    limit: Option<u32>,
+    default: u32,
+    range: std::ops::RangeInclusive<u32>,
+    set: impl FnOnce(Option<u32>),
+) {
+    row_ui(ui, name, about, |ui| {
+        let mut is_on = limit.is_some();
+        let has_toggled = ui.checkbox(&mut is_on, "").on_hover_text(about).changed();
+        let mut number = limit.unwrap_or(default);
+        let mut has_changed = false;
+        if limit.is_some() {
+            let drag = DragValue::new(&mut number).range(range).speed(0.5).update_while_editing(false);
+            let width = ui.available_width();
+            has_changed = ui.add_sized([width, ui.spacing().interact_size.y], drag).on_hover_text(about).changed();
+        } else {
+            ui.label(note(ui, "no limit"));
+        }
+        if has_toggled || has_changed {
+            set(is_on.then_some(number));
+        }
+    });
+}
+
+fn progress_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
+    let palette = Palette::of(ui);
+    let head = |ui: &mut Ui, text: &str, about: &str| {
+        ui.label(RichText::new(text).small().color(palette.weak_text)).on_hover_text(about);
+    };
+    Grid::new("progress").num_columns(4).spacing([10.0, 3.0]).min_col_width(30.0).show(ui, |ui| {
+        head(ui, "mode", "Modes of one lane advance in lockstep, with the same random numbers.");
+        head(ui, "spp", "Samples per pixel.");
+        head(ui, "time", "Time spent rendering this image.");
+        head(ui, "samples/s", "Pixel samples per second.");
+        ui.end_row();
+        for mode in state.settings.modes() {
+            ui.label(RichText::new(format!("{DOT} {mode}")).small().color(palette.mode(mode)));
+            let film = (state.settings.shown_panes().iter())
+                .find_map(|content| viewport.films(*content).into_iter().find(|film| film.mode == mode));
+            match film {
+                Some(film) if film.is_preview() => {
+                    ui.label(value("preview"));
+                    ui.label(value(duration(film.seconds)));
+                    ui.label(value(short_count(film.samples_per_second())));
+                }
+                Some(film) => {
+                    ui.label(value(film.samples.to_string()));
+                    ui.label(value(duration(film.seconds)));
+                    ui.label(value(short_count(film.samples_per_second())));
+                }
+                None => {
+                    ui.label(value("…"));
+                }
+            }
+            ui.end_row();
+        }
+    });
+}
+
+fn events_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
+    let palette = Palette::of(ui);
+    let mut has_any = false;
+    for mode in state.settings.modes() {
+        let film = (state.settings.shown_panes().iter())
+            .find_map(|content| viewport.films(*content).into_iter().find(|film| film.mode == mode));
+        let Some(film) = film else { continue };
+        for (kind, count) in film.events.named().into_iter().filter(|(_, count)| *count > 0) {
+            has_any = true;
+            ui.horizontal(|ui| {
+                ui.label(RichText::new(WARNING_MARK).color(palette.warning));
+                ui.label(RichText::new(mode.name()).small().color(palette.mode(mode)));
+                ui.add(egui::Label::new(RichText::new(event_name(kind)).small()).truncate());
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    ui.label(RichText::new(short_count(count as f64)).text_style(theme::small_mono_style()));
+                });
+            })
+            .response
+            .on_hover_text(format!("{} {}.\n{}", thousands(count), event_name(kind), event_meaning(kind)));
+        }
+    }
+    if !has_any {
+        let text = "None: every path left each medium that it had entered.";
+        ui.label(note(ui, text));
+    }
+}

@@ -1,0 +1,290 @@
+//! The tree of what contains what, as rectification found it, with every medium's IOR; solids and lights below.
+
+use egui::{
+    Align, CollapsingHeader, Label, Layout, Rect, Response, RichText, ScrollArea, Sense, Stroke, Ui, UiBuilder, pos2,
+    vec2,
+};
+
+use super::medium;
+use crate::app::command::{Command, MediumRef};
+use crate::app::state::{State, medium_of};
+use crate::app::theme::{Palette, WARNING_MARK};
+use crate::app::widgets::{fact_ui, note, section_first_ui, section_ui, swatch_ui};
+use crate::rectify::Patch;
+use crate::render::worker::SceneReport;
+use crate::scene::Description;
+use crate::scene::description::{Paint, Shape};
+
+const INDENT: f32 = 14.0;
+/// Deeper levels are not indented further, or there would be no room for their names.
+const DEEPEST_INDENT: usize = 7;
+
+/// A row of the tree: a refractor by index, and how deep it is.
+struct Row {
+    refractor: usize,
+    depth: usize,
+    /// For each level above, whether a line goes on down to a later sibling.
+    continues: Vec<bool>,
+}
+
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let description = state.document.description();
+    let detail = state.report.as_ref().map_or_else(String::new, |_| {
+        let count = description.refractors.len();
+        format!("{count} {}", if count == 1 { "refractor" } else { "refractors" })
+    });
+    section_first_ui(ui, "Scene", &detail);
+    // The selected object's card stands at the bottom, where it does not move the tree.
+    egui::Panel::bottom("card").frame(egui::Frame::new()).show_separator_line(false).show(ui, |ui| {
+        card_ui(ui, state, description, commands);
+    });
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ui.set_max_width(ui.available_width() - 4.0);
+        ui.spacing_mut().item_spacing.y = 2.0;
+        world_row_ui(ui, state, description, commands);
+        for row in rows(description, state.report.as_deref()) {
+            refractor_row_ui(ui, state, description, &row, commands);
+        }
+        if description.refractors.is_empty() {
+            ui.label(note(ui, "No refractors in this scene."));
+        }
+        ui.add_space(8.0);
+        solids_ui(ui, state, description, commands);
+        lights_ui(ui, state, description, commands);
+    });
+}
+
+/// The rows of the tree, parents before children, siblings in file order. Before the first rectification everything is at the top.
+fn rows(description: &Description, report: Option<&SceneReport>) -> Vec<Row> {
+    let count = description.refractors.len();
+    let parent = |index: usize| -> Option<usize> {
+        let patch = patch_of(report?, &description.refractors[index].name)?;
+        let container = patch.outside_refractor?.0 as usize;
+        (container < count && container != index).then_some(container)
+    };
+    let mut children = vec![Vec::new(); count + 1];
+    for index in 0..count {
+        children[parent(index).map_or(0, |p| p + 1)].push(index);
+    }
+    let mut rows = Vec::with_capacity(count);
+    let mut is_listed = vec![false; count];
+    list(&children, 0, &mut Vec::new(), &mut rows, &mut is_listed);
+    // Two objects that each seem to contain the other are below no root; they are shown nevertheless.
+    let lost = is_listed.iter().enumerate().filter(|(_, is_listed)| !**is_listed);
+    rows.extend(lost.map(|(index, _)| Row { refractor: index, depth: 1, continues: Vec::new() }));
+    rows
+}
+
+fn list(children: &[Vec<usize>], of: usize, continues: &mut Vec<bool>, rows: &mut Vec<Row>, is_listed: &mut [bool]) {
+    for (place, &index) in children[of].iter().enumerate() {
+        if std::mem::replace(&mut is_listed[index], true) {
+            continue;
+        }
+        continues.push(place + 1 < children[of].len());
+        rows.push(Row { refractor: index, depth: continues.len(), continues: continues.clone() });
+        list(children, index + 1, continues, rows, is_listed);
+        continues.pop();
+    }
+}
+
+/// The answer for a refractor, by name: the description may be newer than the report.
+fn patch_of<'a>(report: &'a SceneReport, refractor: &str) -> Option<&'a Patch> {
+    let world = &report.prepared.world;
+    let (id, _) = world.refractors().find(|(id, _)| world.object(*id).name == refractor)?;
+    let index = *report.prepared.table.patch_of_object.get(id.0 as usize)?;
+    report.prepared.table.patches.get(index as usize)
+}
+
+/// Makes a row of the panel's width that can be selected. Returns it and the part of it at the left of the controls.
+fn selectable_row_ui(ui: &mut Ui, is_selected: bool, name: &str) -> (Rect, Response) {
+    let size = vec2(ui.available_width(), ui.spacing().interact_size.y + 2.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::TreeItem, true, is_selected, name));
+    let visuals = ui.visuals();
+    if is_selected {
+        ui.painter().rect_filled(rect, 4.0, visuals.selection.bg_fill);
+    } else if response.hovered() {
+        ui.painter().rect_filled(rect, 4.0, visuals.widgets.inactive.weak_bg_fill.gamma_multiply(0.6));
+    }
+    (rect, response)
+}
+
+fn world_row_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut Vec<Command>) {
+    let is_selected = state.selected.as_deref() == Some(crate::optics::medium::WORLD);
+    let (rect, response) = selectable_row_ui(ui, is_selected, "world");
+    let tip = "The global medium: whatever is in no refractor.";
+    row_contents_ui(ui, rect, 0.0, Palette::of(ui).world(), "world", None);
+    medium::ior_ui(ui, controls_of(rect), description, &MediumRef::World, "world", commands);
+    if response.on_hover_text(tip).clicked() {
+        let next = (!is_selected).then(|| crate::optics::medium::WORLD.to_owned());
+        commands.push(Command::SelectObject(next));
+    }
+}
+
+fn refractor_row_ui(ui: &mut Ui, state: &State, description: &Description, row: &Row, commands: &mut Vec<Command>) {
+    let refractor = &description.refractors[row.refractor];
+    let palette = Palette::of(ui);
+    let is_selected = state.selected.as_deref() == Some(&refractor.name);
+    let (rect, response) = selectable_row_ui(ui, is_selected, &refractor.name);
+    let depth = row.depth.min(DEEPEST_INDENT);
+    paint_branches(ui, rect, depth, &row.continues);
+    let color = medium::color(&palette, description, &refractor.medium);
+    let patch = state.report.as_deref().and_then(|report| patch_of(report, &refractor.name));
+    let doubt = patch.filter(|patch| patch.confidence < 1.0).map(|patch| patch.confidence);
+    row_contents_ui(ui, rect, depth as f32 * INDENT, color, &refractor.name, doubt);
+    let medium = MediumRef::Named(refractor.medium.clone());
+    medium::ior_ui(ui, controls_of(rect), description, &medium, &refractor.name, commands);
+    let response = response.on_hover_ui(|ui| {
+        ui.strong(&refractor.name);
+        ui.label(format!("medium: {}", refractor.medium));
+        ui.label(format!("outside: {}", outside(state, &refractor.name)));
+        ui.label(format!("shape: {}", shape_name(&refractor.shape)));
+    });
+    if response.clicked() {
+        commands.push(Command::SelectObject((!is_selected).then(|| refractor.name.clone())));
+    }
+}
+
+/// The part of a row that the IOR's controls take.
+fn controls_of(row: Rect) -> Rect {
+    Rect::from_min_max(pos2(row.right() - medium::IOR_WIDTH - 4.0, row.top()), row.max - vec2(2.0, 0.0))
+}
+
+fn row_contents_ui(ui: &mut Ui, row: Rect, indent: f32, color: egui::Color32, name: &str, doubt: Option<f64>) {
+    let left = Rect::from_min_max(row.min + vec2(4.0 + indent, 0.0), pos2(controls_of(row).left() - 4.0, row.bottom()));
+    let mut contents = ui.new_child(UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center)));
+    swatch_ui(&mut contents, color);
+    if let Some(confidence) = doubt {
+        let color = Palette::of(&contents).warning;
+        let tip = format!("The rays did not agree: {:.0} % for this place in the tree.", confidence * 100.0);
+        contents.label(RichText::new(WARNING_MARK).color(color)).on_hover_text(tip);
+    }
+    contents.add(Label::new(name).truncate().sense(Sense::empty()));
+}
+
+/// Lines from a row to its parent and past it to later siblings.
+fn paint_branches(ui: &Ui, row: Rect, depth: usize, continues: &[bool]) {
+    let stroke = Stroke::new(1.0, Palette::of(ui).line);
+    let x_of = |level: usize| row.left() + 9.0 + (level as f32 - 1.0) * INDENT;
+    let (top, bottom) = (row.top() - 2.0, row.bottom());
+    for level in 1..=depth {
+        let x = x_of(level);
+        let goes_on = continues.get(level - 1).copied().unwrap_or(false);
+        if level == depth {
+            let end = if goes_on { bottom } else { row.center().y };
+            ui.painter().vline(x, top..=end, stroke);
+            ui.painter().hline(x..=x + INDENT - 6.0, row.center().y, stroke);
+        } else if goes_on {
+            ui.painter().vline(x, top..=bottom, stroke);
+        }
+    }
+}
+
+/// What rectification found outside a refractor, in words.
+fn outside(state: &State, refractor: &str) -> String {
+    let Some(report) = state.report.as_deref() else { return "…".to_owned() };
+    let Some(patch) = patch_of(report, refractor) else { return "…".to_owned() };
+    let world = &report.prepared.world;
+    let medium = &world.medium(patch.outside).name;
+    match patch.outside_refractor {
+        Some(container) if world.object(container).name != *medium => {
+            format!("{medium} ({})", world.object(container).name)
+        }
+        _ => medium.clone(),
+    }
+}
+
+fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut Vec<Command>) {
+    let Some(selected) = &state.selected else {
+        ui.add_space(4.0);
+        ui.label(note(ui, "Select a row for presets and absorption."));
+        return;
+    };
+    if selected == crate::optics::medium::WORLD {
+        section_ui(ui, "World", "global medium");
+        medium::details_ui(ui, description, &MediumRef::World, commands);
+    } else if let Some(medium) = medium_of(description, selected) {
+        let name = medium::name(&medium).to_owned();
+        section_ui(ui, selected, &name);
+        medium::details_ui(ui, description, &medium, commands);
+        fact_ui(ui, "Outside", outside(state, selected), "The medium that rectification found on the other side.");
+        if let Some(patch) = state.report.as_deref().and_then(|report| patch_of(report, selected)) {
+            let text = format!("{:.1} % of {} rays", patch.confidence * 100.0, patch.rays);
+            fact_ui(ui, "Confidence", text, "Share of the votes that this answer got.");
+        }
+    } else if let Some(solid) = description.solids.iter().find(|solid| solid.name == *selected) {
+        section_ui(ui, selected, if solid.mirror { "mirror" } else { "solid" });
+        fact_ui(ui, "Shape", shape_name(&solid.shape), "");
+        fact_ui(ui, "Colour", paint_name(&solid.paint), "Albedo, linear RGB.");
+    } else if let Some(light) = description.lights.iter().find(|light| light.name == *selected) {
+        section_ui(ui, selected, "light");
+        fact_ui(ui, "Shape", shape_name(&light.shape), "");
+        fact_ui(ui, "Radiance", triple(light.radiance), "Linear RGB.");
+    }
+}
+
+fn solids_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut Vec<Command>) {
+    if description.solids.is_empty() {
+        return;
+    }
+    CollapsingHeader::new(format!("Solids ({})", description.solids.len())).id_salt("solids").show(ui, |ui| {
+        for solid in &description.solids {
+            let color = match solid.paint {
+                Paint::Color(color) => color,
+                Paint::Checker { a, b, .. } => std::array::from_fn(|i| 0.5 * (a[i] + b[i])),
+            };
+            plain_row_ui(ui, state, &solid.name, color, commands);
+        }
+    });
+}
+
+fn lights_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut Vec<Command>) {
+    if description.lights.is_empty() {
+        return;
+    }
+    CollapsingHeader::new(format!("Lights ({})", description.lights.len())).id_salt("lights").show(ui, |ui| {
+        for light in &description.lights {
+            let most = light.radiance.iter().copied().fold(1e-9, f64::max);
+            plain_row_ui(ui, state, &light.name, light.radiance.map(|x| x / most), commands);
+        }
+    });
+}
+
+fn plain_row_ui(ui: &mut Ui, state: &State, name: &str, color: [f64; 3], commands: &mut Vec<Command>) {
+    let is_selected = state.selected.as_deref() == Some(name);
+    let (rect, response) = selectable_row_ui(ui, is_selected, name);
+    let [r, g, b] = crate::render::Display::default().encode(color.map(|c| c as f32));
+    let left = rect.shrink2(vec2(4.0, 0.0));
+    let mut contents = ui.new_child(UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center)));
+    swatch_ui(&mut contents, egui::Color32::from_rgb(r, g, b));
+    contents.add(Label::new(name).truncate().sense(Sense::empty()));
+    if response.clicked() {
+        commands.push(Command::SelectObject((!is_selected).then(|| name.to_owned())));
+    }
+}
+
+fn triple(values: [f64; 3]) -> String {
+    values.map(|x| format!("{x:.3}").trim_end_matches('0').trim_end_matches('.').to_owned()).join(", ")
+}
+
+fn paint_name(paint: &Paint) -> String {
+    match paint {
+        Paint::Color(color) => triple(*color),
+        Paint::Checker { size, .. } => format!("checker of {size}"),
+    }
+}
+
+fn shape_name(shape: &Shape) -> String {
+    match shape {
+        Shape::Sphere { radius, .. } => format!("sphere, radius {radius}"),
+        Shape::Icosphere { radius, subdivisions, .. } => {
+            format!("icosphere, radius {radius}, {subdivisions} subdivisions")
+        }
+        Shape::Box { .. } => "box".to_owned(),
+        Shape::Cylinder { radius, height, .. } => format!("cylinder, radius {radius}, height {height}"),
+        Shape::Torus { major, minor, .. } => format!("torus, radii {major} and {minor}"),
+        Shape::Lathe { segments, .. } => format!("lathe, {segments} segments"),
+        Shape::Quad { .. } => "quad".to_owned(),
+        Shape::Mesh { path, mesh, .. } => format!("{} ({} triangles)", path.display(), mesh.triangles.len()),
+    }
+}

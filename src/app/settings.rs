@@ -1,0 +1,228 @@
+//! What is remembered from one session to the next.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::render::Display;
+use crate::tracking::Mode;
+
+/// Most panes that can be shown.
+pub const MAX_PANES: usize = 4;
+/// Recent files that are remembered.
+const MAX_RECENT: usize = 10;
+
+/// What a pane shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum PaneContent {
+    Mode(Mode),
+    /// The first less the second, in false colour.
+    Difference(Mode, Mode),
+}
+
+impl PaneContent {
+    /// The modes that must be rendered for it.
+    pub fn modes(self) -> impl Iterator<Item = Mode> {
+        let (first, second) = match self {
+            Self::Mode(mode) => (mode, None),
+            Self::Difference(a, b) => (a, Some(b)),
+        };
+        std::iter::once(first).chain(second)
+    }
+
+    /// The mode whose paths the inspector shows.
+    pub fn inspected_mode(self) -> Mode {
+        match self {
+            Self::Mode(mode) | Self::Difference(mode, _) => mode,
+        }
+    }
+
+    /// Every difference that can be shown, each pair once: the doubtful less the better.
+    pub fn differences() -> impl Iterator<Item = Self> {
+        let all = Mode::ALL;
+        (0..all.len()).flat_map(move |a| (a + 1..all.len()).map(move |b| Self::Difference(all[a], all[b])))
+    }
+}
+
+impl fmt::Display for PaneContent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Mode(mode) => write!(f, "{mode}"),
+            Self::Difference(a, b) => write!(f, "{a} − {b}"),
+        }
+    }
+}
+
+/// How panes share the room.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Arrangement {
+    /// Side by side.
+    Tiles,
+    /// Over each other, parted by a divider that can be dragged.
+    Wipe,
+}
+
+/// Light or dark.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Theme {
+    System,
+    Dark,
+    Light,
+}
+
+/// The tabs of the right panel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Tab {
+    Render,
+    Rectification,
+    Inspector,
+}
+
+/// Size of text and controls.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum InterfaceScale {
+    /// From the size of the screen and of the window.
+    Automatic,
+    Factor(f32),
+}
+
+impl InterfaceScale {
+    /// The factors to choose from.
+    pub const FACTORS: [f32; 9] = [0.75, 0.875, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0];
+}
+
+/// Everything that is remembered.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    pub pane_count: usize,
+    pub panes: [PaneContent; MAX_PANES],
+    pub arrangement: Arrangement,
+    pub display: Display,
+    /// Whether differences show their sign.
+    pub signed_difference: bool,
+    /// Film pixels per screen pixel, each way.
+    pub resolution_scale: f32,
+    pub max_depth: Option<u32>,
+    pub sample_limit: Option<u32>,
+    pub theme: Theme,
+    pub interface_scale: InterfaceScale,
+    pub show_scene_panel: bool,
+    pub show_render_panel: bool,
+    pub show_problems: bool,
+    pub tab: Tab,
+    /// Paths, latest first.
+    pub recent: Vec<String>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            pane_count: 4,
+            panes: [
+                PaneContent::Mode(Mode::Stack),
+                PaneContent::Mode(Mode::Rectified),
+                PaneContent::Mode(Mode::Naive),
+                PaneContent::Difference(Mode::Stack, Mode::Rectified),
+            ],
+            arrangement: Arrangement::Tiles,
+            display: Display::default(),
+            signed_difference: false,
+            resolution_scale: 1.0,
+            max_depth: None,
+            sample_limit: Some(4096),
+            theme: Theme::Dark,
+            interface_scale: InterfaceScale::Automatic,
+            show_scene_panel: true,
+            show_render_panel: true,
+            show_problems: true,
+            tab: Tab::Render,
+            recent: Vec::new(),
+        }
+    }
+}
+
+impl Settings {
+    /// Brings what came from an older or damaged file back into range.
+    #[must_use]
+    pub fn repaired(mut self) -> Self {
+        if ![1, 2, 4].contains(&self.pane_count) {
+            self.pane_count = 4;
+        }
+        if !self.display.exposure.is_finite() {
+            self.display.exposure = 0.0;
+        }
+        if !(self.resolution_scale > 0.05 && self.resolution_scale <= 4.0) {
+            self.resolution_scale = 1.0;
+        }
+        if let InterfaceScale::Factor(factor) = self.interface_scale
+            && !(0.5..=4.0).contains(&factor)
+        {
+            self.interface_scale = InterfaceScale::Automatic;
+        }
+        self.max_depth = self.max_depth.map(|depth| depth.max(1));
+        self.sample_limit = self.sample_limit.map(|limit| limit.max(1));
+        self.recent.truncate(MAX_RECENT);
+        self
+    }
+
+    /// The panes that are shown.
+    pub fn shown_panes(&self) -> &[PaneContent] {
+        &self.panes[..self.pane_count]
+    }
+
+    /// The distinct modes that the panes need, in the order of [`Mode::ALL`].
+    pub fn modes(&self) -> Vec<Mode> {
+        let needed: Vec<Mode> = self.shown_panes().iter().flat_map(|content| content.modes()).collect();
+        Mode::ALL.into_iter().filter(|mode| needed.contains(mode)).collect()
+    }
+
+    /// Puts a file at the head of the recent ones.
+    pub fn remember(&mut self, path: &str) {
+        self.recent.retain(|known| known != path);
+        self.recent.insert(0, path.to_owned());
+        self.recent.truncate(MAX_RECENT);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn modes_are_distinct_and_ordered() {
+        let mut settings = Settings { pane_count: 4, ..Settings::default() };
+        settings.panes = [
+            PaneContent::Mode(Mode::Rectified),
+            PaneContent::Difference(Mode::Naive, Mode::Rectified),
+            PaneContent::Mode(Mode::Naive),
+            PaneContent::Mode(Mode::Rectified),
+        ];
+        assert_eq!(settings.modes(), [Mode::Naive, Mode::Rectified]);
+        assert_eq!(PaneContent::differences().count(), 6);
+    }
+
+    #[test]
+    fn recent_files_are_distinct_and_few() {
+        let mut settings = Settings::default();
+        (0..20).for_each(|i| settings.remember(&format!("{i}.toml")));
+        settings.remember("15.toml");
+        assert_eq!(settings.recent.len(), MAX_RECENT);
+        assert_eq!(&settings.recent[..2], ["15.toml", "19.toml"]);
+        assert_eq!(settings.recent.iter().filter(|path| *path == "15.toml").count(), 1);
+    }
+
+    #[test]
+    fn impossible_settings_are_repaired() {
+        let broken = Settings {
+            pane_count: 3,
+            resolution_scale: f32::NAN,
+            max_depth: Some(0),
+            interface_scale: InterfaceScale::Factor(90.0),
+            ..Settings::default()
+        }
+        .repaired();
+        assert_eq!((broken.pane_count, broken.resolution_scale, broken.max_depth), (4, 1.0, Some(1)));
+        assert_eq!(broken.interface_scale, InterfaceScale::Automatic);
+    }
+}

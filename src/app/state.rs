@@ -1,0 +1,504 @@
+//! The application's state, and the one place where commands change it. Knows nothing of widgets.
+
+use std::sync::Arc;
+
+use super::command::{Command, MediumRef};
+use super::document::{Document, EditKey, with_absorption, with_ior};
+use super::navigation;
+use super::settings::{InterfaceScale, MAX_PANES, Settings, Theme};
+use crate::estimator::trace::{Follow, TracedPath, trace};
+use crate::geometry::Ray;
+use crate::render::worker::{Request, SceneReport};
+use crate::scene::camera::Camera;
+use crate::scene::description::CameraDescription;
+use crate::scene::{Description, SceneError};
+
+/// Segments after which the inspector stops following a path.
+const INSPECTOR_DEPTH: u32 = 200;
+/// Largest magnification of the picture.
+pub const MAX_ZOOM: f32 = 64.0;
+
+/// A message that stays until it is dismissed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Notice {
+    pub id: u64,
+    pub is_error: bool,
+    pub text: String,
+}
+
+/// The linked view of all panes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    pub camera: CameraDescription,
+    /// Magnification of the picture, at least 1.
+    pub zoom: f32,
+    /// The point in [0, 1]² of the film that is in the middle of a pane.
+    pub zoom_center: [f32; 2],
+    /// Where the wipe's dividers stand, in [0, 1]².
+    pub divider: [f32; 2],
+    pub active_pane: usize,
+}
+
+/// The path that the inspector shows.
+#[derive(Debug, Clone)]
+pub struct Inspection {
+    /// In [0, 1]² of the film, y down.
+    pub point: [f64; 2],
+    pub follow: Follow,
+    pub path: Option<TracedPath>,
+    /// What `path` was traced for.
+    key: Option<InspectionKey>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct InspectionKey {
+    scene_epoch: u64,
+    camera: CameraDescription,
+    mode: crate::tracking::Mode,
+    size: [u32; 2],
+    follow: Follow,
+}
+
+/// Windows that are open over the main one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Windows {
+    pub gallery: bool,
+    pub shortcuts: bool,
+    pub about: bool,
+}
+
+/// Everything that the window shows, apart from images.
+#[derive(Debug)]
+pub struct State {
+    pub document: Document,
+    /// The last document that could be rendered, to return to when another cannot.
+    last_good: Option<Document>,
+    pub settings: Settings,
+    pub view: View,
+    pub is_paused: bool,
+    pub notices: Vec<Notice>,
+    next_notice: u64,
+    pub windows: Windows,
+    /// The object that is highlighted in the tree, by name.
+    pub selected: Option<String>,
+    pub inspection: Option<Inspection>,
+    /// The scene as the worker prepared it.
+    pub report: Option<Arc<SceneReport>>,
+    /// Size of a film, in pixels.
+    film_size: [u32; 2],
+    epoch: u64,
+    /// Images of earlier epochs belong to another scene and are not shown.
+    epoch_floor: u64,
+    /// Whether the worker should be told.
+    has_news: bool,
+}
+
+impl State {
+    pub fn new(description: Arc<Description>, settings: Settings) -> Self {
+        let camera = description.camera;
+        Self {
+            document: Document::new(description),
+            last_good: None,
+            settings: settings.repaired(),
+            view: View { camera, zoom: 1.0, zoom_center: [0.5; 2], divider: [0.5; 2], active_pane: 0 },
+            is_paused: false,
+            notices: Vec::new(),
+            next_notice: 0,
+            windows: Windows::default(),
+            selected: None,
+            inspection: None,
+            report: None,
+            film_size: [0; 2],
+            epoch: 1,
+            epoch_floor: 1,
+            has_news: true,
+        }
+    }
+
+    /// The present epoch: images of it show what the state says.
+    pub fn epoch(&self) -> u64 {
+        self.epoch
+    }
+
+    /// The earliest epoch whose images may be shown.
+    pub fn epoch_floor(&self) -> u64 {
+        self.epoch_floor
+    }
+
+    pub fn film_size(&self) -> [u32; 2] {
+        self.film_size
+    }
+
+    /// The camera that the films are taken with: in a pane that is higher than wide the field of view goes over the width, or the sides
+    /// of the scene would be cut off.
+    pub fn film_camera(&self) -> CameraDescription {
+        let [width, height] = self.film_size.map(f64::from);
+        let camera = self.view.camera;
+        if width >= height || width == 0.0 {
+            return camera;
+        }
+        let half = (camera.vertical_fov.to_radians() / 2.0).tan() * height / width;
+        CameraDescription { vertical_fov: 2.0 * half.atan().to_degrees(), ..camera }
+    }
+
+    /// The images are out of date.
+    fn invalidate(&mut self) {
+        self.epoch += 1;
+        self.has_news = true;
+    }
+
+    /// Says how large the panes are, in pixels.
+    pub fn set_film_size(&mut self, size: [u32; 2]) {
+        if size != self.film_size {
+            self.film_size = size;
+            self.invalidate();
+        }
+    }
+
+    /// A request for the worker, if anything has changed since the last one and there is room for an image.
+    pub fn take_request(&mut self) -> Option<Request> {
+        if !self.has_news || self.film_size.contains(&0) {
+            return None;
+        }
+        self.has_news = false;
+        Some(Request {
+            epoch: self.epoch,
+            description: Arc::clone(self.document.description()),
+            camera: self.film_camera(),
+            modes: self.settings.modes(),
+            size: self.film_size,
+            seed: 0,
+            max_depth: self.settings.max_depth,
+            sample_limit: self.settings.sample_limit,
+            is_paused: self.is_paused,
+        })
+    }
+
+    /// Shows another scene.
+    pub fn open(&mut self, description: Description) {
+        if let Some(source) = &description.source
+            && !source.is_builtin
+        {
+            self.settings.remember(&source.path.display().to_string());
+        }
+        self.view = View {
+            camera: description.camera,
+            zoom: 1.0,
+            zoom_center: [0.5; 2],
+            divider: self.view.divider,
+            active_pane: self.view.active_pane,
+        };
+        self.document = Document::new(Arc::new(description));
+        self.selected = None;
+        self.inspection = None;
+        self.invalidate();
+        self.epoch_floor = self.epoch;
+    }
+
+    /// A scene has been prepared.
+    pub fn scene_ready(&mut self, report: Arc<SceneReport>) {
+        if Arc::ptr_eq(&report.prepared.description, self.document.description()) {
+            self.last_good = Some(self.document.clone());
+        }
+        if report.epoch >= self.epoch_floor {
+            self.report = Some(report);
+        }
+    }
+
+    /// A request could not be served: says so and returns to what can be shown.
+    pub fn scene_failed(&mut self, epoch: u64, error: &SceneError) {
+        self.notify_error(error.to_string());
+        // A later edit may have mended it already.
+        if epoch == self.epoch
+            && let Some(good) = self.last_good.clone()
+            && !Arc::ptr_eq(good.description(), self.document.description())
+        {
+            let is_same_file = good.path == self.document.path;
+            if !is_same_file || Camera::new(&self.view.camera).is_err() {
+                self.view.camera = good.description().camera;
+            }
+            self.document = good;
+            self.invalidate();
+        }
+    }
+
+    pub fn notify(&mut self, text: impl Into<String>) {
+        self.push_notice(false, text.into());
+    }
+
+    pub fn notify_error(&mut self, text: impl Into<String>) {
+        self.push_notice(true, text.into());
+    }
+
+    fn push_notice(&mut self, is_error: bool, text: String) {
+        // The same message twice is one message.
+        self.notices.retain(|notice| notice.text != text);
+        self.notices.push(Notice { id: self.next_notice, is_error, text });
+        self.next_notice += 1;
+    }
+
+    /// The path under the inspected pixel in the active pane's mode, traced again when anything it depends on has changed.
+    pub fn refresh_inspection(&mut self) {
+        let mode = self.settings.panes[self.view.active_pane].inspected_mode();
+        let film_camera = self.film_camera();
+        let (Some(inspection), Some(report)) = (&mut self.inspection, &self.report) else { return };
+        let key = InspectionKey {
+            scene_epoch: report.epoch,
+            camera: film_camera,
+            mode,
+            size: self.film_size,
+            follow: inspection.follow,
+        };
+        if inspection.key == Some(key) {
+            return;
+        }
+        inspection.key = Some(key);
+        inspection.path = Camera::new(&film_camera).ok().map(|camera| {
+            let ray = ray_through(&camera, self.film_size, inspection.point);
+            let depth = self.settings.max_depth.unwrap_or(INSPECTOR_DEPTH).min(INSPECTOR_DEPTH);
+            trace(&report.prepared, mode, ray, inspection.follow, 0, Some(depth))
+        });
+    }
+
+    fn edit(&mut self, key: EditKey, now_secs: f64, edited: Option<Description>) {
+        if let Some(edited) = edited {
+            self.document.edit(key, now_secs, edited);
+            self.invalidate();
+        }
+    }
+
+    /// Applies a command; commands that need files or the window itself are not for here. `now_secs` is a steady clock.
+    pub fn apply(&mut self, command: Command, now_secs: f64) {
+        match command {
+            Command::SetIor(medium, ior) => {
+                let n = ior.ior();
+                if n.is_finite() && n > 0.0 {
+                    let edited = with_ior(self.document.description(), &medium, ior);
+                    self.edit(EditKey::Ior(medium), now_secs, edited);
+                } else {
+                    self.notify_error(format!("An index of refraction must be greater than 0, not {n}."));
+                }
+            }
+            Command::SetAbsorption(medium, absorption) => {
+                if absorption.iter().all(|x| x.is_finite() && *x >= 0.0) {
+                    let edited = with_absorption(self.document.description(), &medium, absorption);
+                    self.edit(EditKey::Absorption(medium), now_secs, edited);
+                }
+            }
+            Command::KeepView => {
+                let mut edited = Description::clone(self.document.description());
+                edited.camera = self.view.camera;
+                self.edit(EditKey::Camera, now_secs, Some(edited));
+            }
+            Command::Undo => {
+                if self.document.undo() {
+                    self.invalidate();
+                }
+            }
+            Command::Redo => {
+                if self.document.redo() {
+                    self.invalidate();
+                }
+            }
+            Command::SetCamera(camera) => self.set_camera(camera),
+            Command::ResetCamera => self.set_camera(self.document.description().camera),
+            Command::SetPaneCount(count) => self.change_panes(|settings| settings.pane_count = count),
+            Command::SetPaneContent(pane, content) if pane < MAX_PANES => {
+                self.change_panes(|settings| settings.panes[pane] = content);
+            }
+            Command::SetActivePane(pane) => self.view.active_pane = pane.min(self.settings.pane_count - 1),
+            Command::SetArrangement(arrangement) => self.settings.arrangement = arrangement,
+            Command::SetDivider(divider) => self.view.divider = divider.map(|x| x.clamp(0.02, 0.98)),
+            Command::SetZoom(zoom, center) => {
+                self.view.zoom = zoom.clamp(1.0, MAX_ZOOM);
+                let margin = 0.5 / self.view.zoom;
+                self.view.zoom_center = center.map(|x| x.clamp(margin, 1.0 - margin));
+            }
+            Command::Inspect(point) => self.inspect(point),
+            Command::LookAt(point) => self.look_at(point),
+            Command::SetFollow(follow) => {
+                if let Some(inspection) = &mut self.inspection {
+                    inspection.follow = follow;
+                }
+            }
+            Command::SetExposure(exposure) if exposure.is_finite() => self.settings.display.exposure = exposure,
+            Command::SetCurve(curve) => self.settings.display.curve = curve,
+            Command::SetSignedDifference(signed) => self.settings.signed_difference = signed,
+            Command::SetResolutionScale(scale) => self.settings.resolution_scale = scale.clamp(0.1, 4.0),
+            Command::SetMaxDepth(depth) => {
+                self.settings.max_depth = depth.map(|depth| depth.max(1));
+                self.invalidate();
+            }
+            Command::SetSampleLimit(limit) => {
+                self.settings.sample_limit = limit.map(|limit| limit.max(1));
+                self.has_news = true;
+            }
+            Command::TogglePause => {
+                self.is_paused = !self.is_paused;
+                self.has_news = true;
+            }
+            Command::Restart => {
+                self.is_paused = false;
+                self.invalidate();
+            }
+            Command::ClearRecent => self.settings.recent.clear(),
+            Command::ToggleScenePanel => self.settings.show_scene_panel ^= true,
+            Command::ToggleRenderPanel => self.settings.show_render_panel ^= true,
+            Command::ToggleBothPanels => {
+                let show = !(self.settings.show_scene_panel || self.settings.show_render_panel);
+                self.settings.show_scene_panel = show;
+                self.settings.show_render_panel = show;
+            }
+            Command::ToggleProblems => self.settings.show_problems ^= true,
+            Command::ShowTab(tab) => {
+                self.settings.tab = tab;
+                self.settings.show_render_panel = true;
+            }
+            Command::SetTheme(theme) => self.settings.theme = theme,
+            Command::SetInterfaceScale(scale) => self.settings.interface_scale = scale,
+            Command::SelectObject(object) => self.selected = object,
+            Command::ShowGallery(show) => self.windows = Windows { gallery: show, ..Windows::default() },
+            Command::ShowShortcuts(show) => self.windows = Windows { shortcuts: show, ..Windows::default() },
+            Command::ShowAbout(show) => self.windows = Windows { about: show, ..Windows::default() },
+            Command::DismissNotice(id) => self.notices.retain(|notice| notice.id != id),
+            Command::Escape => self.escape(),
+            Command::SetPaneContent(..)
+            | Command::SetExposure(_)
+            | Command::StepInterfaceScale(_)
+            | Command::AskOpen
+            | Command::Open(_)
+            | Command::Save
+            | Command::AskSaveAs
+            | Command::SaveAs(_)
+            | Command::AskExport(_)
+            | Command::Export(..)
+            | Command::Quit
+            | Command::QuitAnyway => {}
+        }
+    }
+
+    fn set_camera(&mut self, camera: CameraDescription) {
+        if camera != self.view.camera && Camera::new(&camera).is_ok() {
+            self.view.camera = camera;
+            self.invalidate();
+        }
+    }
+
+    /// Changes what the panes show; images are kept when the modes stay the same.
+    fn change_panes(&mut self, change: impl FnOnce(&mut Settings)) {
+        let before = self.settings.modes();
+        change(&mut self.settings);
+        self.view.active_pane = self.view.active_pane.min(self.settings.pane_count - 1);
+        if self.settings.modes() != before {
+            self.invalidate();
+        }
+    }
+
+    fn inspect(&mut self, point: Option<[f64; 2]>) {
+        let follow = self.inspection.as_ref().map_or(Follow::Transmit, |inspection| inspection.follow);
+        self.inspection =
+            point.map(|p| Inspection { point: p.map(|x| x.clamp(0.0, 1.0)), follow, path: None, key: None });
+    }
+
+    fn look_at(&mut self, point: [f64; 2]) {
+        let (Some(report), Ok(camera)) = (&self.report, Camera::new(&self.film_camera())) else { return };
+        let ray = ray_through(&camera, self.film_size, point);
+        let mode = self.settings.panes[self.view.active_pane].inspected_mode();
+        let path = trace(&report.prepared, mode, ray, Follow::Transmit, 0, Some(1));
+        if let Some(vertex) = path.vertices.first() {
+            self.set_camera(CameraDescription { target: vertex.position.into(), ..self.view.camera });
+        }
+    }
+
+    fn escape(&mut self) {
+        if self.windows != Windows::default() {
+            self.windows = Windows::default();
+        } else if self.inspection.is_some() {
+            self.inspection = None;
+        } else if let Some(last) = self.notices.last() {
+            let id = last.id;
+            self.notices.retain(|notice| notice.id != id);
+        } else if self.view.zoom > 1.0 {
+            self.view.zoom = 1.0;
+        }
+    }
+
+    /// The size of interface for a window of `window` points at factor 1 on a screen of `monitor` points (if it is known).
+    pub fn interface_factor(&self, window: [f32; 2], monitor: Option<[f32; 2]>) -> f32 {
+        match self.settings.interface_scale {
+            InterfaceScale::Factor(factor) => factor,
+            InterfaceScale::Automatic => automatic_factor(window, monitor),
+        }
+    }
+
+    /// Whether the dark theme is wanted; `None` follows the system.
+    pub fn wants_dark(&self) -> Option<bool> {
+        match self.settings.theme {
+            Theme::System => None,
+            Theme::Dark => Some(true),
+            Theme::Light => Some(false),
+        }
+    }
+
+    /// Distance at which dollying begins to push the target ahead: small against the scene.
+    pub fn near_distance(&self) -> f64 {
+        let scene = self.document.description().camera;
+        0.02 * scene.position.distance(scene.target)
+    }
+
+    /// Moves the camera by what the pointer did in a pane of `height` points.
+    pub fn navigate(&self, motion: Motion, height: f32) -> Command {
+        let per_height =
+            |drag: [f32; 2]| glam::DVec2::new(f64::from(drag[0]), f64::from(drag[1])) / f64::from(height.max(1.0));
+        Command::SetCamera(match motion {
+            Motion::Orbit(drag) => navigation::orbit(&self.view.camera, per_height(drag)),
+            Motion::Pan(drag) => navigation::pan(&self.view.camera, per_height(drag)),
+            Motion::Dolly(steps) => navigation::dolly(&self.view.camera, f64::from(steps), self.near_distance()),
+        })
+    }
+}
+
+/// What the pointer did, in points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion {
+    Orbit([f32; 2]),
+    Pan([f32; 2]),
+    /// Wheel notches, positive towards the target.
+    Dolly(f32),
+}
+
+/// The ray through the middle of the pixel at a point in [0, 1]² of the film, from the middle of the lens.
+fn ray_through(camera: &Camera, film_size: [u32; 2], point: [f64; 2]) -> Ray {
+    let size = glam::UVec2::from(film_size).as_dvec2();
+    let pixel = (size * glam::DVec2::from(point)).floor() + 0.5;
+    camera.ray(pixel.min(size - 0.5), size, glam::DVec2::ZERO)
+}
+
+/// Text of a comfortable size: larger on a screen with many points, never so large that the window cannot hold the panels.
+fn automatic_factor(window: [f32; 2], monitor: Option<[f32; 2]>) -> f32 {
+    let fit = |size: [f32; 2], comfortable: [f32; 2]| (size[0] / comfortable[0]).min(size[1] / comfortable[1]);
+    let wanted = fit(monitor.unwrap_or(window), [1700.0, 960.0]);
+    let possible = fit(window, [1240.0, 690.0]);
+    let quarters = (wanted.min(possible) * 4.0).floor() / 4.0;
+    quarters.clamp(1.0, 3.0)
+}
+
+/// The medium that an object of the tree is made of.
+pub fn medium_of(description: &Description, object: &str) -> Option<MediumRef> {
+    let refractor = description.refractors.iter().find(|refractor| refractor.name == object)?;
+    Some(MediumRef::Named(refractor.medium.clone()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::automatic_factor;
+
+    #[test]
+    fn text_grows_with_the_screen_but_the_panels_still_fit() {
+        assert_eq!(automatic_factor([1280.0, 720.0], Some([1280.0, 720.0])), 1.0);
+        assert_eq!(automatic_factor([1920.0, 1080.0], Some([1920.0, 1080.0])), 1.0);
+        assert_eq!(automatic_factor([3840.0, 2160.0], Some([3840.0, 2160.0])), 2.25);
+        assert_eq!(automatic_factor([1280.0, 720.0], Some([3840.0, 2160.0])), 1.0);
+        assert_eq!(automatic_factor([400.0, 300.0], None), 1.0);
+    }
+}

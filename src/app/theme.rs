@@ -1,0 +1,220 @@
+//! Colours, type and spacing, in one place, for the dark and the light theme.
+//!
+//! Colours that carry meaning come from Okabe and Ito's palette (2008), which stays distinct for colour-blind eyes; a word or a mark
+//! always says the same.
+
+use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, Style, TextStyle, Visuals};
+
+use crate::check::Severity;
+use crate::tracking::Mode;
+
+/// Space between the controls of one group and between groups, in points.
+pub const GAP: f32 = 6.0;
+/// Space between sections.
+pub const SECTION_GAP: f32 = 14.0;
+/// Widths of the side panels.
+pub const SCENE_PANEL_WIDTH: f32 = 276.0;
+pub const RENDER_PANEL_WIDTH: f32 = 264.0;
+
+/// Marks that say in shape what colours say too; the fonts have each of them.
+pub const WARNING_MARK: &str = "▲";
+pub const ERROR_MARK: &str = "■";
+pub const ADVICE_MARK: &str = "◆";
+pub const CHECK_MARK: &str = "√";
+pub const CLOSE_MARK: &str = "×";
+pub const DOT: &str = "●";
+
+/// Text style of section titles.
+pub fn section_style() -> TextStyle {
+    TextStyle::Name("section".into())
+}
+
+/// Text style of numbers in dense tables.
+pub fn small_mono_style() -> TextStyle {
+    TextStyle::Name("small mono".into())
+}
+
+const fn rgb(hex: u32) -> Color32 {
+    Color32::from_rgb((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
+}
+
+/// Colours of a theme that widgets do not have of their own.
+#[derive(Debug, Clone, Copy)]
+pub struct Palette {
+    pub is_dark: bool,
+    /// Behind the picture.
+    pub canvas: Color32,
+    pub accent: Color32,
+    pub warning: Color32,
+    pub error: Color32,
+    pub good: Color32,
+    /// Lines of the tree, borders.
+    pub line: Color32,
+    pub weak_text: Color32,
+}
+
+const DARK: Palette = Palette {
+    is_dark: true,
+    canvas: rgb(0x0e0f11),
+    accent: rgb(0x5ab0f0),
+    warning: rgb(0xf0b030),
+    error: rgb(0xf2785c),
+    good: rgb(0x3fc69a),
+    line: rgb(0x3a3e45),
+    weak_text: rgb(0x9299a3),
+};
+
+const LIGHT: Palette = Palette {
+    is_dark: false,
+    canvas: rgb(0xc9ccd1),
+    accent: rgb(0x0a66b2),
+    warning: rgb(0x8f5b00),
+    error: rgb(0xb23c00),
+    good: rgb(0x00704f),
+    line: rgb(0xc6cad0),
+    weak_text: rgb(0x5d646e),
+};
+
+impl Palette {
+    /// The palette of the theme that `ui` has.
+    pub fn of(ui: &egui::Ui) -> Self {
+        if ui.visuals().dark_mode { DARK } else { LIGHT }
+    }
+
+    /// The mark of a mode, on labels and in tables.
+    pub fn mode(&self, mode: Mode) -> Color32 {
+        match (mode, self.is_dark) {
+            (Mode::Naive, true) => rgb(0xe69f00),
+            (Mode::Stack, true) => rgb(0x56b4e9),
+            (Mode::Rectified, true) => rgb(0x2fc090),
+            (Mode::Reference, true) => rgb(0xd98cb3),
+            (Mode::Naive, false) => rgb(0xb27700),
+            (Mode::Stack, false) => rgb(0x2280b8),
+            (Mode::Rectified, false) => rgb(0x00845c),
+            (Mode::Reference, false) => rgb(0xa84e80),
+        }
+    }
+
+    /// The swatch of the medium at `index` in the scene's list.
+    pub fn medium(&self, index: usize) -> Color32 {
+        const COLORS: [u32; 8] = [0x56b4e9, 0xe69f00, 0x009e73, 0xcc79a7, 0xf0e442, 0x0072b2, 0xd55e00, 0xa6a6f0];
+        rgb(COLORS[index % COLORS.len()])
+    }
+
+    /// The swatch of the global medium.
+    pub fn world(&self) -> Color32 {
+        if self.is_dark { rgb(0x8a8f98) } else { rgb(0x9aa0a8) }
+    }
+
+    pub fn severity(&self, severity: Severity) -> Color32 {
+        match severity {
+            Severity::Error => self.error,
+            Severity::Warning => self.warning,
+            Severity::Advice => self.accent,
+        }
+    }
+}
+
+/// Puts both themes into the context.
+pub fn install(ctx: &egui::Context) {
+    let mut fonts = egui::FontDefinitions::default();
+    if let Some(family) = fonts.families.get_mut(&FontFamily::Proportional) {
+        // Arrows, dots and triangles, which the proportional font lacks.
+        family.push("Hack".to_owned());
+    }
+    ctx.set_fonts(fonts);
+    ctx.set_style_of(egui::Theme::Dark, style(true));
+    ctx.set_style_of(egui::Theme::Light, style(false));
+    // The size of the interface has a setting of its own.
+    ctx.options_mut(|options| options.zoom_with_keyboard = false);
+}
+
+fn style(is_dark: bool) -> Style {
+    use FontFamily::{Monospace, Proportional};
+    let mut style = Style { visuals: visuals(is_dark), ..Style::default() };
+    style.text_styles = [
+        (TextStyle::Heading, FontId::new(16.0, Proportional)),
+        (TextStyle::Body, FontId::new(13.0, Proportional)),
+        (TextStyle::Button, FontId::new(13.0, Proportional)),
+        (TextStyle::Small, FontId::new(11.0, Proportional)),
+        (TextStyle::Monospace, FontId::new(12.0, Monospace)),
+        (section_style(), FontId::new(11.0, Proportional)),
+        (small_mono_style(), FontId::new(11.0, Monospace)),
+    ]
+    .into();
+    style.drag_value_text_style = TextStyle::Monospace;
+    let spacing = &mut style.spacing;
+    spacing.item_spacing = egui::vec2(GAP, 4.0);
+    spacing.button_padding = egui::vec2(8.0, 3.0);
+    spacing.interact_size = egui::vec2(36.0, 22.0);
+    spacing.slider_rail_height = 4.0;
+    spacing.combo_width = 60.0;
+    spacing.menu_margin = Margin::same(5);
+    spacing.window_margin = Margin::same(14);
+    spacing.tooltip_width = 320.0;
+    spacing.icon_width = 15.0;
+    spacing.scroll = egui::style::ScrollStyle::thin();
+    style.interaction.selectable_labels = false;
+    style.interaction.tooltip_delay = 0.6;
+    style.animation_time = 0.1;
+    style
+}
+
+fn visuals(is_dark: bool) -> Visuals {
+    let mut v = if is_dark { Visuals::dark() } else { Visuals::light() };
+    let radius = CornerRadius::same(4);
+    // Panel, control, hovered control, pressed control, text, strong text.
+    let [panel, raised, control, hover, press, text, strong] = if is_dark {
+        [0x1b1d20, 0x232629, 0x2d3136, 0x383d44, 0x24272b, 0xd3d6da, 0xf4f5f6].map(rgb)
+    } else {
+        [0xf3f4f6, 0xffffff, 0xe2e5e9, 0xd5d9df, 0xc6ccd4, 0x24282d, 0x000000].map(rgb)
+    };
+    let palette = if is_dark { DARK } else { LIGHT };
+    v.panel_fill = panel;
+    v.window_fill = raised;
+    v.window_stroke = Stroke::new(1.0, palette.line);
+    v.window_corner_radius = CornerRadius::same(8);
+    v.menu_corner_radius = CornerRadius::same(6);
+    v.window_shadow = Shadow {
+        offset: [0, 8],
+        blur: 28,
+        spread: 0,
+        color: Color32::from_black_alpha(if is_dark { 140 } else { 50 }),
+    };
+    v.popup_shadow = Shadow {
+        offset: [0, 4],
+        blur: 14,
+        spread: 0,
+        color: Color32::from_black_alpha(if is_dark { 120 } else { 40 }),
+    };
+    v.faint_bg_color = if is_dark { rgb(0x212428) } else { rgb(0xebedf0) };
+    v.extreme_bg_color = if is_dark { rgb(0x131517) } else { rgb(0xffffff) };
+    v.weak_text_color = Some(palette.weak_text);
+    v.warn_fg_color = palette.warning;
+    v.error_fg_color = palette.error;
+    v.hyperlink_color = palette.accent;
+    v.selection.bg_fill = if is_dark { rgb(0x1f4d73) } else { rgb(0xbcdcf7) };
+    v.selection.stroke = Stroke::new(1.0, if is_dark { rgb(0xeaf4fd) } else { rgb(0x06304f) });
+    v.slider_trailing_fill = true;
+    v.handle_shape = egui::style::HandleShape::Circle;
+    v.indent_has_left_vline = false;
+    let widgets = &mut v.widgets;
+    let all = [
+        (&mut widgets.noninteractive, panel, text, Stroke::new(1.0, palette.line)),
+        (&mut widgets.inactive, control, text, Stroke::NONE),
+        (&mut widgets.hovered, hover, strong, Stroke::NONE),
+        (&mut widgets.active, press, strong, Stroke::new(1.0, palette.accent)),
+        (&mut widgets.open, hover, strong, Stroke::NONE),
+    ];
+    for (widget, fill, foreground, border) in all {
+        widget.bg_fill = fill;
+        widget.weak_bg_fill = fill;
+        widget.bg_stroke = border;
+        widget.fg_stroke = Stroke::new(1.0, foreground);
+        widget.corner_radius = radius;
+        widget.expansion = 0.0;
+    }
+    // Slider rails and check boxes must stand out from the panel.
+    widgets.inactive.bg_fill = if is_dark { rgb(0x434951) } else { rgb(0xc3c8cf) };
+    v
+}

@@ -1,0 +1,149 @@
+//! The middle of the window: one, two or four linked pictures.
+
+mod input;
+mod layout;
+mod overlay;
+
+use std::sync::Arc;
+
+use egui::{Color32, Rect, Sense, TextureHandle, TextureOptions, Ui, Vec2};
+
+use self::layout::{Pane, film_window, panes};
+pub use self::overlay::{content_menu_ui, event_meaning, event_name};
+use super::Shown;
+use super::command::Command;
+use super::develop::Picture;
+use super::settings::{Arrangement, PaneContent};
+use super::state::State;
+use super::theme::Palette;
+use crate::render::worker::Snapshot;
+
+/// The pictures on the graphics card.
+#[derive(Default)]
+pub struct Viewport {
+    shown: Shown<Shot>,
+    drag: Option<input::Drag>,
+}
+
+/// One picture.
+struct Shot {
+    texture: TextureHandle,
+    films: Vec<Arc<Snapshot>>,
+}
+
+impl Viewport {
+    /// Uploads new pictures. Those of epochs before `floor` belong to another scene and are dropped.
+    pub fn upload(&mut self, ctx: &egui::Context, pictures: Shown<Picture>, floor: u64) {
+        for (content, picture) in pictures {
+            if picture.films.iter().any(|film| film.epoch < floor) {
+                continue;
+            }
+            let is_preview = picture.films.iter().any(|film| film.is_preview());
+            let options = TextureOptions {
+                // Pixels of a finished picture stay pixels when one zooms in; previews are smoothed.
+                magnification: if is_preview { egui::TextureFilter::Linear } else { egui::TextureFilter::Nearest },
+                minification: egui::TextureFilter::Linear,
+                ..TextureOptions::default()
+            };
+            match self.shown.get_mut(&content) {
+                Some(shot) => {
+                    shot.texture.set(picture.image, options);
+                    shot.films = picture.films;
+                }
+                None => {
+                    let texture = ctx.load_texture(content.to_string(), picture.image, options);
+                    self.shown.insert(content, Shot { texture, films: picture.films });
+                }
+            }
+        }
+    }
+
+    /// Drops every picture: another scene is coming.
+    pub fn forget(&mut self) {
+        self.shown.clear();
+    }
+
+    /// The films that the picture of `content` was made from; empty before the first one.
+    pub fn films(&self, content: PaneContent) -> Vec<Arc<Snapshot>> {
+        self.shown.get(&content).map(|shot| shot.films.clone()).unwrap_or_default()
+    }
+
+    /// Samples per pixel of an up-to-date picture at full resolution; 0 before.
+    pub fn samples(&self, content: PaneContent, state: &State) -> u32 {
+        let films = self.films(content);
+        let is_current = films.iter().all(|film| film.epoch == state.epoch() && !film.is_preview());
+        if is_current { films.iter().map(|film| film.samples).min().unwrap_or(0) } else { 0 }
+    }
+
+    /// Shows the panes in all the room that is left, and reads the pointer.
+    pub fn show(&mut self, ui: &mut Ui, state: &mut State, commands: &mut Vec<Command>) {
+        let area = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(area, Sense::click_and_drag());
+        let palette = Palette::of(ui);
+        ui.painter().rect_filled(area, 0.0, palette.canvas);
+        if area.width() < 8.0 || area.height() < 8.0 {
+            return;
+        }
+        let settings = &state.settings;
+        let panes = panes(area, settings.pane_count, settings.arrangement, state.view.divider);
+        let film_size = film_size(ui, panes[0].picture.size(), settings.resolution_scale);
+        state.set_film_size(film_size);
+        self.shown.retain(|content, _| state.settings.shown_panes().contains(content));
+
+        self.read_pointer(ui, &response, state, &panes, commands);
+        for (index, pane) in panes.iter().enumerate() {
+            self.paint_picture(ui, state, index, *pane);
+        }
+        self.paint_dividers(ui, state, &panes);
+        for (index, pane) in panes.iter().enumerate() {
+            overlay::pane_ui(ui, state, &self.films(state.settings.panes[index]), index, *pane, commands);
+        }
+        overlay::area_ui(ui, state, area);
+    }
+
+    fn paint_picture(&self, ui: &Ui, state: &State, index: usize, pane: Pane) {
+        let painter = ui.painter().with_clip_rect(pane.visible.intersect(ui.clip_rect()));
+        if let Some(shot) = self.shown.get(&state.settings.panes[index]) {
+            let window = film_window(state.view.zoom, state.view.zoom_center);
+            painter.image(shot.texture.id(), pane.picture, window, Color32::WHITE);
+        } else {
+            let palette = Palette::of(ui);
+            let text = if state.report.is_none() { "Preparing the scene…" } else { "Rendering…" };
+            let font = egui::TextStyle::Body.resolve(ui.style());
+            painter.text(pane.visible.center(), egui::Align2::CENTER_CENTER, text, font, palette.weak_text);
+        }
+        overlay::paint_marker(&painter, state, pane.picture);
+        if state.settings.pane_count > 1 && index == state.view.active_pane {
+            let stroke = egui::Stroke::new(1.5, Palette::of(ui).accent);
+            painter.rect_stroke(pane.visible, 0.0, stroke, egui::StrokeKind::Inside);
+        }
+    }
+
+    fn paint_dividers(&self, ui: &Ui, state: &State, panes: &[Pane]) {
+        if state.settings.arrangement == Arrangement::Tiles || panes.len() < 2 {
+            return;
+        }
+        let area = panes[0].picture;
+        let first = panes[0].visible;
+        let line = |rect: Rect| {
+            ui.painter().rect_filled(rect.expand(1.0), 0.0, Color32::from_black_alpha(120));
+            ui.painter().rect_filled(rect, 0.0, Color32::from_white_alpha(230));
+        };
+        line(Rect::from_center_size(egui::pos2(first.right(), area.center().y), Vec2::new(1.0, area.height())));
+        let mut handle = egui::pos2(first.right(), area.center().y);
+        if panes.len() == 4 {
+            line(Rect::from_center_size(egui::pos2(area.center().x, first.bottom()), Vec2::new(area.width(), 1.0)));
+            handle.y = first.bottom();
+        }
+        overlay::paint_handle(ui.painter(), handle);
+    }
+}
+
+/// Pixels of a film for a pane of `points`, within what the graphics card can show.
+fn film_size(ui: &Ui, points: Vec2, scale: f32) -> [u32; 2] {
+    let most = ui.input(|input| input.max_texture_side).min(8192) as f32;
+    let pixels = points * ui.ctx().pixels_per_point() * scale;
+    // One factor for both sides keeps the picture's proportions.
+    let fit = (most / pixels.x.max(pixels.y)).min(1.0);
+    [pixels.x, pixels.y].map(|side| (side * fit).round().max(1.0) as u32)
+}

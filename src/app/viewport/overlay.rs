@@ -1,0 +1,260 @@
+//! What lies over the pictures: each pane's label, the inspected pixel, the legend of a difference.
+
+use std::sync::Arc;
+
+use egui::text::LayoutJob;
+use egui::{Align2, Button, Color32, Painter, Pos2, Rect, Stroke, TextFormat, Ui, UiBuilder, Vec2, pos2, vec2};
+
+use super::layout::{Pane, film_window, screen_from_film};
+use crate::app::command::Command;
+use crate::app::develop::difference_color;
+use crate::app::files::total_events;
+use crate::app::settings::{Arrangement, PaneContent};
+use crate::app::state::State;
+use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
+use crate::app::widgets::short_count;
+use crate::render::worker::Snapshot;
+use crate::tracking::Mode;
+
+/// Labels lie over pictures of any brightness: light text on a dark ground in both themes.
+const GROUND: Color32 = Color32::from_black_alpha(178);
+const TEXT: Color32 = Color32::from_rgb(0xf0, 0xf1, 0xf3);
+const WEAK: Color32 = Color32::from_rgb(0xb4, 0xb9, 0xc0);
+const ALERT: Color32 = Color32::from_rgb(0xf5, 0xc0, 0x4a);
+const MARGIN: f32 = 8.0;
+
+/// A pane's label, with the menu that chooses what it shows, and its legend.
+pub(super) fn pane_ui(
+    ui: &mut Ui,
+    state: &State,
+    films: &[Arc<Snapshot>],
+    index: usize,
+    pane: Pane,
+    commands: &mut Vec<Command>,
+) {
+    let content = state.settings.panes[index];
+    let room = pane.visible.shrink(MARGIN);
+    if room.width() < 40.0 || room.height() < 30.0 {
+        return;
+    }
+    // In a wipe the labels go to the outer corners, where the divider reaches them last.
+    let is_wipe = state.settings.arrangement == Arrangement::Wipe && state.settings.pane_count > 1;
+    let (to_right, to_bottom) = (is_wipe && index % 2 == 1, is_wipe && index >= 2);
+    let align = match (to_right, to_bottom) {
+        (false, false) => egui::Layout::top_down(egui::Align::Min),
+        (true, false) => egui::Layout::top_down(egui::Align::Max),
+        (false, true) => egui::Layout::bottom_up(egui::Align::Min),
+        (true, true) => egui::Layout::bottom_up(egui::Align::Max),
+    };
+    let mut child = ui.new_child(UiBuilder::new().max_rect(room).layout(align).id_salt(("label", index)));
+    child.set_clip_rect(pane.visible.intersect(ui.clip_rect()));
+    label_ui(&mut child, state, films, index, content, commands);
+
+    if let PaneContent::Difference(..) = content {
+        paint_legend(ui, state, room);
+    }
+}
+
+fn label_ui(
+    ui: &mut Ui,
+    state: &State,
+    films: &[Arc<Snapshot>],
+    index: usize,
+    content: PaneContent,
+    commands: &mut Vec<Command>,
+) {
+    let job = label_text(ui, films, content);
+    let button =
+        Button::new(job).fill(GROUND).stroke(Stroke::NONE).corner_radius(5).min_size(vec2(0.0, 24.0)).truncate();
+    let name = format!("Pane {}: {content}", index + 1);
+    let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+        if let Some(content) = content_menu_ui(ui, content) {
+            commands.push(Command::SetPaneContent(index, content));
+        }
+    });
+    let hint = match content {
+        PaneContent::Mode(mode) => mode.about().to_owned(),
+        PaneContent::Difference(a, b) => format!("The luminance of {a} less that of {b}, at the display's exposure."),
+    };
+    response.accessible_name(name).on_hover_text(format!("{hint}\nClick to show something else in this pane."));
+    let events = total_events(films);
+    if events.total() > 0 && matches!(content, PaneContent::Mode(_)) {
+        let (kind, count) = events.named().into_iter().max_by_key(|(_, count)| *count).unwrap_or_default();
+        let samples = films.iter().map(|f| f.samples_per_second() * f.seconds).sum::<f64>().max(1.0);
+        let text = format!("{WARNING_MARK} {} {}", short_count(count as f64), event_name(kind));
+        let text = egui::RichText::new(text).text_style(egui::TextStyle::Small).color(ALERT);
+        let chip = Button::new(text).fill(GROUND).stroke(Stroke::NONE).corner_radius(5).min_size(Vec2::ZERO).truncate();
+        let response = ui.add(chip.sense(egui::Sense::click()));
+        let tip = format!("{} ({:.2} per sample).\n{}", event_name(kind), count as f64 / samples, event_meaning(kind));
+        if response.accessible_name(format!("Events of pane {}", index + 1)).on_hover_text(tip).clicked() {
+            commands.push(Command::SetActivePane(index));
+            commands.push(Command::ShowTab(crate::app::settings::Tab::Render));
+        }
+    }
+    if state.is_paused && index == 0 {
+        let text = egui::RichText::new("paused").text_style(egui::TextStyle::Small).color(TEXT);
+        let chip = Button::new(text).fill(GROUND).stroke(Stroke::NONE).corner_radius(5).min_size(Vec2::ZERO);
+        if ui.add(chip).on_hover_text("Click to go on (Space).").clicked() {
+            commands.push(Command::TogglePause);
+        }
+    }
+}
+
+fn label_text(ui: &Ui, films: &[Arc<Snapshot>], content: PaneContent) -> LayoutJob {
+    let palette = Palette { is_dark: true, ..Palette::of(ui) };
+    let body = egui::TextStyle::Body.resolve(ui.style());
+    let mono = theme::small_mono_style().resolve(ui.style());
+    let mut job = LayoutJob::default();
+    let mut dot = |mode: Mode, space: f32| {
+        job.append(DOT, space, TextFormat::simple(egui::FontId::proportional(11.0), palette.mode(mode)));
+        job.append(mode.name(), 5.0, TextFormat::simple(body.clone(), TEXT));
+    };
+    match content {
+        PaneContent::Mode(mode) => dot(mode, 0.0),
+        PaneContent::Difference(a, b) => {
+            dot(a, 0.0);
+            dot(b, 9.0);
+            job.append("difference", 9.0, TextFormat::simple(body, TEXT));
+        }
+    }
+    let status = match films.iter().map(|film| film.samples).min() {
+        None => "…".to_owned(),
+        Some(_) if films.iter().any(|film| film.is_preview()) => "preview".to_owned(),
+        Some(samples) => format!("{samples} spp"),
+    };
+    job.append(&status, 9.0, TextFormat::simple(mono, WEAK));
+    job
+}
+
+/// The entries that choose what a pane shows.
+pub fn content_menu_ui(ui: &mut Ui, shown: PaneContent) -> Option<PaneContent> {
+    let mut chosen = None;
+    let palette = Palette::of(ui);
+    for mode in Mode::ALL {
+        let content = PaneContent::Mode(mode);
+        let mut job = LayoutJob::default();
+        let body = egui::TextStyle::Body.resolve(ui.style());
+        job.append(DOT, 0.0, TextFormat::simple(body.clone(), palette.mode(mode)));
+        job.append(mode.name(), 6.0, TextFormat::simple(body, ui.visuals().text_color()));
+        let response = ui.add(Button::selectable(shown == content, job).min_size(vec2(130.0, 0.0)));
+        if response.accessible_name(mode.name()).on_hover_text(mode.about()).clicked() {
+            chosen = Some(content);
+        }
+    }
+    ui.separator();
+    ui.menu_button("difference", |ui| {
+        for content in PaneContent::differences() {
+            if ui.selectable_label(shown == content, content.to_string()).clicked() {
+                chosen = Some(content);
+            }
+        }
+    });
+    if chosen.is_some() {
+        ui.close();
+    }
+    chosen
+}
+
+/// What an event is called on the screen.
+pub fn event_name(kind: &str) -> String {
+    match kind {
+        "inconsistent" => "inconsistent crossings".to_owned(),
+        "stack_underflow" => "exits without entry".to_owned(),
+        "stack_overflow" => "stack overflows".to_owned(),
+        "ambiguous" => "ambiguous answers".to_owned(),
+        "non_finite" => "samples not finite".to_owned(),
+        other => other.replace('_', " "),
+    }
+}
+
+/// What an event means.
+pub fn event_meaning(kind: &str) -> &'static str {
+    match kind {
+        "inconsistent" => {
+            "A path leaves another medium than the one it was in: the mode was wrong here or at the interface before."
+        }
+        "stack_underflow" => {
+            "A path left a medium that it never entered, because it started inside: the stack had nothing to pop."
+        }
+        "stack_overflow" => "More media inside each other than the stack can hold.",
+        "ambiguous" => "The rays that ask what contains a point did not agree.",
+        "non_finite" => "Samples that came out infinite or not a number; they are left out of the mean.",
+        _ => "",
+    }
+}
+
+/// A ring around the inspected pixel.
+pub(super) fn paint_marker(painter: &Painter, state: &State, picture: Rect) {
+    let Some(inspection) = &state.inspection else { return };
+    let window = film_window(state.view.zoom, state.view.zoom_center);
+    let film = pos2(inspection.point[0] as f32, inspection.point[1] as f32);
+    let center = screen_from_film(picture, window, film);
+    for (width, color) in [(3.5, Color32::from_black_alpha(170)), (1.5, Color32::WHITE)] {
+        let stroke = Stroke::new(width, color);
+        painter.circle_stroke(center, 7.0, stroke);
+        for direction in [vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)] {
+            painter.line_segment([center + direction * 7.0, center + direction * 12.0], stroke);
+        }
+    }
+}
+
+/// The knob of a wipe.
+pub(super) fn paint_handle(painter: &Painter, center: Pos2) {
+    painter.circle(center, 9.0, Color32::from_white_alpha(235), Stroke::new(1.0, Color32::from_black_alpha(140)));
+    for side in [-1.0, 1.0] {
+        let tip = center + vec2(side * 6.0, 0.0);
+        let stroke = Stroke::new(1.5, Color32::from_gray(50));
+        painter.line_segment([tip, tip + vec2(-side * 3.0, -3.0)], stroke);
+        painter.line_segment([tip, tip + vec2(-side * 3.0, 3.0)], stroke);
+    }
+}
+
+fn paint_legend(ui: &Ui, state: &State, room: Rect) {
+    const BAR: Vec2 = vec2(120.0, 8.0);
+    if room.width() < 180.0 || room.height() < 90.0 {
+        return;
+    }
+    let painter = ui.painter();
+    let frame = Rect::from_min_max(room.right_bottom() - vec2(BAR.x + 20.0, 36.0), room.right_bottom());
+    painter.rect_filled(frame, 5.0, GROUND);
+    let bar = Rect::from_min_size(frame.min + vec2(10.0, 8.0), BAR);
+    let is_signed = state.settings.signed_difference;
+    for step in 0..60 {
+        let part = step as f32 / 59.0;
+        let value = if is_signed { 2.0 * part - 1.0 } else { part };
+        let x = bar.left() + BAR.x * step as f32 / 60.0;
+        let slice = Rect::from_min_size(pos2(x, bar.top()), vec2(BAR.x / 60.0 + 0.5, BAR.y));
+        painter.rect_filled(slice, 0.0, difference_color(value, is_signed));
+    }
+    let end = f64::from(-state.settings.display.exposure).exp2();
+    let font = egui::FontId::monospace(10.0);
+    let number = |value: f64| {
+        let text = format!("{value:.3}");
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    };
+    let labels = if is_signed {
+        [format!("−{}", number(end)), "0".to_owned(), format!("+{}", number(end))]
+    } else {
+        ["0".to_owned(), number(end / 2.0), number(end)]
+    };
+    let places =
+        [(bar.left(), Align2::LEFT_TOP), (bar.center().x, Align2::CENTER_TOP), (bar.right(), Align2::RIGHT_TOP)];
+    for ((x, align), text) in places.into_iter().zip(labels) {
+        painter.text(pos2(x, bar.bottom() + 3.0), align, text, font.clone(), TEXT);
+    }
+}
+
+/// What belongs to all panes together.
+pub(super) fn area_ui(ui: &Ui, state: &State, area: Rect) {
+    if state.view.zoom > 1.0 {
+        let text = format!("{:.0} %   Z: whole picture", state.view.zoom * 100.0);
+        let font = theme::small_mono_style().resolve(ui.style());
+        let galley = ui.painter().layout_no_wrap(text, font, TEXT);
+        let frame = Rect::from_min_size(
+            pos2(area.left() + MARGIN, area.bottom() - MARGIN - galley.size().y - 8.0),
+            galley.size() + vec2(16.0, 8.0),
+        );
+        ui.painter().rect_filled(frame, 5.0, GROUND);
+        ui.painter().galley(frame.min + vec2(8.0, 4.0), galley, TEXT);
+    }
+}

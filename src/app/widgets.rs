@@ -1,0 +1,153 @@
+//! Small pieces that several panels are made of.
+
+use egui::{Align, Color32, Layout, Response, RichText, Sense, Ui, Vec2};
+
+use super::theme::{self, Palette, SECTION_GAP};
+
+/// A section's title with a line under it. `detail` stands at the right.
+pub fn section_ui(ui: &mut Ui, title: &str, detail: &str) {
+    ui.add_space(SECTION_GAP - ui.spacing().item_spacing.y);
+    section_first_ui(ui, title, detail);
+}
+
+/// [`section_ui`] without the space above.
+pub fn section_first_ui(ui: &mut Ui, title: &str, detail: &str) {
+    let palette = Palette::of(ui);
+    ui.horizontal(|ui| {
+        let text = RichText::new(title.to_uppercase()).text_style(theme::section_style()).color(palette.weak_text);
+        ui.label(text.extra_letter_spacing(0.8));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.label(RichText::new(detail).text_style(theme::small_mono_style()).color(palette.weak_text));
+        });
+    });
+    let rect = ui.allocate_exact_size(Vec2::new(ui.available_width(), 1.0), Sense::hover()).0;
+    ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(1.0, palette.line));
+    ui.add_space(2.0);
+}
+
+/// A row with a name at the left and a control that takes the rest of the width.
+pub fn row_ui<R>(ui: &mut Ui, name: &str, about: &str, add: impl FnOnce(&mut Ui) -> R) -> R {
+    const NAME_WIDTH: f32 = 84.0;
+    ui.horizontal(|ui| {
+        let height = ui.spacing().interact_size.y;
+        let (rect, response) = ui.allocate_exact_size(Vec2::new(NAME_WIDTH, height), Sense::hover());
+        let mut label =
+            ui.new_child(egui::UiBuilder::new().max_rect(rect).layout(Layout::left_to_right(Align::Center)));
+        label.add(egui::Label::new(name).truncate());
+        if !about.is_empty() {
+            response.on_hover_text(about);
+        }
+        ui.name_inputs(name, add)
+    })
+    .inner
+}
+
+/// Buttons of which one is chosen, joined to a bar that fills the width. Returns what was clicked.
+pub fn segmented_ui<T: PartialEq + Copy>(ui: &mut Ui, chosen: T, options: &[(T, &str, &str)]) -> Option<T> {
+    let mut clicked = None;
+    let gap = 2.0;
+    let width = (ui.available_width() - gap * (options.len() as f32 - 1.0)) / options.len() as f32;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = gap;
+        ui.spacing_mut().button_padding.x = 2.0;
+        for (value, name, about) in options {
+            let button = egui::Button::selectable(*value == chosen, *name)
+                .frame_when_inactive(true)
+                .min_size(Vec2::new(width, ui.spacing().interact_size.y));
+            let response = ui.add_sized([width, ui.spacing().interact_size.y], button);
+            let response = if about.is_empty() { response } else { response.on_hover_text(*about) };
+            if response.clicked() {
+                clicked = Some(*value);
+            }
+        }
+    });
+    clicked
+}
+
+/// A small square of a medium's colour.
+pub fn swatch_ui(ui: &mut Ui, color: Color32) -> Response {
+    let (rect, response) = ui.allocate_exact_size(Vec2::new(10.0, ui.spacing().interact_size.y), Sense::hover());
+    let square = egui::Rect::from_center_size(rect.center(), Vec2::splat(10.0));
+    ui.painter().rect_filled(square, 2.5, color);
+    ui.painter().rect_stroke(
+        square,
+        2.5,
+        egui::Stroke::new(1.0, Color32::from_black_alpha(70)),
+        egui::StrokeKind::Inside,
+    );
+    response
+}
+
+/// A value in monospaced digits.
+pub fn value(text: impl Into<String>) -> RichText {
+    RichText::new(text).text_style(theme::small_mono_style())
+}
+
+/// Secondary text.
+pub fn note(ui: &Ui, text: impl Into<String>) -> RichText {
+    RichText::new(text).small().color(Palette::of(ui).weak_text)
+}
+
+/// A name at the left and a value at the right, in small type.
+pub fn fact_ui(ui: &mut Ui, name: &str, text: impl Into<String>, about: &str) {
+    let response = ui
+        .horizontal(|ui| {
+            ui.label(RichText::new(name).small());
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.add(egui::Label::new(value(text)).truncate()));
+        })
+        .response;
+    if !about.is_empty() {
+        response.on_hover_text(about);
+    }
+}
+
+/// 1234567 as "1,234,567".
+pub fn thousands(count: u64) -> String {
+    let digits = count.to_string();
+    let mut out = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+/// A count in at most four characters and a prefix: "12", "3.4 k", "1.2 M".
+pub fn short_count(count: f64) -> String {
+    match count {
+        c if c >= 1e9 => format!("{:.1} G", c / 1e9),
+        c if c >= 1e6 => format!("{:.1} M", c / 1e6),
+        c if c >= 1e3 => format!("{:.1} k", c / 1e3),
+        c => format!("{c:.0}"),
+    }
+}
+
+/// A duration in seconds with a fitting unit.
+pub fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s >= 3600.0 => format!("{:.0} h {:02.0} min", (s / 3600.0).floor(), (s % 3600.0) / 60.0),
+        s if s >= 60.0 => format!("{:.0} min {:02.0} s", (s / 60.0).floor(), s % 60.0),
+        s if s >= 1.0 => format!("{s:.1} s"),
+        s if s >= 1e-3 => format!("{:.1} ms", s * 1e3),
+        s => format!("{:.0} µs", s * 1e6),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_readable() {
+        assert_eq!(thousands(0), "0");
+        assert_eq!(thousands(999), "999");
+        assert_eq!(thousands(1_234_567), "1,234,567");
+        assert_eq!(short_count(950.0), "950");
+        assert_eq!(short_count(3_100_000.0), "3.1 M");
+        assert_eq!(duration(0.000_4), "400 µs");
+        assert_eq!(duration(0.012), "12.0 ms");
+        assert_eq!(duration(75.0), "1 min 15 s");
+    }
+}

@@ -1,0 +1,71 @@
+//! What can go wrong when something is written.
+
+use std::io;
+use std::path::PathBuf;
+
+use crate::measure::MetricError;
+
+/// A picture that could not be made or written. Nothing was left behind.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// The folder that should hold the file does not exist.
+    #[error("{}: there is no folder `{}`; create it or choose another place", path.display(), folder.display())]
+    NoFolder {
+        /// As asked for.
+        path: PathBuf,
+        /// The missing folder.
+        folder: PathBuf,
+    },
+    /// The path is an existing folder.
+    #[error("{}: is a folder; add a file name such as `picture.png`", path.display())]
+    IsFolder {
+        /// As asked for.
+        path: PathBuf,
+    },
+    /// The path ends in no file name.
+    #[error("`{}` does not name a file", path.display())]
+    NoFileName {
+        /// As asked for.
+        path: PathBuf,
+    },
+    /// The extension says nothing that can be written.
+    #[error("{}: cannot tell the format; use a name that ends in {expected}", path.display())]
+    UnknownExtension {
+        /// As asked for.
+        path: PathBuf,
+        /// What would do.
+        expected: &'static str,
+    },
+    /// The system refused.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// As asked for.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// The encoder refused.
+    #[error("{}: cannot be encoded: {message}", path.display())]
+    Encode {
+        /// As asked for.
+        path: PathBuf,
+        /// The encoder's reason.
+        message: String,
+    },
+    /// A picture without pixels, or whose pixels do not go with its size.
+    #[error("a picture of {width}×{height} cannot hold {pixels} pixels")]
+    BadPicture {
+        /// Claimed width.
+        width: u32,
+        /// Claimed height.
+        height: u32,
+        /// Pixels given.
+        pixels: usize,
+    },
+    /// Panes that should be compared have different sizes, or there is none, or the baseline is not among them.
+    #[error("cannot compare: {0}")]
+    BadComparison(String),
+    /// The panes hold numbers that cannot be compared.
+    #[error(transparent)]
+    Metric(#[from] MetricError),
+}

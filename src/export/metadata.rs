@@ -1,0 +1,42 @@
+//! What a picture shows, in words that travel with it.
+
+use crate::render::Prepared;
+use crate::scene::world::{MediumId, WorldMedium};
+use crate::tracking::Mode;
+
+/// Text chunks for a picture of `prepared`: (keyword, text), in the order in which readers should see them. `samples` are those of
+/// every pixel.
+pub fn metadata(prepared: &Prepared, modes: &[Mode], samples: u32, seed: u64) -> Vec<(String, String)> {
+    metadata_for_media(&prepared.description.name, &prepared.world.media, modes, samples, seed)
+}
+
+/// [`metadata`] from the parts that it is made of: `media` begins with the global medium.
+pub fn metadata_for_media(
+    scene: &str,
+    media: &[WorldMedium],
+    modes: &[Mode],
+    samples: u32,
+    seed: u64,
+) -> Vec<(String, String)> {
+    let modes: Vec<&str> = modes.iter().map(|mode| mode.name()).collect();
+    let iors: Vec<String> = (media.iter().enumerate())
+        .filter(|(index, _)| *index != MediumId::VACUUM.0 as usize)
+        .map(|(_, medium)| format!("{} = {}", medium.name, short(medium.ior())))
+        .collect();
+    [
+        ("Title", scene.to_owned()),
+        ("Software", format!("iorect {}", env!("CARGO_PKG_VERSION"))),
+        ("Mode", modes.join(", ")),
+        ("IOR", iors.join("; ")),
+        ("Samples per pixel", samples.to_string()),
+        ("Seed", seed.to_string()),
+    ]
+    .map(|(keyword, text)| (keyword.to_owned(), text))
+    .into()
+}
+
+/// As few digits as tell the IOR apart from its neighbours at nine decimals: 1 + (n − 1) must not read 1.3329999999999997.
+fn short(ior: f64) -> String {
+    let rounded = (ior * 1e9).round() / 1e9;
+    rounded.to_string()
+}

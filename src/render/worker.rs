@@ -1,0 +1,270 @@
+//! The threads behind the window: one that prepares scenes, and lanes that render them.
+//!
+//! A request describes everything that decides the images and carries an epoch. The latest request wins: a pass for an older
+//! epoch is cancelled, except the first coarse one, which is short and so always reaches the screen; a steady stream of edits (a
+//! slider that is dragged) therefore shows a steady stream of images.
+//!
+//! ```text
+//! requests ─► preparer (scene, rectification) ─► main lane:      every mode, in lockstep
+//!                                              └► reference lane: `reference` beside other modes, on a few threads of its own
+//! ```
+//!
+//! Modes of one lane always have equally many samples, taken with the same random numbers: their difference shows the modes' error
+//! and not noise. `reference` is far slower than the others; beside them it has a lane of its own and holds nobody back.
+
+mod lane;
+mod mailbox;
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+use self::lane::{Job, LaneMessage, run_lane};
+use self::mailbox::Mailbox;
+use super::events::Events;
+use super::prepare::{Prepared, prepare};
+use crate::check::{Problem, check};
+use crate::scene::camera::Camera;
+use crate::scene::description::CameraDescription;
+use crate::scene::{Description, SceneError};
+use crate::tracking::Mode;
+
+/// What to render.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// Different whenever anything else than `sample_limit` and `is_paused` is: a new epoch starts from nothing.
+    pub epoch: u64,
+    /// Prepared anew when it is another allocation than the last request's.
+    pub description: Arc<Description>,
+    /// The view, which need not be the scene's own camera.
+    pub camera: CameraDescription,
+    /// Distinct modes; each gets a film.
+    pub modes: Vec<Mode>,
+    /// Width and height of the films in pixels, at least 1.
+    pub size: [u32; 2],
+    pub seed: u64,
+    /// As in [`super::RenderSettings`].
+    pub max_depth: Option<u32>,
+    /// Samples per pixel at which to stop; `None`: go on for ever.
+    pub sample_limit: Option<u32>,
+    /// Stops after the first sample at full resolution.
+    pub is_paused: bool,
+}
+
+/// The state of one mode's film.
+#[derive(Debug, Clone)]
+pub struct Snapshot {
+    pub epoch: u64,
+    pub mode: Mode,
+    /// Size of `rgb`, smaller than `full_size` in a preview.
+    pub size: [u32; 2],
+    /// The size that was asked for.
+    pub full_size: [u32; 2],
+    /// Mean radiance, linear RGB, row 0 at the top.
+    pub rgb: Vec<[f32; 3]>,
+    /// Samples per pixel.
+    pub samples: u32,
+    pub events: Events,
+    /// Time spent rendering this film, in seconds.
+    pub seconds: f64,
+    /// Whether the sample limit has been reached.
+    pub is_done: bool,
+}
+
+impl Snapshot {
+    /// Whether this is a quick picture at a lower resolution.
+    pub fn is_preview(&self) -> bool {
+        self.size != self.full_size
+    }
+
+    /// Pixel samples per second.
+    pub fn samples_per_second(&self) -> f64 {
+        let samples = f64::from(self.size[0]) * f64::from(self.size[1]) * f64::from(self.samples);
+        samples / self.seconds.max(1e-9)
+    }
+}
+
+/// A scene that could be prepared.
+#[derive(Debug, Clone)]
+pub struct SceneReport {
+    /// Epoch of the request that brought it.
+    pub epoch: u64,
+    pub prepared: Prepared,
+    /// What is doubtful in it, worst first; `None` until it has been looked for.
+    pub problems: Option<Vec<Problem>>,
+}
+
+/// What the threads publish and the window reads.
+#[derive(Debug, Default)]
+pub struct Board {
+    state: Mutex<BoardState>,
+}
+
+#[derive(Debug, Default)]
+struct BoardState {
+    scene: Option<Arc<SceneReport>>,
+    failure: Option<(u64, SceneError)>,
+    snapshots: BTreeMap<Mode, Arc<Snapshot>>,
+}
+
+impl Board {
+    fn lock(&self) -> MutexGuard<'_, BoardState> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The scene that is being rendered.
+    pub fn scene(&self) -> Option<Arc<SceneReport>> {
+        self.lock().scene.clone()
+    }
+
+    /// The last request that could not be served, with its epoch; told once. The previous scene stays.
+    pub fn take_failure(&self) -> Option<(u64, SceneError)> {
+        self.lock().failure.take()
+    }
+
+    /// The latest image of each mode. Modes of one lane come from the same pass.
+    pub fn snapshots(&self) -> BTreeMap<Mode, Arc<Snapshot>> {
+        self.lock().snapshots.clone()
+    }
+}
+
+/// What has been published.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum News {
+    /// A scene, its problems, or a failure.
+    Scene,
+    /// Images.
+    Images,
+}
+
+/// Called from the threads after each publication; must be quick.
+pub type Wake = Arc<dyn Fn(News) + Send + Sync>;
+
+/// The handle to the threads. Dropping it cancels and joins them.
+pub struct Worker {
+    requests: Arc<Mailbox<Request>>,
+    lanes: [Arc<Mailbox<LaneMessage>>; 2],
+    board: Arc<Board>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl Worker {
+    /// Starts the threads.
+    ///
+    /// # Errors
+    /// When the system refuses a thread.
+    pub fn start(wake: Wake) -> std::io::Result<Self> {
+        let board = Arc::new(Board::default());
+        let requests = Arc::new(Mailbox::new());
+        let lanes = [Arc::new(Mailbox::new()), Arc::new(Mailbox::new())];
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let mut threads = Vec::new();
+        // The window's own thread needs a core to stay fluid.
+        let widths = [(cores - 1).max(1), (cores / 4).max(1)];
+        for ((mailbox, width), name) in lanes.iter().zip(widths).zip(["render", "reference"]) {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(width)
+                .thread_name(move |index| format!("{name}-{index}"))
+                .build()
+                .map_err(std::io::Error::other)?;
+            let (mailbox, board, wake) = (Arc::clone(mailbox), Arc::clone(&board), Arc::clone(&wake));
+            threads.push(
+                std::thread::Builder::new()
+                    .name(format!("{name}-lane"))
+                    .spawn(move || run_lane(&pool, &mailbox, &board, &wake))?,
+            );
+        }
+        let preparer = {
+            let (requests, lanes, board) = (Arc::clone(&requests), lanes.clone(), Arc::clone(&board));
+            move || prepare_scenes(&requests, &lanes, &board, &wake)
+        };
+        threads.push(std::thread::Builder::new().name("prepare".into()).spawn(preparer)?);
+        Ok(Self { requests, lanes, board, threads })
+    }
+
+    /// Asks for images. Returns at once; an older request that has not been looked at is dropped.
+    pub fn submit(&self, request: Request) {
+        self.requests.post(request);
+    }
+
+    /// Where results appear.
+    pub fn board(&self) -> &Arc<Board> {
+        &self.board
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.requests.close();
+        self.lanes.iter().for_each(|lane| lane.close());
+        for thread in self.threads.drain(..) {
+            // A thread that panicked has said so already.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Runs `work`; a panic, which would be a bug, becomes an error message instead of a window that never shows anything again.
+fn guarded<T>(work: impl FnOnce() -> Result<T, SceneError>) -> Result<T, SceneError> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        let text = (panic.downcast_ref::<String>().map(String::as_str))
+            .or_else(|| panic.downcast_ref::<&str>().copied())
+            .unwrap_or("no message");
+        Err(SceneError::new(format!("an internal error, please report it: {text}")))
+    })
+}
+
+fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>>; 2], board: &Board, wake: &Wake) {
+    let mut current: Option<Prepared> = None;
+    while let Some(request) = requests.wait() {
+        let is_new = current.as_ref().is_none_or(|p| !Arc::ptr_eq(&p.description, &request.description));
+        let outcome = guarded(|| {
+            let camera = Camera::new(&request.camera)?;
+            if is_new {
+                // All cores for the preparation: what is being rendered is out of date.
+                lanes.iter().for_each(|lane| lane.post(LaneMessage::Hold));
+                let prepared = prepare(Arc::clone(&request.description), current.as_ref())?;
+                Ok((camera, prepared))
+            } else {
+                current.clone().map(|prepared| (camera, prepared)).ok_or_else(|| SceneError::new("no scene"))
+            }
+        });
+        let (camera, prepared) = match outcome {
+            Ok(ready) => ready,
+            Err(error) => {
+                board.lock().failure = Some((request.epoch, error));
+                wake(News::Scene);
+                continue;
+            }
+        };
+        if is_new {
+            let report = SceneReport { epoch: request.epoch, prepared: prepared.clone(), problems: None };
+            board.lock().scene = Some(Arc::new(report));
+            wake(News::Scene);
+        }
+        let alone = request.modes.iter().all(|mode| *mode == Mode::Reference);
+        let (reference, main): (Vec<Mode>, Vec<Mode>) =
+            request.modes.iter().partition(|mode| **mode == Mode::Reference && !alone);
+        for (lane, modes) in lanes.iter().zip([main, reference]) {
+            lane.post(if modes.is_empty() {
+                LaneMessage::Hold
+            } else {
+                LaneMessage::Render(Box::new(Job {
+                    prepared: prepared.clone(),
+                    camera,
+                    modes,
+                    request: request.clone(),
+                }))
+            });
+        }
+        board.lock().snapshots.retain(|mode, _| request.modes.contains(mode));
+        if is_new {
+            let problems = guarded(|| Ok(check(&prepared))).unwrap_or_default();
+            let report = SceneReport { epoch: request.epoch, prepared: prepared.clone(), problems: Some(problems) };
+            board.lock().scene = Some(Arc::new(report));
+            wake(News::Scene);
+            current = Some(prepared);
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! A slot for one message: the latest wins, and a reader can watch it while it works.
+
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// Holds at most one message; a newer one replaces an unread one.
+#[derive(Debug)]
+pub(super) struct Mailbox<T> {
+    slot: Mutex<Slot<T>>,
+    changed: Condvar,
+}
+
+#[derive(Debug)]
+struct Slot<T> {
+    message: Option<T>,
+    is_closed: bool,
+    /// Set by [`Mailbox::finish`]; what [`Mailbox::watch`] waits for.
+    is_finished: bool,
+}
+
+/// What a reader finds.
+pub(super) enum Taken<T> {
+    Message(T),
+    Empty,
+    Closed,
+}
+
+impl<T> Mailbox<T> {
+    pub(super) fn new() -> Self {
+        Self { slot: Mutex::new(Slot { message: None, is_closed: false, is_finished: false }), changed: Condvar::new() }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Slot<T>> {
+        // A slot is valid after every statement, so a panic elsewhere leaves nothing half done.
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Puts a message in, over an unread one.
+    pub(super) fn post(&self, message: T) {
+        self.lock().message = Some(message);
+        self.changed.notify_all();
+    }
+
+    /// Tells every reader to stop.
+    pub(super) fn close(&self) {
+        self.lock().is_closed = true;
+        self.changed.notify_all();
+    }
+
+    /// The message, if there is one now.
+    pub(super) fn take(&self) -> Taken<T> {
+        let mut slot = self.lock();
+        match slot.message.take() {
+            _ if slot.is_closed => Taken::Closed,
+            Some(message) => Taken::Message(message),
+            None => Taken::Empty,
+        }
+    }
+
+    /// Waits for a message; `None` when closed.
+    pub(super) fn wait(&self) -> Option<T> {
+        let mut slot = self.lock();
+        loop {
+            if slot.is_closed {
+                return None;
+            }
+            if let Some(message) = slot.message.take() {
+                return Some(message);
+            }
+            slot = self.changed.wait(slot).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Ends a [`Self::watch`].
+    pub(super) fn finish(&self) {
+        self.lock().is_finished = true;
+        self.changed.notify_all();
+    }
+
+    /// Makes ready for another [`Self::watch`].
+    pub(super) fn begin(&self) {
+        self.lock().is_finished = false;
+    }
+
+    /// Waits until [`Self::finish`]. Calls `interrupt` once if, meanwhile, the box is closed, or holds a message for which
+    /// `matters` and the time is past `not_before`.
+    pub(super) fn watch(&self, not_before: Instant, matters: impl Fn(&T) -> bool, interrupt: impl FnOnce()) {
+        let mut interrupt = Some(interrupt);
+        let mut slot = self.lock();
+        while !slot.is_finished {
+            let is_wanted = interrupt.is_some() && slot.message.as_ref().is_some_and(&matters);
+            let remaining = not_before.saturating_duration_since(Instant::now());
+            if slot.is_closed || (is_wanted && remaining.is_zero()) {
+                if let Some(interrupt) = interrupt.take() {
+                    interrupt();
+                }
+            } else if is_wanted {
+                slot = self.changed.wait_timeout(slot, remaining).unwrap_or_else(PoisonError::into_inner).0;
+                continue;
+            }
+            if !slot.is_finished {
+                slot = self.changed.wait(slot).unwrap_or_else(PoisonError::into_inner);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn the_latest_message_wins() {
+        let mailbox = Mailbox::new();
+        mailbox.post(1);
+        mailbox.post(2);
+        assert_eq!(mailbox.wait(), Some(2));
+        assert!(matches!(mailbox.take(), Taken::Empty));
+        mailbox.post(3);
+        mailbox.close();
+        assert!(matches!(mailbox.take(), Taken::Closed));
+        assert_eq!(mailbox.wait(), None);
+    }
+
+    #[test]
+    fn a_message_interrupts_only_when_it_matters_and_not_too_early() {
+        let mailbox = Arc::new(Mailbox::new());
+        let worker = Arc::clone(&mailbox);
+        let start = Instant::now();
+        let grace = Duration::from_millis(60);
+        mailbox.post(7);
+        std::thread::scope(|scope| {
+            let (sender, receiver) = std::sync::mpsc::channel();
+            scope.spawn(move || {
+                let _ = receiver.recv();
+                worker.finish();
+            });
+            mailbox.watch(start + grace, |message| *message == 7, move || sender.send(()).expect("the receiver waits"));
+        });
+        assert!(start.elapsed() >= grace);
+
+        // One that does not matter never interrupts.
+        mailbox.begin();
+        let worker = Arc::clone(&mailbox);
+        std::thread::scope(|scope| {
+            scope.spawn(move || {
+                std::thread::sleep(Duration::from_millis(20));
+                worker.finish();
+            });
+            mailbox.watch(start, |message| *message == 8, || panic!("interrupted"));
+        });
+    }
+}
