@@ -1,7 +1,40 @@
-//! The `iorect` binary: everything is in the library.
+//! The `iorect` binary: hands the window to the command line. Only here do the two meet.
 
 use std::process::ExitCode;
 
+use iorect::app::{self, Arrangement, Launch, RunError, Screenshot, Settings, Tab, Theme};
+use iorect::cli::{self, WindowError, WindowRequest, WindowScreenshot};
+
 fn main() -> ExitCode {
-    iorect::cli::main()
+    cli::main(open_window)
+}
+
+fn open_window(request: WindowRequest) -> Result<(), WindowError> {
+    let launch = Launch {
+        scene: request.scene,
+        size: request.size,
+        settings: request.screenshot.as_ref().map(settings_for),
+        screenshot: request.screenshot.map(|shot| Screenshot { path: shot.path, samples: shot.samples }),
+    };
+    app::run_with(launch).map_err(|error| match error {
+        RunError::NoWindow(reason) => WindowError::NoWindow(reason),
+        RunError::Scene(error) => WindowError::Scene(error),
+        RunError::Screenshot(_) => WindowError::Other(error.to_string()),
+    })
+}
+
+/// Pictures of the window are the same whatever the last session left behind.
+fn settings_for(shot: &WindowScreenshot) -> Settings {
+    let defaults = Settings::default();
+    Settings {
+        pane_count: shot.panes.unwrap_or(defaults.pane_count),
+        arrangement: if shot.is_wipe { Arrangement::Wipe } else { Arrangement::Tiles },
+        theme: if shot.is_light { Theme::Light } else { Theme::Dark },
+        tab: match shot.tab.as_deref() {
+            Some("rectification") => Tab::Rectification,
+            Some("inspector") => Tab::Inspector,
+            _ => Tab::Render,
+        },
+        ..defaults
+    }
 }

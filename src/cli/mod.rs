@@ -1,8 +1,119 @@
 //! The command line, thin over the library.
+//!
+//! Results go to standard output, everything else to standard error. Exit codes: 0 fine, 1 the work failed, 2 the command or the scene
+//! was wrong.
 
+mod arguments;
+mod check;
+mod compare;
+mod image;
+mod rectify;
+mod render;
+mod scenes;
+mod table;
+mod trace;
+mod window;
+
+use std::io::{self, Write};
 use std::process::ExitCode;
 
-/// Runs the program.
-pub fn main() -> ExitCode {
-    ExitCode::SUCCESS
+use clap::Parser;
+
+use self::arguments::{Arguments, Command};
+use crate::export::ExportError;
+use crate::scene::SceneError;
+
+pub use window::{WindowError, WindowRequest, WindowScreenshot};
+
+/// Why a command did not do what it was asked for.
+#[derive(Debug)]
+enum Failure {
+    /// The command or the scene was wrong: exit code 2.
+    Wrong(anyhow::Error),
+    /// The work failed: exit code 1.
+    Failed(anyhow::Error),
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        Self::Wrong(error.into())
+    }
+}
+
+impl Failure {
+    /// An output that can be known to be impossible before any work is done.
+    fn bad_output(error: ExportError) -> Self {
+        Self::Wrong(error.into())
+    }
+
+    /// An output that turned out to be impossible.
+    fn output(error: ExportError) -> Self {
+        Self::Failed(error.into())
+    }
+}
+
+/// Runs the program. `open_window` shows the window and returns when it is closed: it is handed in by the binary, so that command line
+/// and window need not know each other.
+pub fn main(open_window: impl FnOnce(WindowRequest) -> Result<(), WindowError>) -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help and version are no errors; neither is a reader of them that has gone.
+            let _ = error.print();
+            return ExitCode::from(error.exit_code() as u8);
+        }
+    };
+    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error")).init();
+    let result = match &arguments.command {
+        None => window::run(&arguments.window, open_window),
+        Some(Command::Render(arguments)) => render::run(arguments),
+        Some(Command::Compare(arguments)) => compare::run(arguments),
+        Some(Command::Rectify(arguments)) => rectify::run(arguments),
+        Some(Command::Trace(arguments)) => trace::run(arguments),
+        Some(Command::Check(arguments)) => check::run(arguments),
+        Some(Command::Scenes(arguments)) => scenes::run(arguments),
+        Some(Command::Report(_)) => not_yet("report"),
+        Some(Command::Export(_)) => not_yet("export"),
+    };
+    match result {
+        Ok(code) => code,
+        Err(failure) => {
+            let (code, error) = match failure {
+                Failure::Wrong(error) => (2, error),
+                Failure::Failed(error) => (1, error),
+            };
+            // The alternate form gives the whole chain of causes in one line. Nobody is left to tell if this cannot be written.
+            let _ = writeln!(io::stderr(), "error: {error:#}");
+            ExitCode::from(code)
+        }
+    }
+}
+
+fn not_yet(command: &str) -> Result<ExitCode, Failure> {
+    Err(Failure::Wrong(anyhow::anyhow!(
+        "the command `{command}` is not yet supported; see `iorect --help` for those that are"
+    )))
+}
+
+/// The ending of a noun that is counted.
+fn plural(count: usize) -> &'static str {
+    if count == 1 { "" } else { "s" }
+}
+
+/// Writes a result to standard output. A reader that has gone, such as `head`, is no error.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::Failed(anyhow::Error::new(error).context("standard output cannot be written")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes a result to standard output as JSON, indented.
+fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
+    let mut text = serde_json::to_string_pretty(value).map_err(|error| Failure::Failed(error.into()))?;
+    text.push('\n');
+    print(&text)
 }

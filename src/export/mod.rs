@@ -10,6 +10,7 @@ mod comparison;
 mod error;
 mod metadata;
 mod picture;
+pub mod words;
 
 pub use atomic::{require_writable, write_atomically};
 pub use comparison::{Comparison, LabelledPane, comparison};

@@ -11,13 +11,14 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 
+use super::kernel::Kernel;
 use super::ray::Ray;
 
 /// Children of a node.
-const WIDTH: usize = 8;
+pub(super) const WIDTH: usize = 8;
 
 /// Relative growth of distances to box sides that covers the rounding of three f32 operations and of the f32 direction.
-const DISTANCE_MARGIN: f32 = 1e-6;
+pub(super) const DISTANCE_MARGIN: f32 = 1e-6;
 
 /// Growth of boxes, relative to the tree's largest coordinate: covers the rounding of ray origins to f32 (half a unit in the last
 /// place, at up to twice that coordinate), with room.
@@ -46,26 +47,24 @@ impl Bounds {
     }
 }
 
+/// Eight children. Those at the end may be unused: `used` has a bit for each that is not.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
-struct Node {
+pub(super) struct Node {
     /// `[axis][child]`
-    min: [[f32; WIDTH]; 3],
-    max: [[f32; WIDTH]; 3],
+    pub(super) min: [[f32; WIDTH]; 3],
+    pub(super) max: [[f32; WIDTH]; 3],
     /// Node index of an inner child, first leaf slot of a leaf.
     first: [u32; WIDTH],
     /// Leaf slots; 0 for inner children.
     count: [u32; WIDTH],
+    pub(super) used: u32,
 }
 
 impl Node {
-    /// No child: empty boxes, which no ray meets.
-    const EMPTY: Self = Self {
-        min: [[f32::INFINITY; WIDTH]; 3],
-        max: [[f32::NEG_INFINITY; WIDTH]; 3],
-        first: [0; WIDTH],
-        count: [0; WIDTH],
-    };
+    /// No child.
+    const EMPTY: Self =
+        Self { min: [[0.0; WIDTH]; 3], max: [[0.0; WIDTH]; 3], first: [0; WIDTH], count: [0; WIDTH], used: 0 };
 }
 
 /// The tree. Leaves are ranges of *slots*; the builder says which primitives each slot holds.
@@ -121,6 +120,7 @@ impl Tree {
                 }
                 node.first[lane] = first;
                 node.count[lane] = count;
+                node.used |= 1 << lane;
             }
         }
         (tree, slots)
@@ -134,7 +134,7 @@ impl Tree {
     /// Visits the leaf slots whose boxes `ray` meets between `ray.t_min` and `*t_max`, near ones first by box. `visit` gets a slot
     /// and may lower `t_max`; it ends the walk by returning `true`.
     #[inline(always)]
-    pub fn walk(&self, ray: &Ray, t_max: &mut f64, mut visit: impl FnMut(u32, &mut f64) -> bool) {
+    pub(super) fn walk<K: Kernel>(&self, ray: &Ray, t_max: &mut f64, mut visit: impl FnMut(u32, &mut f64) -> bool) {
         if self.nodes.is_empty() {
             return;
         }
@@ -146,17 +146,27 @@ impl Tree {
         let mut far_limit = upper((*t_max - shift) as f32);
 
         let mut stack = Stack::new();
-        let mut current = (0u32, 0u32);
+        let mut current = Entry { near: near_limit, first: 0, count: 0 };
         loop {
-            let (first, count) = current;
-            if count == 0 {
-                let node = &self.nodes[first as usize];
-                let (near, hit) = node.test(origin, inverse, near_limit, far_limit);
-                if hit != 0 {
-                    stack.push_sorted(node, &near, hit);
+            if current.count == 0 {
+                let node = &self.nodes[current.first as usize];
+                let (near, mut met) = K::meet_boxes(node, origin, inverse, near_limit, far_limit);
+                if met != 0 {
+                    // The nearest child is next; the others wait, in no order: what has become too far is dropped when its turn comes.
+                    current = node.entry(&near, &mut met);
+                    while met != 0 {
+                        let other = node.entry(&near, &mut met);
+                        if other.near < current.near {
+                            stack.push(current);
+                            current = other;
+                        } else {
+                            stack.push(other);
+                        }
+                    }
+                    continue;
                 }
             } else {
-                for slot in first..first + count {
+                for slot in current.first..current.first + current.count {
                     if visit(slot, t_max) {
                         return;
                     }
@@ -172,29 +182,12 @@ impl Tree {
 }
 
 impl Node {
-    /// Entry distances of all children, and a bit for each child that is met.
+    /// Takes the lowest bit off `met` and returns that child.
     #[inline(always)]
-    fn test(&self, origin: Vec3, inverse: Vec3, near_limit: f32, far_limit: f32) -> ([f32; WIDTH], u32) {
-        let mut near = [near_limit; WIDTH];
-        let mut far = [far_limit; WIDTH];
-        for axis in 0..3 {
-            let (o, i) = (origin[axis], inverse[axis]);
-            for lane in 0..WIDTH {
-                let a = (self.min[axis][lane] - o) * i;
-                let b = (self.max[axis][lane] - o) * i;
-                // The smaller and larger side, whatever the sign of the direction, −0 included.
-                let (low, high) = if a < b { (a, b) } else { (b, a) };
-                let (low, high) = (low - low.abs() * DISTANCE_MARGIN, high + high.abs() * DISTANCE_MARGIN);
-                near[lane] = if low > near[lane] { low } else { near[lane] };
-                far[lane] = if high < far[lane] { high } else { far[lane] };
-            }
-        }
-        let mut hit = 0;
-        for lane in 0..WIDTH {
-            // An empty box gives infinities that no finite limit meets; `first` is checked by the boxes alone.
-            hit |= u32::from(near[lane] <= far[lane] && self.min[0][lane] <= self.max[0][lane]) << lane;
-        }
-        (near, hit)
+    fn entry(&self, near: &[f32; WIDTH], met: &mut u32) -> Entry {
+        let lane = met.trailing_zeros() as usize % WIDTH;
+        *met &= *met - 1;
+        Entry { near: near[lane], first: self.first[lane], count: self.count[lane] }
     }
 }
 
@@ -216,54 +209,50 @@ fn lower(t: f32) -> f32 {
     t - t.abs() * DISTANCE_MARGIN
 }
 
+/// A child that is still to be visited: `first` and `count` as in [`Node`].
+#[derive(Clone, Copy)]
+struct Entry {
+    near: f32,
+    first: u32,
+    count: u32,
+}
+
 /// What is still to be visited: fixed room for ordinary trees, more on the heap for degenerate ones.
 struct Stack {
-    fixed: [(f32, u32, u32); Self::ROOM],
+    fixed: [Entry; Self::ROOM],
     length: usize,
-    more: Vec<(f32, u32, u32)>,
+    more: Vec<Entry>,
 }
 
 impl Stack {
-    const ROOM: usize = 96;
+    const ROOM: usize = 64;
 
     #[inline(always)]
     fn new() -> Self {
-        Self { fixed: [(0.0, 0, 0); Self::ROOM], length: 0, more: Vec::new() }
+        Self { fixed: [Entry { near: 0.0, first: 0, count: 0 }; Self::ROOM], length: 0, more: Vec::new() }
     }
 
-    /// Pushes the children whose bit is set, farthest first.
     #[inline(always)]
-    fn push_sorted(&mut self, node: &Node, near: &[f32; WIDTH], mut hit: u32) {
-        if self.length + WIDTH > Self::ROOM {
-            self.more.extend_from_slice(&self.fixed[..self.length]);
+    fn push(&mut self, entry: Entry) {
+        if self.length == Self::ROOM {
+            self.more.extend_from_slice(&self.fixed);
             self.length = 0;
         }
-        let base = self.length;
-        while hit != 0 {
-            let lane = hit.trailing_zeros() as usize;
-            hit &= hit - 1;
-            let entry = (near[lane], node.first[lane], node.count[lane]);
-            let mut at = self.length;
-            while at > base && self.fixed[at - 1].0 < entry.0 {
-                self.fixed[at] = self.fixed[at - 1];
-                at -= 1;
-            }
-            self.fixed[at] = entry;
-            self.length += 1;
-        }
+        self.fixed[self.length] = entry;
+        self.length += 1;
     }
 
     #[inline(always)]
-    fn pop_nearer_than(&mut self, far_limit: f32) -> Option<(u32, u32)> {
+    fn pop_nearer_than(&mut self, far_limit: f32) -> Option<Entry> {
         loop {
-            let (near, first, count) = if self.length > 0 {
+            let entry = if self.length > 0 {
                 self.length -= 1;
-                self.fixed[self.length]
+                self.fixed[self.length % Self::ROOM]
             } else {
                 self.more.pop()?
             };
-            if near <= far_limit {
-                return Some((first, count));
+            if entry.near <= far_limit {
+                return Some(entry);
             }
         }
     }
@@ -284,7 +273,11 @@ impl Slots {
 /// The binary tree: PLOC, reinsertion, leaves collapsed by cost.
 fn build_binary(bounds: &[Bounds]) -> Bvh2 {
     let boxes: Vec<Aabb> = bounds.iter().map(|b| Aabb::new(Vec3A::from(b.min), Vec3A::from(b.max))).collect();
-    build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default())
+    build_bvh2(
+        &boxes,
+        BvhBuildParams { max_prims_per_leaf: 4, ..BvhBuildParams::medium_build() },
+        &mut Duration::default(),
+    )
 }
 
 /// Up to eight nodes that together stand for `root`: the inner one of largest surface is opened until there are enough.

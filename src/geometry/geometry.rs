@@ -5,10 +5,13 @@ use std::ops::Range;
 use glam::{DVec3, Vec3};
 
 use super::bvh::{Bounds, Tree};
+#[cfg(target_arch = "x86_64")]
+use super::kernel::Avx2;
+use super::kernel::{Kernel, Portable};
 use super::mesh::Mesh;
 use super::ray::{Hit, PrimitiveId, Ray};
 use super::sphere::Sphere;
-use super::triangle::{self, PACK, ShearedRay, TrianglePack};
+use super::triangle::{self, PACK, ShearedRay, TriangleHit, TrianglePack};
 
 /// The surface of one object, in scene coordinates.
 #[derive(Debug, Clone)]
@@ -222,26 +225,25 @@ impl Geometry {
             #[allow(unsafe_code)]
             return unsafe { self.search_avx2(ray, t_max, search) };
         }
-        self.search_portable(ray, t_max, search);
+        self.search_with::<Portable>(ray, t_max, search);
     }
 
-    /// The same code, compiled for wider registers. Rust fuses no multiplications and additions, so results are identical.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     fn search_avx2(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
-        self.search_portable(ray, t_max, search);
+        self.search_with::<Avx2>(ray, t_max, search);
     }
 
     #[inline(always)]
-    fn search_portable(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
-        let mut t_max = t_max;
+    fn search_with<K: Kernel>(&self, ray: &Ray, mut t_max: f64, search: &mut impl Search) {
         let mut done = false;
         if !self.packs.is_empty() {
             let sheared = ShearedRay::new(ray);
-            self.triangle_tree.walk(ray, &mut t_max, |slot, t_max| {
-                triangle::intersect(&sheared, &self.packs[slot as usize], |primitive, hit| {
+            self.triangle_tree.walk::<K>(ray, &mut t_max, |slot, t_max| {
+                let pack = &self.packs[slot as usize];
+                K::meet_triangles(&sheared, pack).for_each(pack, |primitive, hit| {
                     if primitive != ray.from && is_behind(ray, hit.t, primitive) && hit.t <= *t_max {
-                        let triangle::TriangleHit { t, barycentric, is_front } = hit;
+                        let TriangleHit { t, barycentric, is_front } = hit;
                         done |= search.found(Hit { t, primitive, barycentric, is_front }, t_max);
                     }
                 });
@@ -249,7 +251,7 @@ impl Geometry {
             });
         }
         if !self.spheres.is_empty() && !done {
-            self.sphere_tree.walk(ray, &mut t_max, |slot, t_max| {
+            self.sphere_tree.walk::<K>(ray, &mut t_max, |slot, t_max| {
                 let index = self.sphere_slots[slot as usize];
                 let primitive = index + self.triangles.len() as u32;
                 let distances = self.spheres[index as usize].intersect(ray, primitive == ray.from);

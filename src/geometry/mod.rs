@@ -2,6 +2,7 @@
 
 mod bvh;
 mod geometry;
+mod kernel;
 mod mesh;
 pub mod ray;
 pub mod sphere;

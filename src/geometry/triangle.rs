@@ -15,7 +15,7 @@ pub const PACK: usize = 4;
 #[repr(C, align(32))]
 pub struct TrianglePack {
     /// `[corner][axis][lane]`
-    corners: [[[f32; PACK]; 3]; 3],
+    pub(super) corners: [[[f32; PACK]; 3]; 3],
     pub ids: [PrimitiveId; PACK],
 }
 
@@ -36,9 +36,9 @@ impl TrianglePack {
 #[derive(Debug, Clone, Copy)]
 pub struct ShearedRay {
     /// Axes: two across, then the longest; the first two are swapped where needed to keep the winding.
-    axes: [usize; 3],
-    origin: [f64; 3],
-    shear: [f64; 3],
+    pub(super) axes: [usize; 3],
+    pub(super) origin: [f64; 3],
+    pub(super) shear: [f64; 3],
 }
 
 impl ShearedRay {
@@ -65,7 +65,7 @@ impl ShearedRay {
     }
 }
 
-/// What [`intersect`] finds of one triangle.
+/// Where a ray meets a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TriangleHit {
     pub t: f64,
@@ -74,51 +74,35 @@ pub struct TriangleHit {
     pub is_front: bool,
 }
 
-/// Calls `found` for every triangle of the pack that the ray's *line* meets, at positive or negative distance.
-#[inline(always)]
-pub fn intersect(ray: &ShearedRay, pack: &TrianglePack, mut found: impl FnMut(PrimitiveId, TriangleHit)) {
-    let [kx, ky, kz] = ray.axes;
-    // Corners relative to the ray's origin, sheared: [corner][lane].
-    let mut x = [[0.0f64; PACK]; 3];
-    let mut y = [[0.0f64; PACK]; 3];
-    let mut z = [[0.0f64; PACK]; 3];
-    for corner in 0..3 {
-        let c = &pack.corners[corner];
-        for lane in 0..PACK {
-            let depth = f64::from(c[kz][lane]) - ray.origin[2];
-            x[corner][lane] = (f64::from(c[kx][lane]) - ray.origin[0]) - ray.shear[0] * depth;
-            y[corner][lane] = (f64::from(c[ky][lane]) - ray.origin[1]) - ray.shear[1] * depth;
-            z[corner][lane] = ray.shear[2] * depth;
+/// Edge functions and depths of the four triangles of a pack, and a bit for each triangle that the ray's *line* meets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct PackTest {
+    /// Edge functions opposite each corner: `[corner][lane]`.
+    pub edges: [[f64; PACK]; 3],
+    /// Distances of the corners along the ray's longest axis, sheared to be distances along the ray.
+    pub depths: [[f64; PACK]; 3],
+    pub met: u32,
+}
+
+impl PackTest {
+    /// Calls `found` for every triangle that is met, at positive or negative distance.
+    #[inline(always)]
+    pub fn for_each(&self, pack: &TrianglePack, mut found: impl FnMut(PrimitiveId, TriangleHit)) {
+        let mut met = self.met;
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize;
+            met &= met - 1;
+            let [u, v, w] = self.edges.map(|edge| edge[lane]);
+            let determinant = u + v + w;
+            // All zero: seen edge-on, its neighbours are hit instead. Unused lanes are points and end here too.
+            if determinant == 0.0 {
+                continue;
+            }
+            let [z0, z1, z2] = self.depths.map(|depth| depth[lane]);
+            let t = (u * z0 + v * z1 + w * z2) / determinant;
+            let barycentric = [v / determinant, w / determinant];
+            found(pack.ids[lane], TriangleHit { t, barycentric, is_front: determinant > 0.0 });
         }
-    }
-    let mut edges = [[0.0f64; PACK]; 3];
-    let mut hit = [false; PACK];
-    for lane in 0..PACK {
-        let u = x[2][lane] * y[1][lane] - y[2][lane] * x[1][lane];
-        let v = x[0][lane] * y[2][lane] - y[0][lane] * x[2][lane];
-        let w = x[1][lane] * y[0][lane] - y[1][lane] * x[0][lane];
-        let smallest = u.min(v).min(w);
-        let largest = u.max(v).max(w);
-        // All of one sign, zero included: on the edge counts as inside. All zero: seen edge-on, its neighbours are hit instead.
-        hit[lane] = (smallest >= 0.0) | (largest <= 0.0);
-        edges[0][lane] = u;
-        edges[1][lane] = v;
-        edges[2][lane] = w;
-    }
-    for lane in 0..PACK {
-        if !hit[lane] || pack.ids[lane] == NO_PRIMITIVE {
-            continue;
-        }
-        let [u, v, w] = [edges[0][lane], edges[1][lane], edges[2][lane]];
-        let determinant = u + v + w;
-        if determinant == 0.0 {
-            continue;
-        }
-        let t = (u * z[0][lane] + v * z[1][lane] + w * z[2][lane]) / determinant;
-        found(
-            pack.ids[lane],
-            TriangleHit { t, barycentric: [v / determinant, w / determinant], is_front: determinant > 0.0 },
-        );
     }
 }
 
@@ -131,14 +115,19 @@ pub fn area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::kernel::{Kernel, Portable};
 
     const TRIANGLE: [Vec3; 3] = [Vec3::new(0.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0)];
+
+    fn meet(ray: &Ray, pack: &TrianglePack, found: impl FnMut(PrimitiveId, TriangleHit)) {
+        Portable::meet_triangles(&ShearedRay::new(ray), pack).for_each(pack, found);
+    }
 
     fn hit(origin: DVec3, direction: DVec3) -> Option<TriangleHit> {
         let mut pack = TrianglePack::EMPTY;
         pack.set(1, 7, TRIANGLE);
         let mut result = None;
-        intersect(&ShearedRay::new(&Ray::new(origin, direction)), &pack, |id, hit| {
+        meet(&Ray::new(origin, direction), &pack, |id, hit| {
             assert_eq!(id, 7);
             result = Some(hit);
         });
@@ -158,7 +147,7 @@ mod tests {
             pack.set(0, 0, TRIANGLE.map(|p| turn(p.as_dvec3()).as_vec3()));
             let ray = Ray::new(turn(DVec3::new(0.25, 0.25, sign * 2.0)), turn(DVec3::new(0.0, 0.0, -sign)));
             let mut seen = None;
-            intersect(&ShearedRay::new(&ray), &pack, |_, hit| seen = Some(hit));
+            meet(&ray, &pack, |_, hit| seen = Some(hit));
             let seen = seen.expect("the triangle is straight ahead");
             assert_eq!((seen.t, seen.is_front), (2.0, sign > 0.0), "axis {swap}, sign {sign}");
             assert_eq!(seen.barycentric, [0.25, 0.25]);

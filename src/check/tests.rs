@@ -1,0 +1,185 @@
+use super::*;
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::geometry::Mesh;
+use crate::render::prepare;
+use crate::scene::description::{Description, Shape};
+use crate::scene::{builtin, load};
+
+const HEAD: &str = r#"
+[camera]
+position = [0, 0, 9]
+target = [0, 0, 0]
+[environment]
+color = [1, 1, 1]
+[[medium]]
+name = "glass"
+ior = 1.5
+[[medium]]
+name = "water"
+ior = 1.33
+"#;
+
+fn scene(text: &str) -> Description {
+    load::parse(&format!("{HEAD}{text}"), Path::new("test.toml"), false).unwrap()
+}
+
+fn object(name: &str, medium: &str, shape: &str) -> String {
+    format!("[[refractor]]\nname = \"{name}\"\nmedium = \"{medium}\"\nshape = {{ {shape} }}\n")
+}
+
+fn sphere(name: &str, medium: &str, x: f64, radius: f64) -> String {
+    object(name, medium, &format!("sphere = {{ center = [{x}, 0, 0], radius = {radius} }}"))
+}
+
+fn problems_of(description: Description) -> Vec<Problem> {
+    check(&prepare(Arc::new(description), None).unwrap())
+}
+
+/// Kinds and places, in order.
+fn found(description: Description) -> Vec<(&'static str, String)> {
+    problems_of(description).into_iter().map(|p| (p.kind, p.place)).collect()
+}
+
+fn pairs(list: &[(&'static str, &str)]) -> Vec<(&'static str, String)> {
+    list.iter().map(|(kind, place)| (*kind, (*place).to_owned())).collect()
+}
+
+/// A tetrahedron with its faces outward.
+fn tetrahedron() -> Mesh {
+    Mesh {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
+        normals: Vec::new(),
+        triangles: vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]],
+    }
+}
+
+fn with_mesh(mesh: Mesh, dropped: usize) -> Description {
+    let mut scene = scene(&(sphere("a", "glass", 0.0, 1.0) + &sphere("b", "water", 5.0, 1.0)));
+    scene.refractors[0].shape = Shape::Mesh { path: "m.obj".into(), mesh: Arc::new(mesh), dropped };
+    scene
+}
+
+#[test]
+fn a_sound_scene_has_no_problems() {
+    assert_eq!(found(scene(&(sphere("ball", "glass", 0.0, 1.0) + &sphere("core", "water", 0.1, 0.5)))), []);
+    assert_eq!(found(scene(&(sphere("left", "glass", -1.5, 1.0) + &sphere("right", "water", 1.5, 1.0)))), []);
+    assert_eq!(found(with_mesh(tetrahedron(), 0)), []);
+}
+
+#[test]
+fn media_unused_or_dispersive() {
+    let mut scene = scene(&sphere("ball", "glass", 0.0, 1.0));
+    assert_eq!(found(scene.clone()), pairs(&[("unused_medium", "water")]));
+    scene.media.pop();
+    scene.media[0].ior = IorModel::Cauchy([1.5, 0.01, 0.0]);
+    scene.world.ior = IorModel::Catalog(crate::optics::catalog::find("air").unwrap());
+    assert_eq!(found(scene.clone()), pairs(&[("dispersion", "world, glass")]));
+    let message = &problems_of(scene)[0].message;
+    assert!(message.contains("world 1.0003, glass 1.5290"), "{message}");
+}
+
+#[test]
+fn light_and_camera() {
+    let mut scene = scene(&(sphere("ball", "glass", 0.0, 1.0) + &sphere("core", "water", 0.0, 0.5)));
+    scene.environment = Environment::Color([0.0; 3]);
+    scene.camera.position = DVec3::new(0.0, 0.0, 0.8);
+    assert_eq!(found(scene.clone()), pairs(&[("no_light", "scene"), ("camera_inside", "camera")]));
+    let message = &problems_of(scene)[1].message;
+    assert!(message.contains("inside `ball`:"), "{message}");
+}
+
+#[test]
+fn clipped_pixels_are_said() {
+    let mut scene = builtin::description(builtin::find("plain-glass").unwrap()).unwrap();
+    let Environment::Image { image, .. } = &mut scene.environment else { panic!("no image") };
+    Arc::make_mut(image).clipped = 7;
+    let problems = problems_of(scene);
+    assert_eq!((problems[0].kind, problems[0].severity), ("clipped_pixels", Severity::Warning));
+    assert!(problems[0].message.starts_with("7 components"));
+}
+
+#[test]
+fn overlaps_by_tie_and_by_priority() {
+    let mut spheres = scene(&(sphere("a", "glass", 0.0, 1.0) + &sphere("b", "water", 1.2, 0.5)));
+    let problems = problems_of(spheres.clone());
+    assert_eq!((problems[0].kind, problems[0].place.as_str()), ("overlap_tie", "a, b"));
+    assert!(problems[0].message.contains("overlap with equal priority: the smaller volume wins, here b"));
+    spheres.refractors[0].priority = 1;
+    let problems = problems_of(spheres);
+    assert_eq!(problems[0].kind, "overlap");
+    assert!(problems[0].message.contains("a has the higher priority"));
+    assert!(problems.iter().any(|p| p.kind == "priority_partly_used" && p.place == "a"));
+
+    let crossing = object("box", "glass", "box = { min = [-1, -1, -1], max = [1, 1, 1] }");
+    let boxes = scene(
+        &(crossing.clone() + &object("rod", "water", "cylinder = { center = [0, 0, 0], radius = 0.5, height = 4 }")),
+    );
+    let kinds = found(boxes);
+    assert!(kinds.contains(&("overlap_tie", "box, rod".into())), "{kinds:?}");
+    // Boxes around a diagonal neighbour meet, the objects do not.
+    let apart = scene(
+        &(crossing
+            + &object("ball", "water", "icosphere = { center = [1.8, 1.8, 1.8], radius = 1.0, subdivisions = 3 }")),
+    );
+    assert_eq!(found(apart), []);
+}
+
+#[test]
+fn what_crosses_is_of_low_confidence() {
+    let half = scene(
+        &(object("water", "water", "box = { min = [-3, -3, -3], max = [3, 0, 3] }")
+            + &sphere("ball", "glass", 0.0, 1.0)),
+    );
+    let problems = problems_of(half);
+    let low = problems.iter().find(|p| p.kind == "low_confidence").expect("half in and half out");
+    assert_eq!(low.place, "ball");
+    assert!(low.message.contains("`water`") && low.message.contains("the world"), "{}", low.message);
+}
+
+#[test]
+fn copies_and_objects_of_their_containers_medium() {
+    let twins = scene(&(sphere("a", "glass", 0.0, 1.0) + &sphere("b", "water", 0.0, 1.0)));
+    assert!(found(twins).contains(&("coincident", "a, b".into())));
+    let mut hidden = scene(&(sphere("ball", "glass", 0.0, 1.0) + &sphere("core", "glass", 0.0, 0.5)));
+    hidden.media.pop();
+    assert_eq!(found(hidden), pairs(&[("same_medium", "core")]));
+}
+
+#[test]
+fn meshes_open_inside_out_or_with_flat_triangles() {
+    let mut open = tetrahedron();
+    open.triangles.pop();
+    let problems = problems_of(with_mesh(open.clone(), 0));
+    assert_eq!((problems[0].kind, problems[0].place.as_str()), ("open_mesh", "a"));
+    assert!(problems[0].message.contains("3 of its edges"), "{}", problems[0].message);
+
+    let mut turned = tetrahedron();
+    turned.triangles[0].swap(0, 1);
+    assert!(problems_of(with_mesh(turned, 0))[0].message.contains("3 of its edges"));
+
+    let mut inward = tetrahedron();
+    inward.reverse();
+    assert_eq!(found(with_mesh(inward, 0))[0], ("inside_out", "a".into()));
+
+    assert_eq!(found(with_mesh(tetrahedron(), 4)), pairs(&[("degenerate_triangles", "a")]));
+    let sheet = scene(
+        &(object("sheet", "glass", "quad = { center = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }")
+            + &sphere("b", "water", 5.0, 1.0)),
+    );
+    assert!(found(sheet).contains(&("open_mesh", "sheet".into())));
+}
+
+#[test]
+fn built_in_scenes_have_no_warnings_but_those_that_they_are_about() {
+    for scene in builtin::all() {
+        let problems = problems_of(builtin::description(scene).unwrap());
+        let is_about_overlap = matches!(scene.name, "iced-water" | "half-submerged");
+        let warnings: Vec<_> = problems.iter().filter(|p| p.severity != Severity::Advice).collect();
+        assert_eq!(!warnings.is_empty(), is_about_overlap, "{}: {warnings:?}", scene.name);
+        assert!(problems.iter().all(|p| p.kind != "unused_medium"), "{}", scene.name);
+    }
+}

@@ -1,0 +1,383 @@
+//! What can be said on the command line, and what each word means.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use glam::DVec3;
+
+use crate::estimator::trace::Follow;
+use crate::render::ToneCurve;
+use crate::tracking::Mode;
+
+/// Longest side of an image.
+const MOST_SIDE: u32 = 32_768;
+/// Most pixels of an image: a film takes 28 bytes for each.
+const MOST_PIXELS: u64 = 1 << 26;
+
+const EXAMPLES: &str = "\
+Examples:
+  iorect                                        open the window on a built-in scene
+  iorect my-scene.toml                          open the window on your own
+  iorect scenes                                 list the built-in scenes
+  iorect compare camera-in-water                naive, stack and rectified side by side, as a PNG
+  iorect render nested-spheres --spp 256 -o out.exr
+  iorect rectify nested-spheres                 what lies on the other side of every surface
+  iorect trace camera-in-water --pixel 256,256  one path, vertex by vertex
+  iorect check my-scene.toml                    what is wrong or doubtful in a scene
+
+Exit codes: 0 fine, 1 the work failed, 2 the command or the scene was wrong.";
+
+/// Scenes in which dielectrics sit inside dielectrics: seen, compared, measured.
+///
+/// Without a command, opens the window. Wherever a SCENE is asked for, the path of a scene file or the name of a built-in scene will do.
+#[derive(Debug, Parser)]
+#[command(name = "iorect", version, args_conflicts_with_subcommands = true, after_help = EXAMPLES, max_term_width = 110)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    #[command(flatten)]
+    pub window: WindowArguments,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render one image in one mode, to PNG or EXR
+    Render(RenderArguments),
+    /// Render several modes side by side, with labels and differences, in one PNG
+    Compare(CompareArguments),
+    /// Show what rectification found on the other side of every refractor
+    Rectify(RectifyArguments),
+    /// Follow one path, vertex by vertex
+    Trace(TraceArguments),
+    /// Say what is wrong or doubtful in a scene, with advice
+    Check(SceneArguments),
+    /// List the built-in scenes
+    Scenes(ListArguments),
+    /// Error against run time (not yet supported)
+    #[command(hide = true)]
+    Report(NotYet),
+    /// The scene with every interface resolved, for other renderers (not yet supported)
+    #[command(hide = true)]
+    Export(NotYet),
+}
+
+/// The window, and the flags by which the project takes pictures of it.
+#[derive(Debug, Args)]
+pub struct WindowArguments {
+    /// Scene to open: a file or a built-in scene's name [default: camera-in-water]
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<String>,
+    /// Take a picture of the window and quit
+    #[arg(long, hide = true, value_name = "FILE.png")]
+    pub screenshot: Option<PathBuf>,
+    /// Size of the window in pixels
+    #[arg(long, hide = true, value_name = "WxH", value_parser = size)]
+    pub window_size: Option<Size>,
+    /// Samples per pixel to wait for before the picture is taken
+    #[arg(long, hide = true, default_value_t = 32, requires = "screenshot")]
+    pub samples: u32,
+    /// Number of panes in the picture: 1, 2 or 4
+    #[arg(long, hide = true, requires = "screenshot")]
+    pub panes: Option<usize>,
+    /// One pane over the other, with a divider
+    #[arg(long, hide = true, requires = "screenshot")]
+    pub wipe: bool,
+    /// The light theme
+    #[arg(long, hide = true, requires = "screenshot")]
+    pub light: bool,
+    /// Tab at the right: render, rectification or inspector
+    #[arg(long, hide = true, requires = "screenshot", value_parser = ["render", "rectification", "inspector"])]
+    pub tab: Option<String>,
+}
+
+/// What makes an image, for `render` and `compare`.
+#[derive(Debug, Args)]
+pub struct ImageArguments {
+    /// A scene file or a built-in scene's name
+    pub scene: String,
+    /// Samples per pixel [default: 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24), conflicts_with = "time")]
+    pub spp: Option<u32>,
+    /// Render for this many seconds instead (one sample per pixel at least)
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub time: Option<f64>,
+    /// Image size in pixels, at most 32768 a side and 67108864 in all
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size)]
+    pub size: Size,
+    /// Seed of the random numbers; all modes use the same ones
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    pub seed: u64,
+    /// Most segments of a path, the camera's first being one, or `none`: K surfaces need K + 1
+    #[arg(long, value_name = "D", default_value = "none", value_parser = depth)]
+    pub max_depth: Depth,
+    /// What computes: auto, cpu (gpu is not yet supported)
+    #[arg(long, value_name = "BACKEND", default_value = "auto", value_parser = backend)]
+    pub backend: &'static str,
+    /// How light is transported: path (bidirectional is not yet supported)
+    #[arg(long, value_name = "ESTIMATOR", default_value = "path", value_parser = estimator)]
+    pub estimator: &'static str,
+    /// Threads to render on [default: one per core]; the image does not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Exposure of PNG pictures in stops; EXR and figures stay linear
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
+    pub exposure: f32,
+    /// Tone curve of PNG pictures: soft (a shoulder) or clip (cut off at 1)
+    #[arg(long, value_name = "CURVE", default_value = "soft")]
+    pub curve: ToneCurve,
+    /// Whether work that the scene does not need is left out: on or off; off only measures what that saves
+    #[arg(long, value_name = "on|off", default_value = "on", value_parser = on_or_off)]
+    pub leave_out: Switch,
+    /// Print what was done as JSON; without -o, no picture is written then
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  iorect render camera-in-water                                  → camera-in-water-rectified.png
+  iorect render my.toml --mode stack --spp 256 --size 1280x720 -o stack.png
+  iorect render my.toml --time 30 -o linear.exr
+  iorect render my.toml --spp 16 --json                          figures only")]
+pub struct RenderArguments {
+    #[command(flatten)]
+    pub image: ImageArguments,
+    /// How media are tracked: naive, stack, rectified or reference (priority is not yet supported)
+    #[arg(long, value_name = "MODE", default_value = "rectified")]
+    pub mode: Mode,
+    /// Picture to write, by its extension PNG (as seen, with text about what it shows) or EXR (linear) [default: SCENE-MODE.png]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+All modes use the same random numbers and advance in lockstep, so that differences show the modes' errors rather than noise.
+They are taken against the most trusted mode listed: reference, rectified, stack, naive, in this order.
+
+Examples:
+  iorect compare camera-in-water                                 → camera-in-water-comparison.png
+  iorect compare my.toml --modes stack,rectified,reference --spp 256 -o compared.png
+  iorect compare my.toml --time 20 --json                        figures only")]
+pub struct CompareArguments {
+    #[command(flatten)]
+    pub image: ImageArguments,
+    /// Modes to compare, separated by commas: naive, stack, rectified, reference
+    #[arg(long, value_name = "MODES", default_value = "naive,stack,rectified", value_delimiter = ',')]
+    pub modes: Vec<Mode>,
+    /// Picture to write [default: SCENE-comparison.png]
+    #[arg(short, long, value_name = "FILE.png")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub struct RectifyArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// What one answer is stored for: object (patch is not yet supported)
+    #[arg(long, value_name = "GRANULARITY", default_value = "object", value_parser = granularity)]
+    pub granularity: &'static str,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  iorect trace camera-in-water --pixel 256,256
+  iorect trace camera-in-water --pixel 256,256 --mode stack      where the stack goes wrong
+  iorect trace my.toml --origin 0,1,4 --direction 0,-0.2,-1 --json")]
+pub struct TraceArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Pixel whose centre the path goes through, from the lens's centre; 0,0 is top left
+    #[arg(long, value_name = "X,Y", value_parser = pixel, conflicts_with = "origin")]
+    pub pixel: Option<[u32; 2]>,
+    /// Size of the image that --pixel counts in
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size)]
+    pub size: Size,
+    /// Where the path starts, instead of --pixel
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "direction")]
+    pub origin: Option<DVec3>,
+    /// Where the path goes from --origin; any length but 0
+    #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true, requires = "origin")]
+    pub direction: Option<DVec3>,
+    /// How media are tracked: naive, stack, rectified or reference
+    #[arg(long, value_name = "MODE", default_value = "rectified")]
+    pub mode: Mode,
+    /// Which way to go at each surface: transmit (where reflection is not total), reflect, or sample (by chance, as a render does)
+    #[arg(long, value_name = "WAY", default_value = "transmit", value_parser = follow)]
+    pub follow: Follow,
+    /// Seed for --follow sample
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    pub seed: u64,
+    /// Most segments, or `none`
+    #[arg(long, value_name = "D", default_value = "none", value_parser = depth)]
+    pub max_depth: Depth,
+}
+
+#[derive(Debug, Args)]
+pub struct SceneArguments {
+    /// A scene file or a built-in scene's name
+    pub scene: String,
+    /// Print JSON instead of a table
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ListArguments {
+    /// Print JSON instead of a table
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Swallows whatever follows a command that is to come.
+#[derive(Debug, Args)]
+#[command(disable_help_flag = true)]
+pub struct NotYet {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+    pub rest: Vec<String>,
+}
+
+/// Width and height in pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Size {
+    pub width: u32,
+    pub height: u32,
+}
+
+/// A cap on the segments of a path; `None`: no cap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Depth(pub Option<u32>);
+
+/// On or off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Switch(pub bool);
+
+fn size(text: &str) -> Result<Size, String> {
+    let (width, height) =
+        text.split_once(['x', 'X', '×']).ok_or("give width and height in pixels, such as 1280x720")?;
+    let side = |text: &str| text.trim().parse::<u32>().map_err(|_| format!("`{text}` is not a number of pixels"));
+    let (width, height) = (side(width)?, side(height)?);
+    if width == 0 || height == 0 {
+        return Err("an image needs at least one pixel in each direction".into());
+    }
+    if width > MOST_SIDE || height > MOST_SIDE || u64::from(width) * u64::from(height) > MOST_PIXELS {
+        return Err(format!("at most {MOST_SIDE} pixels a side and {MOST_PIXELS} in all"));
+    }
+    Ok(Size { width, height })
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= 1e7 => Ok(seconds),
+        _ => Err("give a number of seconds above 0, at most 1e7".into()),
+    }
+}
+
+fn depth(text: &str) -> Result<Depth, String> {
+    match (text, text.parse::<u32>()) {
+        ("none", _) => Ok(Depth(None)),
+        (_, Ok(segments)) if segments > 0 => Ok(Depth(Some(segments))),
+        _ => Err("give a number of segments, at least 1, or `none`".into()),
+    }
+}
+
+fn exposure(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(stops) if stops.abs() <= 40.0 => Ok(stops),
+        _ => Err("give a number of stops between -40 and 40".into()),
+    }
+}
+
+fn on_or_off(text: &str) -> Result<Switch, String> {
+    one_of(text, &[("on", Switch(true)), ("off", Switch(false))], &[])
+}
+
+fn backend(text: &str) -> Result<&'static str, String> {
+    // The CPU is what `auto` comes to as long as it is the only one.
+    one_of(text, &[("auto", "cpu"), ("cpu", "cpu")], &["gpu"])
+}
+
+fn estimator(text: &str) -> Result<&'static str, String> {
+    one_of(text, &[("path", "path")], &["bidirectional"])
+}
+
+fn granularity(text: &str) -> Result<&'static str, String> {
+    one_of(text, &[("object", "object")], &["patch"])
+}
+
+fn follow(text: &str) -> Result<Follow, String> {
+    let all = [("sample", Follow::Sample), ("transmit", Follow::Transmit), ("reflect", Follow::Reflect)];
+    one_of(text, &all, &[])
+}
+
+/// The value of the choice that `text` names; names in `planned` are known, but not built yet.
+fn one_of<T: Copy>(text: &str, choices: &[(&str, T)], planned: &[&str]) -> Result<T, String> {
+    if let Some((_, value)) = choices.iter().find(|(name, _)| *name == text) {
+        return Ok(*value);
+    }
+    let valid = choices.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+    if planned.contains(&text) {
+        return Err(format!("`{text}` is not yet supported; valid: {valid}"));
+    }
+    Err(format!("valid: {valid}"))
+}
+
+fn pixel(text: &str) -> Result<[u32; 2], String> {
+    let wrong = || "give column and row, such as 256,128; 0,0 is top left".to_owned();
+    let (x, y) = text.split_once(',').ok_or_else(wrong)?;
+    Ok([x.trim().parse().map_err(|_| wrong())?, y.trim().parse().map_err(|_| wrong())?])
+}
+
+fn point(text: &str) -> Result<DVec3, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) if DVec3::new(x, y, z).is_finite() => Ok(DVec3::new(x, y, z)),
+        _ => Err("give three finite numbers, such as 0,1.5,-4".into()),
+    }
+}
+
+fn direction(text: &str) -> Result<DVec3, String> {
+    let direction = point(text)?;
+    direction.try_normalize().ok_or_else(|| "a direction cannot be zero".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("1280x720"), Ok(Size { width: 1280, height: 720 }));
+        assert_eq!(size("8192×8192"), Ok(Size { width: 8192, height: 8192 }));
+        for wrong in ["0x0", "0x5", "5x0", "5", "x", "-1x5", "1e3x5", "32769x1", "8193x8192", "99999999999x1"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn what_is_planned_is_told_from_what_is_unknown() {
+        assert_eq!(backend("auto"), Ok("cpu"));
+        assert!(backend("gpu").unwrap_err().contains("not yet supported"));
+        assert!(!backend("abacus").unwrap_err().contains("not yet supported"));
+        assert!(estimator("bidirectional").unwrap_err().contains("not yet supported"));
+        assert!(granularity("patch").unwrap_err().contains("not yet supported"));
+    }
+
+    #[test]
+    fn points_and_directions() {
+        assert_eq!(point("-1, 2e1,0.5"), Ok(DVec3::new(-1.0, 20.0, 0.5)));
+        assert_eq!(direction("0,0,-4"), Ok(DVec3::NEG_Z));
+        for wrong in ["", "1,2", "1,2,3,4", "1,2,nan", "1,2,inf", "a,b,c"] {
+            assert!(point(wrong).is_err(), "{wrong}");
+        }
+        assert!(direction("0,0,0").is_err());
+    }
+}

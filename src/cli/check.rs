@@ -1,0 +1,69 @@
+//! `iorect check`: what is wrong or doubtful in a scene.
+
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::arguments::SceneArguments;
+use super::{Failure, plural, print, print_json};
+use crate::check::{Problem, Severity, check};
+use crate::render::prepare;
+use crate::scene::{self, SceneError};
+
+#[derive(Serialize)]
+struct Report<'a> {
+    scene: &'a str,
+    problems: Vec<Problem>,
+}
+
+/// A scene that cannot be used at all is reported like any other problem, and is the only reason for exit code 2.
+pub fn run(arguments: &SceneArguments) -> Result<ExitCode, Failure> {
+    let prepared = scene::load::open(&arguments.scene).and_then(|description| prepare(Arc::new(description), None));
+    let problems = match &prepared {
+        Ok(prepared) => check(prepared),
+        Err(error) => vec![unusable(&arguments.scene, error)],
+    };
+    let is_usable = problems.iter().all(|problem| problem.severity != Severity::Error);
+    let report = Report { scene: &arguments.scene, problems };
+    if arguments.json {
+        print_json(&report)?;
+    } else {
+        print(&summary(&report))?;
+    }
+    Ok(ExitCode::from(if is_usable { 0 } else { 2 }))
+}
+
+fn unusable(scene: &str, error: &SceneError) -> Problem {
+    Problem {
+        severity: Severity::Error,
+        place: error.place.as_ref().map_or_else(|| scene.to_owned(), ToString::to_string),
+        kind: "unusable",
+        message: error.message.clone(),
+    }
+}
+
+fn summary(report: &Report<'_>) -> String {
+    if report.problems.is_empty() {
+        return format!("{}: nothing wrong, nothing doubtful\n", report.scene);
+    }
+    let mut text = String::new();
+    for problem in &report.problems {
+        let severity = match problem.severity {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+            Severity::Advice => "advice",
+        };
+        text += &format!("{severity:<8} {}: {}\n", problem.place, problem.message);
+    }
+    let count = |severity| report.problems.iter().filter(|problem| problem.severity == severity).count();
+    let (errors, warnings, advice) = (count(Severity::Error), count(Severity::Warning), count(Severity::Advice));
+    text += &format!(
+        "{}: {errors} error{}, {warnings} warning{}, {advice} piece{} of advice\n",
+        report.scene,
+        plural(errors),
+        plural(warnings),
+        plural(advice)
+    );
+    text
+}

@@ -1,0 +1,166 @@
+//! `iorect compare`: several modes of one scene in one picture, and their differences in figures.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use serde::Serialize;
+
+use super::arguments::CompareArguments;
+use super::image::{ImageReport, Job, Rendered, mega_samples_per_second, output_path};
+use super::table::{Align, Table};
+use super::{Failure, print, print_json};
+use crate::export::words::{brief, duration, events_in_words};
+use crate::export::{self, Comparison, Format, LabelledPane, Picture};
+use crate::measure::{Difference, difference};
+use crate::tracking::Mode;
+
+#[derive(Serialize)]
+struct Report<'a> {
+    scene: &'a str,
+    panes: Vec<ImageReport<'a>>,
+    differences: Vec<PairDifference>,
+}
+
+/// `a` held against `b`.
+#[derive(Serialize)]
+struct PairDifference {
+    a: Mode,
+    b: Mode,
+    #[serde(flatten)]
+    figures: Difference,
+}
+
+pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
+    let image = &arguments.image;
+    let output = output_path(arguments.output.as_ref(), image.json, &image.scene, "comparison");
+    require_distinct(&arguments.modes)?;
+    if let Some(path) = &output {
+        if Format::of(path).map_err(Failure::bad_output)? != Format::Png {
+            return Err(Failure::Wrong(anyhow::anyhow!(
+                "{}: a comparison is a picture to look at; use a name that ends in `.png`",
+                path.display()
+            )));
+        }
+        export::require_writable(path).map_err(Failure::bad_output)?;
+    }
+    let job = Job::new(image)?;
+    let rendered = job.render(&arguments.modes);
+    let pictures: Vec<Picture> = rendered.iter().map(|image| Picture::from(&image.film)).collect();
+    let differences = differences(&rendered, &pictures).map_err(|error| Failure::Failed(error.into()))?;
+    if let Some(path) = &output {
+        write_picture(path, &job, &rendered, &pictures, image.seed)?;
+    }
+    if image.json {
+        let panes = rendered.iter().map(|image| job.report(image, output.as_deref())).collect();
+        print_json(&Report { scene: &image.scene, panes, differences })?;
+    } else {
+        print(&summary(&job, &rendered, &differences, output.as_deref()))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn require_distinct(modes: &[Mode]) -> Result<(), Failure> {
+    match modes.iter().enumerate().find(|(index, mode)| modes[..*index].contains(mode)) {
+        Some((_, mode)) => Err(Failure::Wrong(anyhow::anyhow!("--modes lists `{mode}` twice"))),
+        None => Ok(()),
+    }
+}
+
+/// Modes are declared in the order in which they deserve trust.
+fn most_trusted(rendered: &[Rendered]) -> Option<usize> {
+    (0..rendered.len()).max_by_key(|&index| rendered[index].mode)
+}
+
+/// Every pair once, the less trusted mode against the more trusted one.
+fn differences(
+    rendered: &[Rendered],
+    pictures: &[Picture],
+) -> Result<Vec<PairDifference>, crate::measure::MetricError> {
+    let mut pairs = Vec::new();
+    for b in 0..rendered.len() {
+        for a in 0..rendered.len() {
+            if rendered[a].mode < rendered[b].mode {
+                let figures = difference(&pictures[a].rgb, &pictures[b].rgb)?;
+                pairs.push(PairDifference { a: rendered[a].mode, b: rendered[b].mode, figures });
+            }
+        }
+    }
+    pairs.sort_by_key(|pair| (std::cmp::Reverse(pair.b), pair.a));
+    Ok(pairs)
+}
+
+fn write_picture(
+    path: &Path,
+    job: &Job<'_>,
+    rendered: &[Rendered],
+    pictures: &[Picture],
+    seed: u64,
+) -> Result<(), Failure> {
+    let panes: Vec<LabelledPane<'_>> = (rendered.iter().zip(pictures))
+        .map(|(image, picture)| LabelledPane {
+            title: image.mode.to_string(),
+            details: format!("{} spp · {}", image.film.samples, duration(image.seconds)),
+            events: image.film.events,
+            picture,
+        })
+        .collect();
+    let about = Comparison {
+        title: job.prepared.description.name.clone(),
+        details: format!(
+            "{}×{} · seed {seed} · iorect {}",
+            pictures[0].width,
+            pictures[0].height,
+            env!("CARGO_PKG_VERSION")
+        ),
+        display: job.display(),
+        baseline: most_trusted(rendered).filter(|_| rendered.len() > 1),
+    };
+    let sheet = export::comparison(&panes, &about).map_err(Failure::output)?;
+    let modes: Vec<Mode> = rendered.iter().map(|image| image.mode).collect();
+    let text = export::metadata(&job.prepared, &modes, rendered[0].film.samples, seed);
+    export::image_png(path, &sheet, &text).map_err(Failure::output)
+}
+
+fn summary(job: &Job<'_>, rendered: &[Rendered], differences: &[PairDifference], output: Option<&Path>) -> String {
+    let film = &rendered[0].film;
+    let name = &job.prepared.description.name;
+    let mut text = format!("{name} · {}×{} · {} spp\n\n", film.width, film.height, film.samples);
+    let mut modes = Table::new(&[
+        ("mode", Align::Left),
+        ("time", Align::Right),
+        ("Msamples/s", Align::Right),
+        ("events", Align::Left),
+    ]);
+    for image in rendered {
+        modes.row([
+            image.mode.to_string(),
+            duration(image.seconds),
+            brief(mega_samples_per_second(&image.film, image.seconds)),
+            events_in_words(&image.film.events),
+        ]);
+    }
+    text += &modes.render();
+    if !differences.is_empty() {
+        let mut table = Table::new(&[
+            ("difference", Align::Left),
+            ("MSE", Align::Right),
+            ("relMSE", Align::Right),
+            ("mean |Δ|", Align::Right),
+        ]);
+        for pair in differences {
+            let figures = pair.figures;
+            table.row([
+                format!("{} − {}", pair.a, pair.b),
+                brief(figures.mse),
+                brief(figures.relmse),
+                brief(figures.mean_abs),
+            ]);
+        }
+        text += "\n";
+        text += &table.render();
+    }
+    if let Some(path) = output {
+        text += &format!("\n  wrote {}\n", path.display());
+    }
+    text
+}

@@ -1,0 +1,120 @@
+//! `iorect trace`: one path, vertex by vertex.
+
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+
+use super::arguments::TraceArguments;
+use super::table::{Align, Table};
+use super::{Failure, print, print_json};
+use crate::estimator::trace::{TracedPath, Vertex, VertexEvent, trace};
+use crate::export::words::{brief, events_in_words};
+use crate::geometry::Ray;
+use crate::render::prepare;
+use crate::scene;
+use crate::scene::camera::Camera;
+
+pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Failure> {
+    let description = Arc::new(scene::load::open(&arguments.scene.scene)?);
+    let camera = Camera::new(&description.camera)?;
+    let ray = first_ray(arguments, &camera)?;
+    let prepared = prepare(Arc::clone(&description), None)?;
+    let path = trace(&prepared, arguments.mode, ray, arguments.follow, arguments.seed, arguments.max_depth.0);
+    if arguments.scene.json {
+        print_json(&path)?;
+    } else {
+        print(&summary(&description.name, &path))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn first_ray(arguments: &TraceArguments, camera: &Camera) -> Result<Ray, Failure> {
+    if let (Some(origin), Some(direction)) = (arguments.origin, arguments.direction) {
+        return Ok(Ray::new(origin, direction));
+    }
+    let Some([x, y]) = arguments.pixel else {
+        return Err(Failure::Wrong(anyhow::anyhow!(
+            "which path? give --pixel X,Y, or --origin X,Y,Z with --direction X,Y,Z"
+        )));
+    };
+    let size = arguments.size;
+    if x >= size.width || y >= size.height {
+        return Err(Failure::Wrong(anyhow::anyhow!(
+            "pixel {x},{y} is outside the image of {}×{}; columns go from 0 to {}, rows from 0 to {}",
+            size.width,
+            size.height,
+            size.width - 1,
+            size.height - 1
+        )));
+    }
+    let center = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+    Ok(camera.ray(center, DVec2::new(f64::from(size.width), f64::from(size.height)), DVec2::ZERO))
+}
+
+fn summary(scene: &str, path: &TracedPath) -> String {
+    let mut text = format!("{scene} · {} · starts in {}\n\n", path.mode, path.camera_medium);
+    let mut table = Table::new(&[
+        ("#", Align::Right),
+        ("event", Align::Left),
+        ("surface", Align::Left),
+        ("from", Align::Left),
+        ("", Align::Left),
+        ("to", Align::Left),
+        ("Fresnel R", Align::Right),
+        ("x", Align::Right),
+        ("y", Align::Right),
+        ("z", Align::Right),
+    ]);
+    for (index, vertex) in path.vertices.iter().enumerate() {
+        let (from, to) = (medium(&vertex.from, vertex.ior_from), medium(&vertex.to, vertex.ior_to));
+        let arrow = if vertex.to.is_some() { "→" } else { "" };
+        let [x, y, z] = vertex.position.map(|c| format!("{c:.4}"));
+        table.row([
+            (index + 1).to_string(),
+            event_in_words(vertex.event).to_owned(),
+            surface(vertex),
+            from,
+            arrow.to_owned(),
+            to,
+            vertex.fresnel.map_or(String::new(), brief),
+            x,
+            y,
+            z,
+        ]);
+    }
+    if path.vertices.is_empty() {
+        text += "  the path meets nothing\n";
+    } else {
+        text += &table.render();
+    }
+    let DVec3 { x, y, z } = DVec3::from(path.final_direction);
+    let end = if path.escaped { "leaves the scene along" } else { "ends; its last direction is" };
+    text += &format!("\n  {end} ({x:.6}, {y:.6}, {z:.6})\n");
+    text += &format!("  {}\n", events_in_words(&path.events));
+    text
+}
+
+fn medium(name: &Option<String>, ior: Option<f64>) -> String {
+    match (name, ior) {
+        (Some(name), Some(ior)) => format!("{name} {ior:.4}"),
+        (Some(name), None) => name.clone(),
+        _ => String::new(),
+    }
+}
+
+fn surface(vertex: &Vertex) -> String {
+    let name = vertex.refractor.as_ref().or(vertex.solid.as_ref());
+    name.cloned().unwrap_or_default()
+}
+
+fn event_in_words(event: VertexEvent) -> &'static str {
+    match event {
+        VertexEvent::Transmit => "transmit",
+        VertexEvent::Reflect => "reflect",
+        VertexEvent::TotalReflection => "total reflection",
+        VertexEvent::Skip => "skip",
+        VertexEvent::Scatter => "scatter",
+        VertexEvent::Emit => "emit",
+    }
+}

@@ -1,0 +1,120 @@
+//! `iorect [SCENE]`: the window, or, where none can be opened, a comparison as a file.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use super::arguments::{Arguments, Command, WindowArguments};
+use super::{Failure, compare};
+use crate::scene::{SceneError, builtin};
+
+/// What is written where no window can be opened.
+const FALLBACK_PICTURE: &str = "iorect-comparison.png";
+
+/// What the window should show.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WindowRequest {
+    /// A file or a built-in scene's name; `None`: the default scene.
+    pub scene: Option<String>,
+    /// Size in pixels; `None`: as remembered.
+    pub size: Option<[u32; 2]>,
+    /// Take a picture of the window and quit.
+    pub screenshot: Option<WindowScreenshot>,
+}
+
+/// A picture of the window.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WindowScreenshot {
+    /// A PNG.
+    pub path: PathBuf,
+    /// Samples per pixel to wait for.
+    pub samples: u32,
+    /// Number of panes; `None`: the default.
+    pub panes: Option<usize>,
+    /// One pane over the other, with a divider.
+    pub is_wipe: bool,
+    /// The light theme instead of the dark one.
+    pub is_light: bool,
+    /// `"render"`, `"rectification"` or `"inspector"`.
+    pub tab: Option<String>,
+}
+
+/// Why the window did not do what it was asked for.
+#[derive(Debug, thiserror::Error)]
+pub enum WindowError {
+    /// There is no display, or nothing to draw with.
+    #[error("no window can be opened: {0}")]
+    NoWindow(String),
+    /// The scene cannot be used.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Something else.
+    #[error("{0}")]
+    Other(String),
+}
+
+pub fn run(
+    arguments: &WindowArguments,
+    open_window: impl FnOnce(WindowRequest) -> Result<(), WindowError>,
+) -> Result<ExitCode, Failure> {
+    let request = WindowRequest {
+        scene: arguments.scene.clone(),
+        size: arguments.window_size.map(|size| [size.width, size.height]),
+        screenshot: arguments.screenshot.as_ref().map(|path| WindowScreenshot {
+            path: path.clone(),
+            samples: arguments.samples,
+            panes: arguments.panes,
+            is_wipe: arguments.wipe,
+            is_light: arguments.light,
+            tab: arguments.tab.clone(),
+        }),
+    };
+    match open_window(request) {
+        Ok(()) => Ok(ExitCode::SUCCESS),
+        Err(WindowError::Scene(error)) => Err(error.into()),
+        Err(error @ WindowError::NoWindow(_)) if arguments.screenshot.is_none() => {
+            compare_instead(arguments.scene.as_deref().unwrap_or(builtin::DEFAULT), &error)
+        }
+        Err(error) => Err(Failure::Failed(error.into())),
+    }
+}
+
+/// The windowing crate begins its message with the place in its own source that it comes from: `… at …/mod.rs:765: no display`.
+fn without_source_place(message: &str) -> String {
+    let from_start = message.find(": ");
+    let reason = message.rfind(".rs:").and_then(|at| message[at..].find(": ").map(|colon| &message[at + colon..]));
+    match (from_start, reason) {
+        (Some(start), Some(reason)) => format!("{}{reason}", &message[..start]),
+        _ => message.to_owned(),
+    }
+}
+
+fn compare_instead(scene: &str, error: &WindowError) -> Result<ExitCode, Failure> {
+    let error = without_source_place(&error.to_string());
+    // What cannot be said to a closed standard error is not worth stopping for.
+    let _ = writeln!(
+        io::stderr(),
+        "{error}\nThe comparison is written to {FALLBACK_PICTURE} instead; `iorect --help` lists commands that need no display."
+    );
+    // `--` keeps a scene whose name begins with a dash a scene.
+    let words = ["iorect", "compare", "-o", FALLBACK_PICTURE, "--", scene];
+    match Arguments::try_parse_from(words).map(|arguments| arguments.command) {
+        Ok(Some(Command::Compare(arguments))) => compare::run(&arguments),
+        other => Err(Failure::Failed(anyhow::anyhow!("the comparison could not be started: {other:?}"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reasons_lose_the_place_in_somebody_elses_source() {
+        let long = "no window can be opened: EventLoopError: os error at a/b/mod.rs:765: DISPLAY is not set";
+        assert_eq!(without_source_place(long), "no window can be opened: DISPLAY is not set");
+        assert_eq!(without_source_place("no window can be opened: no GPU"), "no window can be opened: no GPU");
+        assert_eq!(without_source_place(""), "");
+    }
+}
