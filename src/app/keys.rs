@@ -113,11 +113,7 @@ pub const GROUPS: &[Group] = &[
             Shortcut { keys: RENDER_PANEL, what: "Render panel", command: |_| Command::ToggleRenderPanel },
             Shortcut { keys: key(NONE, Key::I), what: "Inspector", command: |_| Command::ShowTab(Tab::Inspector) },
             Shortcut { keys: LARGER, what: "Larger interface", command: |_| Command::StepInterfaceScale(1) },
-            Shortcut {
-                keys: key(CTRL, Key::Equals),
-                what: "",
-                command: |_| Command::StepInterfaceScale(1),
-            },
+            Shortcut { keys: key(CTRL, Key::Equals), what: "", command: |_| Command::StepInterfaceScale(1) },
             Shortcut { keys: SMALLER, what: "Smaller interface", command: |_| Command::StepInterfaceScale(-1) },
         ],
     },
