@@ -99,7 +99,7 @@ pub struct ImageArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24), conflicts_with = "time")]
     pub spp: Option<u32>,
     /// Render for this many seconds instead (one sample per pixel at least)
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
     /// Image size in pixels, at most 32768 a side and 67108864 in all
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size)]
@@ -190,7 +190,7 @@ pub struct TraceArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
     /// Pixel whose centre the path goes through, from the lens's centre; 0,0 is top left
-    #[arg(long, value_name = "X,Y", value_parser = pixel, required_unless_present = "origin", conflicts_with = "origin")]
+    #[arg(long, value_name = "X,Y", value_parser = pixel, conflicts_with = "origin")]
     pub pixel: Option<[u32; 2]>,
     /// Size of the image that --pixel counts in
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size)]

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::arguments::SceneArguments;
-use super::{Failure, print, print_json};
+use super::{Failure, plural, print, print_json};
 use crate::check::{Problem, Severity, check};
 use crate::render::prepare;
 use crate::scene::{self, SceneError};
@@ -66,8 +66,4 @@ fn summary(report: &Report<'_>) -> String {
         plural(advice)
     );
     text
-}
-
-fn plural(count: usize) -> &'static str {
-    if count == 1 { "" } else { "s" }
 }

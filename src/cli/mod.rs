@@ -95,6 +95,11 @@ fn not_yet(command: &str) -> Result<ExitCode, Failure> {
     )))
 }
 
+/// The ending of a noun that is counted.
+fn plural(count: usize) -> &'static str {
+    if count == 1 { "" } else { "s" }
+}
+
 /// Writes a result to standard output. A reader that has gone, such as `head`, is no error.
 fn print(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::arguments::RectifyArguments;
 use super::table::{Align, Table};
-use super::{Failure, print, print_json};
+use super::{Failure, plural, print, print_json};
 use crate::check::{Severity, check};
 use crate::export::words::{brief, duration, grouped};
 use crate::rectify::Patch;
@@ -124,8 +124,9 @@ fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
     text += &table.render();
     let seconds = report.seconds;
     text += &format!(
-        "\n  {} refractors, {} rays, {} (topology {} · pre-trace {} · resolve {})\n",
+        "\n  {} refractor{}, {} rays, {} (topology {} · pre-trace {} · resolve {})\n",
         report.patches.len(),
+        plural(report.patches.len()),
         grouped(rays),
         duration(seconds.total()),
         duration(seconds.topology),

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use super::arguments::RenderArguments;
 use super::image::{Job, Rendered, mega_samples_per_second, output_path};
-use super::{Failure, print, print_json};
+use super::{Failure, plural, print, print_json};
 use crate::export::words::{brief, duration, events_in_words};
 use crate::export::{self, Format, Picture};
 
@@ -49,7 +49,7 @@ fn summary(job: &Job<'_>, rendered: &Rendered, output: Option<&std::path::Path>)
         "  speed     {} million samples a second, {} thread{}\n",
         brief(mega_samples_per_second(&rendered.film, seconds.render)),
         report.threads,
-        if report.threads == 1 { "" } else { "s" }
+        plural(report.threads)
     );
     text += &format!("  events    {}\n", events_in_words(&report.events));
     text += &format!("  left out  {left_out}\n");

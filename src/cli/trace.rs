@@ -33,8 +33,11 @@ fn first_ray(arguments: &TraceArguments, camera: &Camera) -> Result<Ray, Failure
     if let (Some(origin), Some(direction)) = (arguments.origin, arguments.direction) {
         return Ok(Ray::new(origin, direction));
     }
-    // clap has made sure that one of the two is there.
-    let [x, y] = arguments.pixel.unwrap_or_default();
+    let Some([x, y]) = arguments.pixel else {
+        return Err(Failure::Wrong(anyhow::anyhow!(
+            "which path? give --pixel X,Y, or --origin X,Y,Z with --direction X,Y,Z"
+        )));
+    };
     let size = arguments.size;
     if x >= size.width || y >= size.height {
         return Err(Failure::Wrong(anyhow::anyhow!(

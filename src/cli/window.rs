@@ -81,7 +81,18 @@ pub fn run(
     }
 }
 
+/// The windowing crate begins its message with the place in its own source that it comes from: `… at …/mod.rs:765: no display`.
+fn without_source_place(message: &str) -> String {
+    let from_start = message.find(": ");
+    let reason = message.rfind(".rs:").and_then(|at| message[at..].find(": ").map(|colon| &message[at + colon..]));
+    match (from_start, reason) {
+        (Some(start), Some(reason)) => format!("{}{reason}", &message[..start]),
+        _ => message.to_owned(),
+    }
+}
+
 fn compare_instead(scene: &str, error: &WindowError) -> Result<ExitCode, Failure> {
+    let error = without_source_place(&error.to_string());
     // What cannot be said to a closed standard error is not worth stopping for.
     let _ = writeln!(
         io::stderr(),
@@ -92,5 +103,18 @@ fn compare_instead(scene: &str, error: &WindowError) -> Result<ExitCode, Failure
     match Arguments::try_parse_from(words).map(|arguments| arguments.command) {
         Ok(Some(Command::Compare(arguments))) => compare::run(&arguments),
         other => Err(Failure::Failed(anyhow::anyhow!("the comparison could not be started: {other:?}"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reasons_lose_the_place_in_somebody_elses_source() {
+        let long = "no window can be opened: EventLoopError: os error at a/b/mod.rs:765: DISPLAY is not set";
+        assert_eq!(without_source_place(long), "no window can be opened: DISPLAY is not set");
+        assert_eq!(without_source_place("no window can be opened: no GPU"), "no window can be opened: no GPU");
+        assert_eq!(without_source_place(""), "");
     }
 }

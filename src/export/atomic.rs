@@ -13,7 +13,7 @@ use super::ExportError;
 /// When the folder is missing or not writable, `path` is a folder, or `write` fails.
 pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), ExportError> {
     let target = resolve(path)?;
-    let failed = |source| ExportError::Write { path: path.to_path_buf(), source };
+    let failed = |reason| ExportError::Write { path: path.to_path_buf(), reason };
     let mut writer = BufWriter::new(temporary_beside(&target).map_err(failed)?);
     write(&mut writer).map_err(failed)?;
     let file = writer.into_inner().map_err(|e| failed(e.into_error()))?;
@@ -31,7 +31,7 @@ pub fn require_writable(path: &Path) -> Result<(), ExportError> {
     let target = resolve(path)?;
     match temporary_beside(&target) {
         Ok(_removed_when_dropped) => Ok(()),
-        Err(source) => Err(ExportError::Write { path: path.to_path_buf(), source }),
+        Err(reason) => Err(ExportError::Write { path: path.to_path_buf(), reason }),
     }
 }
 
@@ -57,6 +57,11 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
+fn without_path(error: &io::Error) -> String {
+    let cause = error.get_ref().and_then(std::error::Error::source);
+    cause.map_or_else(|| error.to_string(), ToString::to_string)
+}
+
 fn temporary_beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".iorect-").suffix(".tmp");
@@ -65,5 +70,6 @@ fn temporary_beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
     #[cfg(unix)]
     builder.permissions(permissions);
-    builder.tempfile_in(folder_of(target))
+    // The crate adds the temporary file's own name to the error, which would only puzzle.
+    builder.tempfile_in(folder_of(target)).map_err(|error| io::Error::new(error.kind(), without_path(&error)))
 }

@@ -37,12 +37,12 @@ pub enum ExportError {
         expected: &'static str,
     },
     /// The system refused.
-    #[error("{}: cannot be written: {source}", path.display())]
+    #[error("{}: cannot be written: {reason}", path.display())]
     Write {
         /// As asked for.
         path: PathBuf,
         /// The system's reason.
-        source: io::Error,
+        reason: io::Error,
     },
     /// The encoder refused.
     #[error("{}: cannot be encoded: {message}", path.display())]

@@ -78,8 +78,7 @@ fn faults(path: &TracedPath) -> Vec<Option<String>> {
     (path.vertices.iter())
         .map(|vertex| {
             let (Some(from), Some(to)) = (&vertex.from, &vertex.to) else { return None };
-            // Only what the mode looks at counts: a skipped surface changes nothing.
-            let fault = (vertex.event != VertexEvent::Skip && *from != register).then(|| register.clone());
+            let fault = (!vertex.is_consistent).then(|| register.clone());
             match vertex.event {
                 VertexEvent::Transmit => register.clone_from(to),
                 VertexEvent::Reflect | VertexEvent::TotalReflection => register.clone_from(from),
@@ -153,7 +152,7 @@ mod tests {
     use crate::render::Events;
     use crate::tracking::Mode;
 
-    fn vertex(from: &str, to: &str, event: VertexEvent) -> Vertex {
+    fn vertex(from: &str, to: &str, event: VertexEvent, is_consistent: bool) -> Vertex {
         Vertex {
             position: [0.0; 3],
             refractor: Some("ball".into()),
@@ -165,6 +164,7 @@ mod tests {
             ior_to: Some(1.5),
             fresnel: Some(0.04),
             event,
+            is_consistent,
         }
     }
 
@@ -174,10 +174,10 @@ mod tests {
             mode: Mode::Stack,
             camera_medium: "water".into(),
             vertices: vec![
-                vertex("world", "glass", VertexEvent::Transmit),
-                vertex("glass", "world", VertexEvent::TotalReflection),
-                vertex("glass", "world", VertexEvent::Transmit),
-                vertex("water", "world", VertexEvent::Transmit),
+                vertex("world", "glass", VertexEvent::Transmit, false),
+                vertex("glass", "world", VertexEvent::TotalReflection, true),
+                vertex("glass", "world", VertexEvent::Transmit, true),
+                vertex("water", "world", VertexEvent::Transmit, false),
             ],
             escaped: true,
             final_direction: [0.0, 0.0, 1.0],
