@@ -71,7 +71,7 @@ pub struct WindowArguments {
     #[arg(long, hide = true, value_name = "FILE.png")]
     pub screenshot: Option<PathBuf>,
     /// Size of the window in pixels
-    #[arg(long, hide = true, value_name = "WxH", value_parser = size)]
+    #[arg(long, hide = true, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub window_size: Option<Size>,
     /// Samples per pixel to wait for before the picture is taken
     #[arg(long, hide = true, default_value_t = 32, requires = "screenshot")]
@@ -102,7 +102,7 @@ pub struct ImageArguments {
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
     /// Image size in pixels, at most 32768 a side and 67108864 in all
-    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size)]
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size, allow_hyphen_values = true)]
     pub size: Size,
     /// Seed of the random numbers; all modes use the same ones
     #[arg(long, value_name = "K", default_value_t = 0)]
@@ -193,7 +193,7 @@ pub struct TraceArguments {
     #[arg(long, value_name = "X,Y", value_parser = pixel, conflicts_with = "origin")]
     pub pixel: Option<[u32; 2]>,
     /// Size of the image that --pixel counts in
-    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size)]
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size, allow_hyphen_values = true)]
     pub size: Size,
     /// Where the path starts, instead of --pixel
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "direction")]
