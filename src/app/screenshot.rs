@@ -48,7 +48,9 @@ impl Camera {
                 again.request_repaint();
             })));
         }
-        ctx.request_repaint_after(Duration::from_millis(50));
+        // Seldom while waiting: frames cost time that the images need.
+        let pause = if self.frames_ready > 0 { 20 } else { 300 };
+        ctx.request_repaint_after(Duration::from_millis(pause));
     }
 }
 

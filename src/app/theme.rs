@@ -13,7 +13,7 @@ pub const GAP: f32 = 6.0;
 /// Space between sections.
 pub const SECTION_GAP: f32 = 14.0;
 /// Widths of the side panels.
-pub const SCENE_PANEL_WIDTH: f32 = 276.0;
+pub const SCENE_PANEL_WIDTH: f32 = 300.0;
 pub const RENDER_PANEL_WIDTH: f32 = 264.0;
 
 /// Marks that say in shape what colours say too; the fonts have each of them.

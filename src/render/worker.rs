@@ -268,3 +268,123 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use super::*;
+
+    fn request(epoch: u64, modes: &[Mode]) -> Request {
+        let description = Arc::new(crate::scene::load::open("nested-spheres").expect("a built-in scene"));
+        Request {
+            epoch,
+            camera: description.camera,
+            description,
+            modes: modes.to_vec(),
+            size: [96, 64],
+            seed: 0,
+            max_depth: Some(8),
+            sample_limit: Some(3),
+            is_paused: false,
+        }
+    }
+
+    fn until(worker: &Worker, is_met: impl Fn(&BTreeMap<Mode, Arc<Snapshot>>) -> bool) {
+        let start = Instant::now();
+        while !is_met(&worker.board().snapshots()) {
+            assert!(start.elapsed() < Duration::from_secs(60), "waited too long");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    fn quiet() -> Wake {
+        Arc::new(|_| {})
+    }
+
+    #[test]
+    fn modes_advance_in_lockstep_to_the_limit() {
+        let modes = [Mode::Naive, Mode::Stack, Mode::Rectified];
+        let worker = Worker::start(quiet()).unwrap();
+        worker.submit(request(1, &modes));
+        until(&worker, |snapshots| {
+            let samples: Vec<_> = snapshots.values().map(|s| (s.size, s.samples)).collect();
+            assert!(samples.windows(2).all(|pair| pair[0] == pair[1]), "out of step: {samples:?}");
+            snapshots.len() == 3 && snapshots.values().all(|s| s.is_done)
+        });
+        let snapshots = worker.board().snapshots();
+        assert!(snapshots.values().all(|s| s.samples == 3 && s.size == [96, 64] && !s.is_preview()));
+        // From outside a proper nest the stack knows everything: the same random numbers give the same image.
+        assert_eq!(snapshots[&Mode::Stack].rgb, snapshots[&Mode::Rectified].rgb);
+        assert_ne!(snapshots[&Mode::Naive].rgb, snapshots[&Mode::Rectified].rgb);
+    }
+
+    #[test]
+    fn a_higher_limit_goes_on_and_a_new_epoch_starts_anew() {
+        let worker = Worker::start(quiet()).unwrap();
+        let first = request(1, &[Mode::Rectified]);
+        worker.submit(first.clone());
+        until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.is_done));
+        let three = Arc::clone(&worker.board().snapshots()[&Mode::Rectified]);
+        worker.submit(Request { sample_limit: Some(5), ..first.clone() });
+        until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.samples == 5));
+        let five = Arc::clone(&worker.board().snapshots()[&Mode::Rectified]);
+        assert!(five.seconds > three.seconds && five.epoch == 1, "the same film went on");
+
+        // Many requests at once: the last one is what remains.
+        for epoch in 2..30 {
+            worker.submit(Request { epoch, ..first.clone() });
+        }
+        until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.epoch == 29 && s.is_done));
+        assert_eq!(
+            worker.board().snapshots()[&Mode::Rectified].rgb,
+            three.rgb,
+            "an image depends on its request alone"
+        );
+    }
+
+    #[test]
+    fn a_pause_stops_after_one_sample() {
+        let worker = Worker::start(quiet()).unwrap();
+        let paused = Request { is_paused: true, sample_limit: None, ..request(1, &[Mode::Rectified]) };
+        worker.submit(paused.clone());
+        until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| !s.is_preview()));
+        std::thread::sleep(Duration::from_millis(100));
+        assert_eq!(worker.board().snapshots()[&Mode::Rectified].samples, 1);
+        worker.submit(Request { is_paused: false, ..paused });
+        until(&worker, |s| s[&Mode::Rectified].samples > 10);
+    }
+
+    #[test]
+    fn reference_beside_others_has_a_lane_of_its_own() {
+        let worker = Worker::start(quiet()).unwrap();
+        worker.submit(Request { sample_limit: Some(2), ..request(1, &[Mode::Rectified, Mode::Reference]) });
+        until(&worker, |s| s.len() == 2 && s.values().all(|s| s.is_done));
+        worker.submit(Request { sample_limit: Some(2), ..request(2, &[Mode::Reference]) });
+        until(&worker, |s| s.len() == 1 && s.values().all(|s| s.epoch == 2 && s.is_done));
+    }
+
+    #[test]
+    fn an_impossible_request_is_told_and_the_old_scene_stays() {
+        let worker = Worker::start(quiet()).unwrap();
+        let good = request(1, &[Mode::Rectified]);
+        worker.submit(good.clone());
+        until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.is_done));
+        let mut bad = Request { epoch: 2, ..good.clone() };
+        bad.camera.target = bad.camera.position;
+        worker.submit(bad);
+        let start = Instant::now();
+        let (epoch, error) = loop {
+            if let Some(failure) = worker.board().take_failure() {
+                break failure;
+            }
+            assert!(start.elapsed() < Duration::from_secs(60), "waited too long");
+            std::thread::sleep(Duration::from_millis(2));
+        };
+        assert_eq!(epoch, 2);
+        assert!(error.message.contains("direction"), "{error}");
+        assert!(worker.board().scene().is_some());
+        worker.submit(Request { epoch: 3, ..good });
+        until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.epoch == 3 && s.is_done));
+    }
+}

@@ -78,7 +78,6 @@ fn faults(path: &TracedPath) -> Vec<Option<String>> {
     (path.vertices.iter())
         .map(|vertex| {
             let (Some(from), Some(to)) = (&vertex.from, &vertex.to) else { return None };
-            // Only what the mode looks at counts: a skipped surface changes nothing.
             let fault = (!vertex.is_consistent).then(|| register.clone());
             match vertex.event {
                 VertexEvent::Transmit => register.clone_from(to),

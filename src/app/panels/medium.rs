@@ -12,7 +12,7 @@ use crate::scene::Description;
 /// The slider's range; anything greater than 0 can be typed.
 const SLIDER: std::ops::RangeInclusive<f64> = 1.0..=2.5;
 const VALUE_WIDTH: f32 = 58.0;
-const SLIDER_WIDTH: f32 = 64.0;
+const SLIDER_WIDTH: f32 = 60.0;
 
 /// Width that [`ior_ui`] takes.
 pub const IOR_WIDTH: f32 = VALUE_WIDTH + SLIDER_WIDTH + 6.0;
@@ -53,20 +53,20 @@ pub fn ior_ui(
     );
     let ui = &mut controls;
     ui.spacing_mut().slider_width = SLIDER_WIDTH;
-    ui.name_inputs(label, |ui| {
-        let mut value = ior;
-        // Four decimals tell catalogue media apart; what was typed is kept in full.
-        let typed = DragValue::new(&mut value).speed(0.001).range(1e-3..=1e3).min_decimals(3).max_decimals(4);
-        let response = ui.add_sized([VALUE_WIDTH, ui.spacing().interact_size.y], typed.update_while_editing(false));
-        if response.on_hover_text(&tip).changed() && value != ior {
-            commands.push(Command::SetIor(medium.clone(), IorModel::Constant(value)));
-        }
-        let mut value = ior;
-        let slider = Slider::new(&mut value, SLIDER).show_value(false).clamping(SliderClamping::Never).step_by(0.001);
-        if ui.add(slider).on_hover_text(&tip).changed() && value != ior {
-            commands.push(Command::SetIor(medium.clone(), IorModel::Constant(value)));
-        }
-    });
+    let mut value = ior;
+    // Four decimals tell catalogue media apart; what was typed is kept in full.
+    let typed = DragValue::new(&mut value).speed(0.001).range(1e-3..=1e3).min_decimals(3).max_decimals(4);
+    let response = ui.add_sized([VALUE_WIDTH, ui.spacing().interact_size.y], typed.update_while_editing(false));
+    if response.accessible_name(&label).on_hover_text(&tip).changed() && value != ior {
+        commands.push(Command::SetIor(medium.clone(), IorModel::Constant(value)));
+    }
+    let mut value = ior;
+    // A small knob leaves more of the rail to drag on.
+    ui.spacing_mut().interact_size.y = 16.0;
+    let slider = Slider::new(&mut value, SLIDER).show_value(false).clamping(SliderClamping::Never).step_by(0.001);
+    if ui.add(slider).accessible_name(&label).on_hover_text(&tip).changed() && value != ior {
+        commands.push(Command::SetIor(medium.clone(), IorModel::Constant(value)));
+    }
 }
 
 /// Preset and absorption of the selected object's medium.
@@ -106,9 +106,8 @@ pub fn details_ui(ui: &mut Ui, description: &Description, medium: &MediumRef, co
         let mut is_changed = false;
         for (value, color) in edited.iter_mut().zip(["red", "green", "blue"]) {
             let drag = DragValue::new(value).speed(0.002).range(0.0..=1e6).max_decimals(3).update_while_editing(false);
-            let response = ui.name_inputs(format!("Absorption of {} in {}", color, name(medium)), |ui| {
-                ui.add_sized([width, ui.spacing().interact_size.y], drag)
-            });
+            let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
+            let response = response.accessible_name(format!("Absorption of {} in {}", color, name(medium)));
             is_changed |= response.on_hover_text(format!("{about}\nThis one is {color}.")).changed();
         }
         if is_changed && edited != absorption {

@@ -72,9 +72,15 @@ fn display_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let mut exposure = settings.display.exposure;
         ui.spacing_mut().slider_width = ui.available_width() - 54.0;
         let slider = Slider::new(&mut exposure, -8.0..=8.0).clamping(egui::SliderClamping::Never).show_value(false);
-        let is_dragged = ui.add(slider).on_hover_text(about).changed();
+        let height = std::mem::replace(&mut ui.spacing_mut().interact_size.y, 16.0);
+        let is_dragged = ui.add(slider).accessible_name("Exposure").on_hover_text(about).changed();
+        ui.spacing_mut().interact_size.y = height;
         let typed = DragValue::new(&mut exposure).speed(0.02).range(-30.0..=30.0).fixed_decimals(2);
-        let is_typed = ui.add_sized([46.0, ui.spacing().interact_size.y], typed).on_hover_text(about).changed();
+        let is_typed = ui
+            .add_sized([46.0, ui.spacing().interact_size.y], typed)
+            .accessible_name("Exposure")
+            .on_hover_text(about)
+            .changed();
         if is_dragged || is_typed {
             commands.push(Command::SetExposure(exposure));
         }
@@ -133,13 +139,17 @@ fn limit_ui(
 ) {
     row_ui(ui, name, about, |ui| {
         let mut is_on = limit.is_some();
-        let has_toggled = ui.checkbox(&mut is_on, "").on_hover_text(about).changed();
+        let has_toggled = ui.checkbox(&mut is_on, "").accessible_name(name).on_hover_text(about).changed();
         let mut number = limit.unwrap_or(default);
         let mut has_changed = false;
         if limit.is_some() {
             let drag = DragValue::new(&mut number).range(range).speed(0.5).update_while_editing(false);
             let width = ui.available_width();
-            has_changed = ui.add_sized([width, ui.spacing().interact_size.y], drag).on_hover_text(about).changed();
+            has_changed = ui
+                .add_sized([width, ui.spacing().interact_size.y], drag)
+                .accessible_name(name)
+                .on_hover_text(about)
+                .changed();
         } else {
             ui.label(note(ui, "no limit"));
         }

@@ -15,7 +15,7 @@ use crate::render::worker::SceneReport;
 use crate::scene::Description;
 use crate::scene::description::{Paint, Shape};
 
-const INDENT: f32 = 14.0;
+const INDENT: f32 = 13.0;
 /// Deeper levels are not indented further, or there would be no room for their names.
 const DEEPEST_INDENT: usize = 7;
 
@@ -157,7 +157,7 @@ fn row_contents_ui(ui: &mut Ui, row: Rect, indent: f32, color: egui::Color32, na
     if let Some(confidence) = doubt {
         let color = Palette::of(&contents).warning;
         let tip = format!("The rays did not agree: {:.0} % for this place in the tree.", confidence * 100.0);
-        contents.label(RichText::new(WARNING_MARK).color(color)).on_hover_text(tip);
+        contents.label(RichText::new(WARNING_MARK).small().color(color)).on_hover_text(tip);
     }
     contents.add(Label::new(name).truncate().sense(Sense::empty()));
 }

@@ -51,7 +51,7 @@ pub(super) fn pane_ui(
     label_ui(&mut child, state, films, index, content, commands);
 
     if let PaneContent::Difference(..) = content {
-        paint_legend(ui, state, room);
+        paint_legend(ui, state, room, to_right && to_bottom);
     }
 }
 
@@ -209,13 +209,16 @@ pub(super) fn paint_handle(painter: &Painter, center: Pos2) {
     }
 }
 
-fn paint_legend(ui: &Ui, state: &State, room: Rect) {
+/// In the lower right corner, or in the lower left one where the label is in the way.
+fn paint_legend(ui: &Ui, state: &State, room: Rect, at_left: bool) {
     const BAR: Vec2 = vec2(120.0, 8.0);
     if room.width() < 180.0 || room.height() < 90.0 {
         return;
     }
     let painter = ui.painter();
-    let frame = Rect::from_min_max(room.right_bottom() - vec2(BAR.x + 20.0, 36.0), room.right_bottom());
+    let size = vec2(BAR.x + 20.0, 36.0);
+    let left = if at_left { room.left() } else { room.right() - size.x };
+    let frame = Rect::from_min_size(pos2(left, room.bottom() - size.y), size);
     painter.rect_filled(frame, 5.0, GROUND);
     let bar = Rect::from_min_size(frame.min + vec2(10.0, 8.0), BAR);
     let is_signed = state.settings.signed_difference;

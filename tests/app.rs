@@ -1,0 +1,368 @@
+//! The window, driven without a display: every test runs the whole application, worker threads included, and acts as a person would.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use egui::accesskit::Role;
+use egui::{Key, Modifiers};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use iorect::app::{App, Arrangement, Command, ExportKind, PaneContent, Settings, Tab, Theme};
+use iorect::tracking::Mode;
+
+/// Images of a quarter of the size are enough and quick.
+fn quick() -> Settings {
+    Settings { resolution_scale: 0.25, ..Settings::default() }
+}
+
+fn window_of(scene: &str, settings: Settings, size: [f32; 2]) -> Harness<'static, App> {
+    let description = iorect::scene::load::open(scene).expect("a built-in scene");
+    Harness::builder()
+        .with_size(size)
+        .with_step_dt(1.0 / 60.0)
+        .build_eframe(move |cc| App::new(cc, description, Some(settings)).expect("threads can be started"))
+}
+
+fn window(scene: &str) -> Harness<'static, App> {
+    window_of(scene, quick(), [1280.0, 720.0])
+}
+
+/// Runs frames until `is_met`, and fails after a long time.
+fn until(harness: &mut Harness<'_, App>, what: &str, is_met: impl Fn(&App) -> bool) {
+    let start = Instant::now();
+    while !is_met(harness.state()) {
+        assert!(start.elapsed() < Duration::from_secs(120), "waited too long until {what}");
+        std::thread::sleep(Duration::from_millis(5));
+        harness.step();
+    }
+    // What was shown for it must have reached the screen.
+    harness.run_steps(2);
+}
+
+fn apply(harness: &mut Harness<'_, App>, command: Command) {
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, command);
+    harness.run_steps(3);
+}
+
+fn ior(harness: &Harness<'_, App>, medium: &str) -> f64 {
+    harness.state().state().document.description().medium(medium).expect("the scene has this medium").ior.ior()
+}
+
+fn every_pane_has_an_image(app: &App) -> bool {
+    (0..app.state().settings.pane_count).all(|pane| app.samples_shown(pane) > 0)
+}
+
+#[test]
+fn an_ior_is_changed_by_its_slider_and_undone() {
+    let mut harness = window("nested-spheres");
+    until(&mut harness, "there are images", every_pane_has_an_image);
+    let before = ior(&harness, "glass");
+    let epoch = harness.state().state().epoch();
+
+    harness.get_by_role_and_label(Role::Slider, "IOR of glass").set_value_accesskit(1.7);
+    harness.run_steps(3);
+    assert!((ior(&harness, "glass") - 1.7).abs() < 1e-9);
+    assert!(harness.state().state().epoch() > epoch, "the images are out of date");
+    assert!(harness.state().state().document.is_dirty());
+    until(&mut harness, "the edited scene is prepared and shown", |app| {
+        let report = app.state().report.as_ref();
+        let is_prepared = report.is_some_and(|r| r.prepared.world.media.iter().any(|m| (m.ior() - 1.7).abs() < 1e-9));
+        is_prepared && every_pane_has_an_image(app)
+    });
+
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(3);
+    assert_eq!(ior(&harness, "glass"), before);
+    assert!(!harness.state().state().document.is_dirty());
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    harness.run_steps(3);
+    assert!((ior(&harness, "glass") - 1.7).abs() < 1e-9);
+}
+
+#[test]
+fn an_ior_is_changed_by_typing() {
+    let mut harness = window("nested-spheres");
+    harness.get_by_role_and_label(Role::SpinButton, "IOR of glass").click();
+    harness.run_steps(3);
+    harness.event(egui::Event::Text("2.417".into()));
+    harness.run_steps(2);
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(ior(&harness, "glass"), 2.417);
+    // Digits that were typed must not have changed the number of panes.
+    assert_eq!(harness.state().state().settings.pane_count, quick().pane_count);
+}
+
+#[test]
+fn a_preset_comes_from_the_catalogue() {
+    let mut harness = window("nested-spheres");
+    apply(&mut harness, Command::SelectObject(Some("glass ball".into())));
+    harness.get_by_role_and_label(Role::ComboBox, "Preset").click();
+    harness.run_steps(3);
+    harness.get_by_label("Diamond").click_accesskit();
+    harness.run_steps(3);
+    assert!((ior(&harness, "glass") - 2.4175).abs() < 2e-3);
+}
+
+#[test]
+fn panes_and_modes_are_switched() {
+    let mut harness = window("camera-in-water");
+    for (key, count) in [(Key::Num1, 1), (Key::Num4, 4), (Key::Num2, 2)] {
+        harness.key_press(key);
+        harness.run_steps(3);
+        assert_eq!(harness.state().state().settings.pane_count, count);
+    }
+    harness.get_by_label("Pane 2: rectified").click();
+    harness.run_steps(3);
+    harness.get_by_label("reference").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().state().settings.panes[1], PaneContent::Mode(Mode::Reference));
+    until(&mut harness, "both panes have images", every_pane_has_an_image);
+    assert!(harness.query_by_label("Pane 2: reference").is_some());
+}
+
+#[test]
+fn a_difference_is_shown_and_wiped() {
+    let settings = Settings { pane_count: 2, ..quick() };
+    let mut harness = window_of("camera-in-water", settings, [1280.0, 720.0]);
+    apply(&mut harness, Command::SetPaneContent(1, PaneContent::Difference(Mode::Naive, Mode::Rectified)));
+    harness.key_press(Key::W);
+    harness.run_steps(3);
+    assert_eq!(harness.state().state().settings.arrangement, Arrangement::Wipe);
+    // Panes of a wipe have the whole room.
+    let wipe_width = harness.state().state().film_size()[0];
+    harness.key_press(Key::W);
+    harness.run_steps(3);
+    assert!(harness.state().state().film_size()[0] < wipe_width * 6 / 10);
+    until(&mut harness, "the difference is there", every_pane_has_an_image);
+}
+
+#[test]
+fn a_bad_file_is_a_notice_and_the_scene_stays() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("broken.toml");
+    std::fs::write(&path, "name = \"broken\"\n[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\nflavour = 3\n")
+        .unwrap();
+    let mut harness = window("nested-spheres");
+    until(&mut harness, "there are images", every_pane_has_an_image);
+
+    drop_file(&mut harness, path);
+    until(&mut harness, "the notice is there", |app| !app.state().notices.is_empty());
+    let text = harness.state().state().notices[0].text.clone();
+    assert!(text.contains("broken.toml:5") && text.contains("flavour"), "{text}");
+    assert_eq!(harness.state().state().document.description().name, "Nested spheres");
+    let samples = harness.state().samples_shown(0);
+    assert!(samples > 0, "the old images are still there");
+    until(&mut harness, "the old scene goes on", move |app| app.samples_shown(0) > samples);
+
+    harness.get_by_label("Dismiss").click();
+    harness.run_steps(3);
+    assert!(harness.state().state().notices.is_empty());
+}
+
+/// A file dropped on the window.
+fn drop_file(harness: &mut Harness<'_, App>, path: PathBuf) {
+    #[derive(Debug)]
+    struct Dropped(PathBuf);
+    impl egui::DroppedFile for Dropped {
+        fn path(&self) -> &std::path::Path {
+            &self.0
+        }
+
+        fn bytes(&self) -> Result<Vec<u8>, String> {
+            std::fs::read(&self.0).map_err(|error| error.to_string())
+        }
+    }
+    harness.input_mut().dropped_files.push(Arc::new(Dropped(path)));
+    harness.step();
+}
+
+#[test]
+fn a_scene_that_cannot_be_prepared_gives_way_to_the_last_good_one() {
+    let mut harness = window("nested-spheres");
+    until(&mut harness, "there are images", every_pane_has_an_image);
+    apply(
+        &mut harness,
+        Command::SetIor(iorect::app::MediumRef::Named("glass".into()), iorect::optics::IorModel::Constant(-1.0)),
+    );
+    assert!(harness.state().state().notices.iter().any(|notice| notice.text.contains("greater than 0")));
+    assert!(ior(&harness, "glass") > 1.0);
+}
+
+#[test]
+fn pictures_are_exported() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut harness = window("camera-in-water");
+    until(&mut harness, "there are images", every_pane_has_an_image);
+    let film = harness.state().state().film_size();
+    for (kind, name) in
+        [(ExportKind::PanePng, "pane.png"), (ExportKind::PaneExr, "pane.exr"), (ExportKind::AllPanesPng, "all.png")]
+    {
+        let path = folder.path().join(name);
+        apply(&mut harness, Command::Export(kind, path.clone()));
+        until(&mut harness, "the export is reported", |app| {
+            app.state().notices.iter().any(|notice| notice.text.contains(name))
+        });
+        let notice = harness.state().state().notices.iter().find(|notice| notice.text.contains(name)).unwrap();
+        assert!(!notice.is_error, "{}", notice.text);
+        let picture = image::open(&path).expect("a picture that can be read").to_rgb32f();
+        if kind == ExportKind::AllPanesPng {
+            assert!(picture.width() > 2 * film[0]);
+        } else {
+            assert_eq!([picture.width(), picture.height()], film);
+        }
+        assert!(has_contrast(picture.pixels().map(|p| p.0[1])), "{name} is blank");
+    }
+    // A folder that does not exist is an error in words, and nothing is written.
+    let nowhere = folder.path().join("no/such/folder/x.png");
+    apply(&mut harness, Command::Export(ExportKind::PanePng, nowhere.clone()));
+    until(&mut harness, "the failure is reported", |app| app.state().notices.iter().any(|notice| notice.is_error));
+    assert!(!nowhere.exists());
+}
+
+fn has_contrast(values: impl Iterator<Item = f32>) -> bool {
+    let (least, most) = values.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    most - least > 0.1
+}
+
+#[test]
+fn an_edited_scene_is_saved_and_read_back() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("mine.toml");
+    let mut harness = window("nested-spheres");
+    harness.get_by_role_and_label(Role::Slider, "IOR of glass").set_value_accesskit(1.61);
+    harness.run_steps(3);
+    assert!(harness.state().state().document.is_dirty());
+    apply(&mut harness, Command::SaveAs(path.clone()));
+    until(&mut harness, "it is saved", |app| !app.state().document.is_dirty());
+    let saved = iorect::scene::load::file(&path).expect("a scene that can be read");
+    assert!((saved.medium("glass").unwrap().ior.ior() - 1.61).abs() < 1e-9);
+    assert_eq!(harness.state().state().settings.recent[0], path.display().to_string());
+}
+
+#[test]
+fn a_built_in_scene_is_opened_from_the_gallery() {
+    let mut harness = window("nested-spheres");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::B);
+    harness.run_steps(3);
+    harness.get_by_label("plain-glass").click();
+    until(&mut harness, "it is open", |app| app.state().document.description().name != "Nested spheres");
+    assert!(!harness.state().state().windows.gallery);
+    until(&mut harness, "it is shown", every_pane_has_an_image);
+}
+
+#[test]
+fn shortcuts_do_what_the_list_says() {
+    let mut harness = window("nested-spheres");
+    let press = |harness: &mut Harness<'_, App>, key| {
+        harness.key_press(key);
+        harness.run_steps(3);
+    };
+    press(&mut harness, Key::Space);
+    assert!(harness.state().state().is_paused);
+    press(&mut harness, Key::Space);
+    assert!(!harness.state().state().is_paused);
+    press(&mut harness, Key::CloseBracket);
+    assert_eq!(harness.state().state().settings.display.exposure, 0.25);
+    press(&mut harness, Key::F1);
+    assert!(!harness.state().state().settings.show_scene_panel);
+    assert!(harness.query_by_role_and_label(Role::Slider, "IOR of glass").is_none());
+    press(&mut harness, Key::F1);
+    press(&mut harness, Key::Questionmark);
+    assert!(harness.query_by_label("Pause or go on").is_some());
+    press(&mut harness, Key::Escape);
+    assert!(harness.query_by_label("Pause or go on").is_none());
+}
+
+#[test]
+fn a_click_inspects_a_path_and_shows_what_the_stack_gets_wrong() {
+    let settings = Settings { pane_count: 1, ..quick() };
+    let mut harness = window_of("camera-in-water", settings, [1280.0, 720.0]);
+    until(&mut harness, "there are images", every_pane_has_an_image);
+    apply(&mut harness, Command::ShowTab(Tab::Inspector));
+    // The middle of the picture is the ball, seen by a camera inside the water.
+    let picture = harness.get_by_label("Pane 1: stack").rect();
+    let place = picture.min + egui::vec2(350.0, 330.0);
+    harness.hover_at(place);
+    harness.drag_at(place);
+    harness.drop_at(place);
+    harness.run_steps(3);
+    let inspection = harness.state().state().inspection.as_ref().expect("a pixel is inspected");
+    let path = inspection.path.as_ref().expect("its path has been traced");
+    assert_eq!(path.mode, Mode::Stack);
+    assert!(!path.vertices.is_empty());
+    assert!(harness.query_all_by_label_contains("→").next().is_some(), "the media of a vertex are shown");
+    harness.key_press(Key::Escape);
+    harness.run_steps(3);
+    assert!(harness.state().state().inspection.is_none());
+}
+
+#[test]
+fn dragging_orbits_and_home_returns() {
+    let settings = Settings { pane_count: 1, ..quick() };
+    let mut harness = window_of("nested-spheres", settings, [1280.0, 720.0]);
+    let before = harness.state().state().view.camera;
+    let start = egui::pos2(640.0, 360.0);
+    harness.drag_at(start);
+    harness.run_steps(2);
+    for step in 1..=5 {
+        harness.hover_at(start + egui::vec2(20.0, 4.0) * step as f32);
+        harness.run_steps(1);
+    }
+    harness.drop_at(start + egui::vec2(100.0, 20.0));
+    harness.run_steps(2);
+    let after = harness.state().state().view.camera;
+    assert!(after.position.distance(before.position) > 0.1);
+    assert!((after.position.distance(after.target) / before.position.distance(before.target) - 1.0).abs() < 1e-9);
+    assert!(!harness.state().state().document.is_dirty(), "looking around is no edit");
+    harness.key_press(Key::Home);
+    harness.run_steps(3);
+    assert_eq!(harness.state().state().view.camera, before);
+}
+
+#[test]
+fn everything_has_a_name_and_is_inside_the_window() {
+    for size in [[1280.0, 720.0], [900.0, 600.0], [500.0, 340.0]] {
+        let mut harness = window_of("iced-water", quick(), size);
+        for tab in [Tab::Render, Tab::Rectification, Tab::Inspector] {
+            // A tab brings its panel with it where there is room.
+            apply(&mut harness, Command::ShowTab(tab));
+            harness.check_accessibility();
+            let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, size.into());
+            for pane in 1..=4 {
+                let label = harness.get_by_label_contains(&format!("Pane {pane}: ")).rect();
+                assert!(screen.contains_rect(label), "the label of pane {pane} is cut off at {size:?}: {label:?}");
+            }
+            for menu in ["File", "Edit", "View", "Render", "Help"] {
+                let mut all = harness.query_all_by_label(menu);
+                assert!(all.any(|node| screen.contains_rect(node.rect())), "menu {menu} is cut off at {size:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_window_is_drawn_in_both_themes() {
+    for (theme, name) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
+        let settings = Settings { theme, ..quick() };
+        let description = iorect::scene::load::open("camera-in-water").expect("a built-in scene");
+        let mut harness = Harness::builder()
+            .with_size([1280.0, 720.0])
+            .with_step_dt(1.0 / 60.0)
+            .with_render_cursor(false)
+            .wgpu()
+            .build_eframe(move |cc| App::new(cc, description, Some(settings)).expect("threads can be started"));
+        until(&mut harness, "there are images", every_pane_has_an_image);
+        let picture = harness.render().expect("software rendering works");
+        let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("target/ui-screenshots");
+        std::fs::create_dir_all(&folder).expect("the build folder is writable");
+        picture.save(folder.join(format!("headless-{name}.png"))).expect("the build folder is writable");
+        let green = |x: u32, y: u32| f32::from(picture.get_pixel(x, y).0[1]) / 255.0;
+        let panel = green(4, 400);
+        assert_eq!(theme == Theme::Dark, panel < 0.5, "the panel has the theme's brightness");
+        let middle = (420..600).flat_map(|x| (150..300).map(move |y| (x, y)));
+        assert!(has_contrast(middle.map(|(x, y)| green(x, y))), "the first pane is blank");
+    }
+}
