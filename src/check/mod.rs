@@ -77,6 +77,8 @@ fn confidence(prepared: &Prepared) -> Vec<Problem> {
             let votes: Vec<String> = patch
                 .votes
                 .iter()
+                // Rare misses are no answer.
+                .filter(|&&(_, count)| 100 * count >= total)
                 .map(|&(container, count)| format!("{} {:.0} %", name(container), f64::from(count) / f64::from(total) * 100.0))
                 .collect();
             Problem::warning(
