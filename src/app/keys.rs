@@ -43,7 +43,7 @@ pub const RESET_CAMERA: KeyboardShortcut = key(NONE, Key::Home);
 pub const RESET_ZOOM: KeyboardShortcut = key(NONE, Key::Z);
 pub const SCENE_PANEL: KeyboardShortcut = key(NONE, Key::F1);
 pub const RENDER_PANEL: KeyboardShortcut = key(NONE, Key::F2);
-pub const BOTH_PANELS: KeyboardShortcut = key(NONE, Key::Tab);
+pub const BOTH_PANELS: KeyboardShortcut = key(NONE, Key::H);
 pub const PAUSE: KeyboardShortcut = key(NONE, Key::Space);
 pub const RESTART: KeyboardShortcut = key(NONE, Key::R);
 pub const SHORTCUTS: KeyboardShortcut = key(NONE, Key::Questionmark);
@@ -158,11 +158,13 @@ pub const POINTER: &[(&str, &str)] = &[
 /// The commands of the keys that were just pressed. Keys without modifiers are left to text fields that have the focus.
 pub fn pressed(ctx: &egui::Context, state: &State) -> Vec<Command> {
     let is_typing = ctx.egui_wants_keyboard_input() && ctx.text_edit_focused();
+    // A control that was reached with the keyboard is pressed with the space bar.
+    let has_focus = ctx.memory(|memory| memory.focused().is_some());
     let mut commands = Vec::new();
     ctx.input_mut(|input| {
         for shortcut in GROUPS.iter().flat_map(|group| group.shortcuts) {
             let is_plain = shortcut.keys.modifiers.is_none();
-            if is_plain && is_typing {
+            if is_plain && (is_typing || (has_focus && shortcut.keys.logical_key == Key::Space)) {
                 continue;
             }
             // Keyboards differ in whether a question mark needs Shift; all other plain keys are plain.

@@ -479,7 +479,7 @@ fn ray_through(camera: &Camera, film_size: [u32; 2], point: [f64; 2]) -> Ray {
 fn automatic_factor(window: [f32; 2], monitor: Option<[f32; 2]>) -> f32 {
     let fit = |size: [f32; 2], comfortable: [f32; 2]| (size[0] / comfortable[0]).min(size[1] / comfortable[1]);
     let wanted = fit(monitor.unwrap_or(window), [1700.0, 960.0]);
-    let possible = fit(window, [1240.0, 690.0]);
+    let possible = fit(window, [1500.0, 840.0]);
     let quarters = (wanted.min(possible) * 4.0).floor() / 4.0;
     quarters.clamp(1.0, 3.0)
 }
@@ -500,6 +500,7 @@ mod tests {
         assert_eq!(automatic_factor([1920.0, 1080.0], Some([1920.0, 1080.0])), 1.0);
         assert_eq!(automatic_factor([3840.0, 2160.0], Some([3840.0, 2160.0])), 2.25);
         assert_eq!(automatic_factor([1280.0, 720.0], Some([3840.0, 2160.0])), 1.0);
+        assert_eq!(automatic_factor([1920.0, 1080.0], Some([3840.0, 2160.0])), 1.25);
         assert_eq!(automatic_factor([400.0, 300.0], None), 1.0);
     }
 }

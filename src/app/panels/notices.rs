@@ -1,4 +1,4 @@
-//! Messages over the pictures, which stay until they are dismissed.
+//! Messages over the pictures. Errors stay until they are dismissed.
 
 use egui::{
     Align, Align2, Area, Color32, Context, Frame, Id, Label, Layout, Margin, Order, RichText, ScrollArea, Ui, vec2,
@@ -9,10 +9,22 @@ use crate::app::state::State;
 use crate::app::theme::{CHECK_MARK, CLOSE_MARK, ERROR_MARK, Palette};
 
 const WIDTH: f32 = 440.0;
+/// Good news goes by itself after this time, in seconds; errors stay.
+const LIFETIME_SECS: f64 = 8.0;
 
 pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
     if state.notices.is_empty() {
         return;
+    }
+    let now = ui.input(|input| input.time);
+    for notice in state.notices.iter().filter(|notice| !notice.is_error) {
+        let born: f64 = ui.data_mut(|data| *data.get_temp_mut_or(Id::unique(("notice", notice.id)), now));
+        let left = born + LIFETIME_SECS - now;
+        if left <= 0.0 {
+            commands.push(Command::DismissNotice(notice.id));
+        } else {
+            ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(left));
+        }
     }
     let room = ui.max_rect();
     let width = WIDTH.min(room.width() - 24.0);

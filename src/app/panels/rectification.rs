@@ -41,8 +41,20 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     );
 
     section_ui(ui, "Interfaces", "outside | inside");
+    let mut height = None;
     for patch in &table.patches {
-        patch_ui(ui, state, world, patch, commands);
+        // All have the same height: those that are scrolled away need no more than their room.
+        let top = ui.cursor().min;
+        let room = height.map(|height| egui::Rect::from_min_size(top, egui::vec2(ui.available_width(), height)));
+        match room {
+            Some(room) if !ui.is_rect_visible(room) => {
+                ui.allocate_rect(room, egui::Sense::hover());
+            }
+            _ => {
+                patch_ui(ui, state, world, patch, commands);
+                height = Some(ui.min_rect().bottom() - top.y);
+            }
+        }
     }
     if table.patches.is_empty() {
         ui.label(note(ui, "No refractors in this scene."));
@@ -75,7 +87,7 @@ fn patch_ui(ui: &mut Ui, state: &State, world: &World, patch: &Patch, commands: 
                     });
                 });
             });
-            let text = format!("{} {:.4}  |  {} {:.4}", outside.name, outside.ior(), inside.name, inside.ior());
+            let text = format!("{} {:.4} | {} {:.4}", outside.name, outside.ior(), inside.name, inside.ior());
             ui.add(Label::new(value(text)).truncate());
         })
         .response

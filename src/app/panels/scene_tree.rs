@@ -15,9 +15,12 @@ use crate::render::worker::SceneReport;
 use crate::scene::Description;
 use crate::scene::description::{Paint, Shape};
 
+/// Indent per level, in points, while there is room.
 const INDENT: f32 = 13.0;
-/// Deeper levels are not indented further, or there would be no room for their names.
-const DEEPEST_INDENT: usize = 7;
+/// Least indent per level in deep nests.
+const LEAST_INDENT: f32 = 5.0;
+/// Deeper rows are not indented further, or there would be no room for their names.
+const MOST_INDENT: f32 = 52.0;
 
 /// A row of the tree: a refractor by index, and how deep it is.
 struct Row {
@@ -41,9 +44,20 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.set_max_width(ui.available_width() - 4.0);
         ui.spacing_mut().item_spacing.y = 2.0;
+        // A row that was selected elsewhere is brought into view, once.
+        let id = ui.scope_id().with("shown");
+        let shown: Option<String> = ui.data(|data| data.get_temp(id)).flatten();
+        let to_show = state.selected.clone().filter(|selected| shown.as_ref() != Some(selected));
+        ui.data_mut(|data| data.insert_temp(id, state.selected.clone()));
         world_row_ui(ui, state, description, commands);
-        for row in rows(description, state.report.as_deref()) {
-            refractor_row_ui(ui, state, description, &row, commands);
+        let rows = rows(description, state.report.as_deref());
+        let deepest = rows.iter().map(|row| row.depth).max().unwrap_or(1);
+        let indent = (MOST_INDENT / deepest as f32).clamp(LEAST_INDENT, INDENT);
+        for row in rows {
+            let response = refractor_row_ui(ui, state, description, &row, indent, commands);
+            if to_show.as_ref() == Some(&description.refractors[row.refractor].name) {
+                response.scroll_to_me(None);
+            }
         }
         if description.refractors.is_empty() {
             ui.label(note(ui, "No refractors in this scene."));
@@ -124,17 +138,28 @@ fn world_row_ui(ui: &mut Ui, state: &State, description: &Description, commands:
     }
 }
 
-fn refractor_row_ui(ui: &mut Ui, state: &State, description: &Description, row: &Row, commands: &mut Vec<Command>) {
+fn refractor_row_ui(
+    ui: &mut Ui,
+    state: &State,
+    description: &Description,
+    row: &Row,
+    indent: f32,
+    commands: &mut Vec<Command>,
+) -> Response {
     let refractor = &description.refractors[row.refractor];
     let palette = Palette::of(ui);
     let is_selected = state.selected.as_deref() == Some(&refractor.name);
     let (rect, response) = selectable_row_ui(ui, is_selected, &refractor.name);
-    let depth = row.depth.min(DEEPEST_INDENT);
-    paint_branches(ui, rect, depth, &row.continues);
+    if !ui.is_rect_visible(rect) {
+        // A hundred shells are a long list: what is scrolled away costs nothing.
+        return response;
+    }
+    let depth = row.depth.min((MOST_INDENT / indent) as usize);
+    paint_branches(ui, rect, depth, indent, &row.continues);
     let color = medium::color(&palette, description, &refractor.medium);
     let patch = state.report.as_deref().and_then(|report| patch_of(report, &refractor.name));
     let doubt = patch.filter(|patch| patch.confidence < 1.0).map(|patch| patch.confidence);
-    row_contents_ui(ui, rect, depth as f32 * INDENT, color, &refractor.name, doubt);
+    row_contents_ui(ui, rect, depth as f32 * indent, color, &refractor.name, doubt);
     let medium = MediumRef::Named(refractor.medium.clone());
     medium::ior_ui(ui, controls_of(rect), description, &medium, &refractor.name, commands);
     let response = response.on_hover_ui(|ui| {
@@ -146,6 +171,7 @@ fn refractor_row_ui(ui: &mut Ui, state: &State, description: &Description, row: 
     if response.clicked() {
         commands.push(Command::SelectObject((!is_selected).then(|| refractor.name.clone())));
     }
+    response
 }
 
 /// The part of a row that the IOR's controls take.
@@ -166,9 +192,9 @@ fn row_contents_ui(ui: &mut Ui, row: Rect, indent: f32, color: egui::Color32, na
 }
 
 /// Lines from a row to its parent and past it to later siblings.
-fn paint_branches(ui: &Ui, row: Rect, depth: usize, continues: &[bool]) {
+fn paint_branches(ui: &Ui, row: Rect, depth: usize, indent: f32, continues: &[bool]) {
     let stroke = Stroke::new(1.0, Palette::of(ui).line);
-    let x_of = |level: usize| row.left() + 9.0 + (level as f32 - 1.0) * INDENT;
+    let x_of = |level: usize| row.left() + 9.0 + (level as f32 - 1.0) * indent;
     let (top, bottom) = (row.top() - 2.0, row.bottom());
     for level in 1..=depth {
         let x = x_of(level);
@@ -176,7 +202,7 @@ fn paint_branches(ui: &Ui, row: Rect, depth: usize, continues: &[bool]) {
         if level == depth {
             let end = if goes_on { bottom } else { row.center().y };
             ui.painter().vline(x, top..=end, stroke);
-            ui.painter().hline(x..=x + INDENT - 6.0, row.center().y, stroke);
+            ui.painter().hline(x..=x + (indent - 6.0).max(2.0), row.center().y, stroke);
         } else if goes_on {
             ui.painter().vline(x, top..=bottom, stroke);
         }
