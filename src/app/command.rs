@@ -71,6 +71,8 @@ pub enum Command {
     AskOpen,
     /// A path or the name of a built-in scene.
     Open(String),
+    /// [`Self::Open`] even though there are unsaved changes.
+    OpenAnyway(String),
     Save,
     AskSaveAs,
     SaveAs(PathBuf),

@@ -26,6 +26,8 @@ pub struct Picture {
     pub image: Arc<ColorImage>,
     /// The films it was made from: one, or two for a difference.
     pub films: Vec<Arc<Snapshot>>,
+    /// Mean over all pixels of the absolute difference in linear luminance, for a difference.
+    pub mean_difference: Option<f64>,
 }
 
 #[derive(Default)]
@@ -144,7 +146,8 @@ fn run(shared: &Shared, board: &Board, wake: &dyn Fn()) {
             }
             if let Some(image) = develop(&films, &recipe) {
                 made.insert(*content, (films.clone(), recipe.display, recipe.signed_difference));
-                batch.insert(*content, Picture { image: Arc::new(image), films });
+                let mean_difference = mean_difference(&films);
+                batch.insert(*content, Picture { image: Arc::new(image), films, mean_difference });
             }
         }
         if !batch.is_empty() {
@@ -173,6 +176,12 @@ fn develop(films: &[Arc<Snapshot>], recipe: &Recipe) -> Option<ColorImage> {
         _ => return None,
     };
     Some(ColorImage::new(size, pixels))
+}
+
+fn mean_difference(films: &[Arc<Snapshot>]) -> Option<f64> {
+    let [a, b] = films else { return None };
+    let sum: f64 = a.rgb.iter().zip(&b.rgb).map(|(a, b)| f64::from((luminance(*a) - luminance(*b)).abs())).sum();
+    Some(sum / a.rgb.len().max(1) as f64)
 }
 
 /// The colour of a difference in luminance, full at ±1. Signed: blue where the first is darker, black where equal, orange where it is

@@ -9,7 +9,7 @@ use super::state::State;
 /// A key and what it does.
 pub struct Shortcut {
     pub keys: KeyboardShortcut,
-    /// For the list.
+    /// For the list; empty for a second key that does the same.
     pub what: &'static str,
     /// The command, given what is shown now.
     pub command: fn(&State) -> Command,
@@ -77,7 +77,7 @@ pub const GROUPS: &[Group] = &[
         shortcuts: &[
             Shortcut { keys: REDO, what: "Redo", command: |_| Command::Redo },
             Shortcut { keys: UNDO, what: "Undo", command: |_| Command::Undo },
-            Shortcut { keys: key(CTRL, Key::Y), what: "Redo", command: |_| Command::Redo },
+            Shortcut { keys: key(CTRL, Key::Y), what: "", command: |_| Command::Redo },
         ],
     },
     Group {
@@ -113,11 +113,7 @@ pub const GROUPS: &[Group] = &[
             Shortcut { keys: RENDER_PANEL, what: "Render panel", command: |_| Command::ToggleRenderPanel },
             Shortcut { keys: key(NONE, Key::I), what: "Inspector", command: |_| Command::ShowTab(Tab::Inspector) },
             Shortcut { keys: LARGER, what: "Larger interface", command: |_| Command::StepInterfaceScale(1) },
-            Shortcut {
-                keys: key(CTRL, Key::Equals),
-                what: "Larger interface",
-                command: |_| Command::StepInterfaceScale(1),
-            },
+            Shortcut { keys: key(CTRL, Key::Equals), what: "", command: |_| Command::StepInterfaceScale(1) },
             Shortcut { keys: SMALLER, what: "Smaller interface", command: |_| Command::StepInterfaceScale(-1) },
         ],
     },

@@ -28,7 +28,7 @@ pub use state::State;
 
 use self::develop::{Bell, Developer, Recipe};
 use self::files::{ExportJob, Files, Outcome, Purpose};
-use self::panels::dialogs::{Dialogs, PathPrompt};
+use self::panels::dialogs::{Dialogs, Leaving, PathPrompt};
 use self::screenshot::Camera as WindowCamera;
 use self::viewport::Viewport;
 use crate::render::worker::{News, Worker};
@@ -203,7 +203,10 @@ impl App {
             Command::AskOpen => self.ask(Purpose::Open),
             Command::AskSaveAs => self.ask(Purpose::SaveAs),
             Command::AskExport(kind) => self.ask(Purpose::Export(kind)),
-            Command::Open(name_or_path) => self.files.open(name_or_path),
+            Command::Open(name_or_path) if self.state.document.is_dirty() => {
+                self.dialogs.leaving = Some(Leaving::Open(name_or_path));
+            }
+            Command::Open(name_or_path) | Command::OpenAnyway(name_or_path) => self.files.open(name_or_path),
             Command::Save => match self.state.document.path.clone() {
                 Some(path) => self.files.save(Arc::clone(self.state.document.description()), path),
                 None => self.ask(Purpose::SaveAs),
@@ -351,7 +354,7 @@ impl App {
             && !self.is_scripted
         {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.dialogs.is_leaving = true;
+            self.dialogs.leaving = Some(Leaving::Quit);
         }
     }
 }

@@ -367,6 +367,7 @@ impl State {
             | Command::StepInterfaceScale(_)
             | Command::AskOpen
             | Command::Open(_)
+            | Command::OpenAnyway(_)
             | Command::Save
             | Command::AskSaveAs
             | Command::SaveAs(_)

@@ -71,7 +71,7 @@ pub struct WindowArguments {
     #[arg(long, hide = true, value_name = "FILE.png")]
     pub screenshot: Option<PathBuf>,
     /// Size of the window in pixels
-    #[arg(long, hide = true, value_name = "WxH", value_parser = size)]
+    #[arg(long, hide = true, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub window_size: Option<Size>,
     /// Samples per pixel to wait for before the picture is taken
     #[arg(long, hide = true, default_value_t = 32, requires = "screenshot")]
@@ -96,19 +96,19 @@ pub struct ImageArguments {
     /// A scene file or a built-in scene's name
     pub scene: String,
     /// Samples per pixel [default: 64]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24), conflicts_with = "time")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24), allow_negative_numbers = true, conflicts_with = "time")]
     pub spp: Option<u32>,
     /// Render for this many seconds instead (one sample per pixel at least)
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
     /// Image size in pixels, at most 32768 a side and 67108864 in all
-    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size)]
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size, allow_hyphen_values = true)]
     pub size: Size,
     /// Seed of the random numbers; all modes use the same ones
-    #[arg(long, value_name = "K", default_value_t = 0)]
+    #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]
     pub seed: u64,
     /// Most segments of a path, the camera's first being one, or `none`: K surfaces need K + 1
-    #[arg(long, value_name = "D", default_value = "none", value_parser = depth)]
+    #[arg(long, value_name = "D", default_value = "none", value_parser = depth, allow_negative_numbers = true)]
     pub max_depth: Depth,
     /// What computes: auto, cpu (gpu is not yet supported)
     #[arg(long, value_name = "BACKEND", default_value = "auto", value_parser = backend)]
@@ -117,7 +117,7 @@ pub struct ImageArguments {
     #[arg(long, value_name = "ESTIMATOR", default_value = "path", value_parser = estimator)]
     pub estimator: &'static str,
     /// Threads to render on [default: one per core]; the image does not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub threads: Option<u32>,
     /// Exposure of PNG pictures in stops; EXR and figures stay linear
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
@@ -190,10 +190,10 @@ pub struct TraceArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
     /// Pixel whose centre the path goes through, from the lens's centre; 0,0 is top left
-    #[arg(long, value_name = "X,Y", value_parser = pixel, conflicts_with = "origin")]
+    #[arg(long, value_name = "X,Y", value_parser = pixel, allow_hyphen_values = true, conflicts_with = "origin")]
     pub pixel: Option<[u32; 2]>,
     /// Size of the image that --pixel counts in
-    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size)]
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size, allow_hyphen_values = true)]
     pub size: Size,
     /// Where the path starts, instead of --pixel
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "direction")]
@@ -208,10 +208,10 @@ pub struct TraceArguments {
     #[arg(long, value_name = "WAY", default_value = "transmit", value_parser = follow)]
     pub follow: Follow,
     /// Seed for --follow sample
-    #[arg(long, value_name = "K", default_value_t = 0)]
+    #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]
     pub seed: u64,
     /// Most segments, or `none`
-    #[arg(long, value_name = "D", default_value = "none", value_parser = depth)]
+    #[arg(long, value_name = "D", default_value = "none", value_parser = depth, allow_negative_numbers = true)]
     pub max_depth: Depth,
 }
 

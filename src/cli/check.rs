@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::arguments::SceneArguments;
+use super::table::wrapped;
 use super::{Failure, plural, print, print_json};
 use crate::check::{Problem, Severity, check};
 use crate::render::prepare;
@@ -54,7 +55,7 @@ fn summary(report: &Report<'_>) -> String {
             Severity::Warning => "warning",
             Severity::Advice => "advice",
         };
-        text += &format!("{severity:<8} {}: {}\n", problem.place, problem.message);
+        text += &wrapped(&format!("{severity:<8} {}:", problem.place), &problem.message, 9);
     }
     let count = |severity| report.problems.iter().filter(|problem| problem.severity == severity).count();
     let (errors, warnings, advice) = (count(Severity::Error), count(Severity::Warning), count(Severity::Advice));

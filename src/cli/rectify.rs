@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::arguments::RectifyArguments;
-use super::table::{Align, Table};
+use super::table::{Align, Table, wrapped};
 use super::{Failure, plural, print, print_json};
 use crate::check::{Severity, check};
 use crate::export::words::{brief, duration, grouped};
@@ -41,6 +41,7 @@ struct PatchReport<'a> {
 
 #[derive(Serialize)]
 struct Warning {
+    /// One, or several with commas where they overlap.
     refractor: String,
     kind: &'static str,
     message: String,
@@ -86,7 +87,7 @@ fn patch_report<'a>(prepared: &'a Prepared, patch: &Patch) -> PatchReport<'a> {
 fn warnings(prepared: &Prepared) -> Vec<Warning> {
     let is_refractor = |name: &str| prepared.description.refractors.iter().any(|r| r.name == name);
     (check(prepared).into_iter())
-        .filter(|problem| problem.severity != Severity::Advice && is_refractor(&problem.place))
+        .filter(|problem| problem.severity != Severity::Advice && problem.place.split(", ").all(is_refractor))
         .map(|problem| Warning { refractor: problem.place, kind: problem.kind, message: problem.message })
         .collect()
 }
@@ -133,8 +134,11 @@ fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
         duration(seconds.pretrace),
         duration(seconds.resolve)
     );
+    if !report.warnings.is_empty() {
+        text.push('\n');
+    }
     for warning in &report.warnings {
-        text += &format!("  warning: {}: {}\n", warning.refractor, warning.message);
+        text += &wrapped(&format!("  warning  {}:", warning.refractor), &warning.message, 11);
     }
     text
 }

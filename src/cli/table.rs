@@ -49,9 +49,47 @@ impl Table {
     }
 }
 
+/// Columns that a line of running text may have.
+const LINE: usize = 100;
+
+/// `text` behind `label`, broken between words; further lines are indented by `indent`.
+pub fn wrapped(label: &str, text: &str, indent: usize) -> String {
+    let mut lines = label.to_owned();
+    let mut used = label.chars().count();
+    for (index, word) in text.split_whitespace().enumerate() {
+        let width = word.chars().count();
+        if index > 0 && used + 1 + width > LINE {
+            lines += &format!("\n{:indent$}{word}", "");
+            used = indent + width;
+        } else {
+            if !lines.ends_with(' ') {
+                lines.push(' ');
+                used += 1;
+            }
+            lines += word;
+            used += width;
+        }
+    }
+    lines.push('\n');
+    lines
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn text_is_broken_between_words() {
+        let word = "abcdefghi";
+        let text = wrapped("note:", &[word; 12].join(" "), 4);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 2);
+        assert!(lines[0].starts_with("note: abc") && lines[1].starts_with("    abc"));
+        assert!(lines.iter().all(|line| line.len() <= LINE && line.ends_with(word)));
+        // A word that fits nowhere stands on a line of its own; nothing is lost.
+        let long = "x".repeat(300);
+        assert_eq!(wrapped("a", &format!("b {long} c"), 2), format!("a b\n  {long}\n  c\n"));
+    }
 
     #[test]
     fn columns_line_up_in_characters_not_bytes() {

@@ -65,6 +65,7 @@ fn summary(scene: &str, path: &TracedPath) -> String {
         ("x", Align::Right),
         ("y", Align::Right),
         ("z", Align::Right),
+        ("", Align::Left),
     ]);
     for (index, vertex) in path.vertices.iter().enumerate() {
         let (from, to) = (medium(&vertex.from, vertex.ior_from), medium(&vertex.to, vertex.ior_to));
@@ -81,6 +82,7 @@ fn summary(scene: &str, path: &TracedPath) -> String {
             x,
             y,
             z,
+            if vertex.is_consistent { "" } else { "inconsistent: the path is in another medium" }.to_owned(),
         ]);
     }
     if path.vertices.is_empty() {

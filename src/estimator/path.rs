@@ -223,9 +223,13 @@ impl<T: Tracker> PathTracer<'_, T> {
         }
         let ray = Ray::leaving(point.position, sample.direction, point.primitive);
         let Some(transmittance) = self.visibility(ray, target, medium, scratch) else { return DVec3::ZERO };
+        let radiance = match target.map(|object| &world.object(object).surface) {
+            Some(Surface::Light { radiance }) => *radiance,
+            _ => world.environment.radiance(sample.direction),
+        };
         let pdf = sample.pdf * share;
         let weight = power_heuristic(pdf, diffuse::pdf(cos));
-        sample.radiance * transmittance * (diffuse::pdf(cos) * weight / pdf)
+        radiance * transmittance * (diffuse::pdf(cos) * weight / pdf)
     }
 
     /// Transmittance from the ray's start to the light `target` (`None`: the environment), through surfaces that do not bend light;

@@ -181,8 +181,7 @@ mod tests {
     #[test]
     fn kernels_agree() {
         if !std::arch::is_x86_feature_detected!("avx2") {
-            eprintln!("skipped: this processor has no AVX2");
-            return;
+            return; // Nothing to compare on this processor.
         }
         let mut state = 1u64;
         let mut next = || {

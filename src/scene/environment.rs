@@ -43,7 +43,6 @@ pub struct ImageLight {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionSample {
     pub direction: DVec3,
-    pub radiance: DVec3,
     /// Per steradian, > 0.
     pub pdf: f64,
 }
@@ -193,7 +192,7 @@ impl ImageLight {
         let direction = DVec3::new(x * cos + z * sin, theta.cos(), z * cos - x * sin);
         let sine = theta.sin();
         let pdf = self.texel_probability(row, column) * (width * height) as f64 / (2.0 * PI * PI * sine);
-        (pdf > 0.0 && pdf.is_finite()).then(|| DirectionSample { direction, radiance: self.radiance(direction), pdf })
+        (pdf > 0.0 && pdf.is_finite()).then_some(DirectionSample { direction, pdf })
     }
 }
 

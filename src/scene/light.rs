@@ -18,7 +18,6 @@ pub struct Emitters {
 #[derive(Debug, Clone)]
 struct Emitter {
     object: ObjectId,
-    radiance: DVec3,
     probability: f64,
     /// Sum of the probabilities up to and including this one.
     cumulative: f64,
@@ -31,7 +30,7 @@ impl Emitters {
             .into_iter()
             .map(|(object, radiance)| {
                 let power = geometry.area(object.0) * radiance.element_sum();
-                Emitter { object, radiance, probability: power, cumulative: 0.0 }
+                Emitter { object, probability: power, cumulative: 0.0 }
             })
             .filter(|e| e.probability > 0.0)
             .collect();
@@ -73,7 +72,7 @@ impl Emitters {
                 let (tangent, bitangent) = frame(axis);
                 let direction = axis * (1.0 - one_minus_cos) + (tangent * cos_phi + bitangent * sin_phi) * sin;
                 let pdf = emitter.probability / (TAU * one_minus_cos_max);
-                DirectionSample { direction: direction.normalize(), radiance: emitter.radiance, pdf }
+                DirectionSample { direction: direction.normalize(), pdf }
             }
             ObjectRange::Triangles(_) => {
                 // What is left of `select` chooses the triangle.
@@ -82,7 +81,7 @@ impl Emitters {
                 let point = geometry.sample_surface(emitter.object.0, [rest, u[0], u[1]])?;
                 let direction = (point.position - from).try_normalize()?;
                 let pdf = self.triangle_pdf(emitter, geometry, from, direction, &point)?;
-                DirectionSample { direction, radiance: emitter.radiance, pdf }
+                DirectionSample { direction, pdf }
             }
         };
         (sample.pdf > 0.0 && sample.pdf.is_finite()).then_some((emitter.object, sample))

@@ -13,8 +13,15 @@ use crate::app::widgets::note;
 #[derive(Default)]
 pub struct Dialogs {
     pub prompt: Option<PathPrompt>,
-    /// The window is to be closed although there are unsaved changes.
-    pub is_leaving: bool,
+    /// What the user wants to do although it loses unsaved changes.
+    pub leaving: Option<Leaving>,
+}
+
+/// A step that loses unsaved changes.
+pub enum Leaving {
+    Quit,
+    /// Opens another scene, by path or name.
+    Open(String),
 }
 
 /// Asks for a path.
@@ -34,7 +41,7 @@ impl PathPrompt {
 impl Dialogs {
     /// Closes what is open; `false` if nothing was.
     pub fn close(&mut self) -> bool {
-        let was_open = self.prompt.is_some() || self.is_leaving;
+        let was_open = self.prompt.is_some() || self.leaving.is_some();
         *self = Self::default();
         was_open
     }
@@ -57,10 +64,10 @@ impl Dialogs {
                 None => {}
             }
         }
-        if self.is_leaving {
-            let answer = Modal::new(Id::unique("leaving")).show(ctx, |ui| leaving_ui(ui, state, commands));
+        if let Some(leaving) = &self.leaving {
+            let answer = Modal::new(Id::unique("leaving")).show(ctx, |ui| leaving_ui(ui, leaving, state, commands));
             if answer.inner || answer.should_close() {
-                self.is_leaving = false;
+                self.leaving = None;
             }
         }
     }
@@ -102,7 +109,7 @@ impl PathPrompt {
 }
 
 /// `true` when the question has been answered.
-fn leaving_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) -> bool {
+fn leaving_ui(ui: &mut Ui, leaving: &Leaving, state: &State, commands: &mut Vec<Command>) -> bool {
     ui.set_width(360.0);
     ui.heading("Unsaved changes");
     ui.label(format!("“{}” has edits that no file has.", state.document.description().name));
@@ -110,12 +117,19 @@ fn leaving_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) -> bool {
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let save = ui.button("Save…").clicked();
         let stay = ui.button("Stay").clicked();
-        let lose = ui.button("Quit without saving").clicked();
+        let verb = match leaving {
+            Leaving::Quit => "Quit without saving",
+            Leaving::Open(_) => "Open without saving",
+        };
+        let lose = ui.button(verb).clicked();
         if save {
             commands.push(Command::Save);
         }
         if lose {
-            commands.push(Command::QuitAnyway);
+            commands.push(match leaving {
+                Leaving::Quit => Command::QuitAnyway,
+                Leaving::Open(name_or_path) => Command::OpenAnyway(name_or_path.clone()),
+            });
         }
         save || stay || lose
     })

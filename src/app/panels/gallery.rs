@@ -15,11 +15,12 @@ pub fn show(ctx: &Context, state: &State, commands: &mut Vec<Command>) {
         .open(&mut is_open)
         .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
         .collapsible(false)
+        .default_height(room.y - 90.0)
         .resizable(false)
         .show(ctx, |ui| {
             ui.set_width((room.x - 60.0).min(560.0));
             let palette = Palette::of(ui);
-            ScrollArea::vertical().max_height(room.y - 120.0).show(ui, |ui| {
+            ScrollArea::vertical().max_height(room.y - 130.0).show(ui, |ui| {
                 for scene in builtin::all() {
                     let mut text = egui::text::LayoutJob::default();
                     let body = egui::TextStyle::Body.resolve(ui.style());

@@ -25,6 +25,11 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     section_first_ui(ui, "Path of a pixel", &pixel);
     row_ui(ui, "Mode", "The mode of the active pane: click another pane to see its path.", |ui| {
         ui.label(RichText::new(format!("{DOT} {mode}")).color(palette.mode(mode)));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui.button("Close").on_hover_text("Puts the marker away (Esc).").clicked() {
+                commands.push(Command::Inspect(None));
+            }
+        });
     });
     let follows = [
         (Follow::Transmit, "Through", "Through every interface, except where reflection is total."),
@@ -36,9 +41,6 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             commands.push(Command::SetFollow(follow));
         }
     });
-    if ui.button("Close").on_hover_text("Puts the marker away (Esc).").clicked() {
-        commands.push(Command::Inspect(None));
-    }
     match &inspection.path {
         Some(path) => path_ui(ui, state, inspection, path),
         None => {

@@ -1,6 +1,7 @@
 //! File, Edit, View, Render, Help, and the scene's name.
 
-use egui::{Align, Button, KeyboardShortcut, Layout, MenuBar, RichText, Ui};
+use egui::text::LayoutJob;
+use egui::{Align, Atom, Button, KeyboardShortcut, Layout, MenuBar, Response, RichText, TextFormat, TextStyle, Ui};
 
 use crate::app::command::{Command, ExportKind};
 use crate::app::keys;
@@ -47,11 +48,7 @@ fn item_enabled(
     commands: &mut Vec<Command>,
     command: Command,
 ) {
-    let mut button = Button::new(text);
-    if let Some(keys) = keys {
-        button = button.shortcut_text(ui.ctx().format_shortcut(keys));
-    }
-    if ui.add_enabled(is_enabled, button).clicked() {
+    if entry_ui(ui, is_enabled, false, text, keys).clicked() {
         commands.push(command);
         ui.close();
     }
@@ -66,12 +63,7 @@ fn choice(
     commands: &mut Vec<Command>,
     command: Command,
 ) {
-    // The mark takes the same room when it is off.
-    let mut button = Button::new(text).left_text(RichText::new(if is_on { CHECK_MARK } else { "  " }));
-    if let Some(keys) = keys {
-        button = button.shortcut_text(ui.ctx().format_shortcut(keys));
-    }
-    let response = ui.add(button);
+    let response = entry_ui(ui, true, is_on, text, keys);
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, is_on, text));
     if response.clicked() {
         commands.push(command);
@@ -79,10 +71,33 @@ fn choice(
     }
 }
 
+/// A line of a menu: room for a mark, the text, and at the right the keys.
+fn entry_ui(ui: &mut Ui, is_enabled: bool, is_on: bool, text: &str, keys: Option<&KeyboardShortcut>) -> Response {
+    let keys = keys.map(|keys| ui.ctx().format_shortcut(keys)).unwrap_or_default();
+    let button = Button::new((mark(ui, is_on, text), Atom::grow())).right_text(RichText::new(keys).small().weak());
+    ui.add_enabled(is_enabled, button).accessible_name(text)
+}
+
+/// The text of an entry, after a mark or the room for one.
+fn mark(ui: &Ui, is_on: bool, text: &str) -> LayoutJob {
+    let color = if ui.is_enabled() { egui::Color32::PLACEHOLDER } else { ui.visuals().weak_text_color() };
+    let mono = TextStyle::Monospace.resolve(ui.style());
+    let mut job = LayoutJob::default();
+    job.append(if is_on { CHECK_MARK } else { " " }, 0.0, TextFormat::simple(mono, color));
+    job.append(text, 6.0, TextFormat::simple(TextStyle::Body.resolve(ui.style()), color));
+    job
+}
+
+/// A menu in a menu.
+fn submenu_ui(ui: &mut Ui, text: &str, contents: impl FnOnce(&mut Ui)) {
+    let job = mark(ui, false, text);
+    ui.menu_button(job, contents);
+}
+
 fn file_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     item(ui, "Open…", Some(&keys::OPEN), commands, Command::AskOpen);
     item(ui, "Built-in scenes…", Some(&keys::GALLERY), commands, Command::ShowGallery(true));
-    ui.menu_button("Open recent", |ui| {
+    submenu_ui(ui, "Open recent", |ui| {
         if state.settings.recent.is_empty() {
             ui.weak("No files yet");
             return;
@@ -100,7 +115,7 @@ fn file_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     item(ui, "Save", Some(&keys::SAVE), commands, Command::Save);
     item(ui, "Save as…", Some(&keys::SAVE_AS), commands, Command::AskSaveAs);
     ui.separator();
-    ui.menu_button("Export", |ui| {
+    submenu_ui(ui, "Export", |ui| {
         let all = [
             ("Active pane as PNG…", Some(&keys::EXPORT_PANE), ExportKind::PanePng),
             ("All panes, labelled, as PNG…", Some(&keys::EXPORT_ALL), ExportKind::AllPanesPng),
@@ -163,12 +178,12 @@ fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     choice(ui, settings.show_problems, "Problems", None, commands, Command::ToggleProblems);
     item(ui, "Inspector", None, commands, Command::ShowTab(Tab::Inspector));
     ui.separator();
-    ui.menu_button("Theme", |ui| {
+    submenu_ui(ui, "Theme", |ui| {
         for (theme, name) in [(Theme::System, "As the system"), (Theme::Dark, "Dark"), (Theme::Light, "Light")] {
             choice(ui, settings.theme == theme, name, None, commands, Command::SetTheme(theme));
         }
     });
-    ui.menu_button("Size of the interface", |ui| {
+    submenu_ui(ui, "Size of the interface", |ui| {
         let automatic = InterfaceScale::Automatic;
         choice(
             ui,

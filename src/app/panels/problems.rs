@@ -1,14 +1,14 @@
 //! The strip at the bottom: what is doubtful in the scene, worst first.
 
-use egui::{Align, Layout, RichText, ScrollArea, Ui};
+use egui::{Align, Label, Layout, RichText, ScrollArea, Ui};
 
 use crate::app::command::Command;
 use crate::app::state::State;
 use crate::app::theme::{ADVICE_MARK, ERROR_MARK, Palette, WARNING_MARK};
 use crate::check::{Problem, Severity};
 
-/// Problems shown without scrolling.
-const SHOWN: f32 = 4.0;
+/// Height of the opened strip, in points: the picture keeps most of the room.
+const MOST_HEIGHT: f32 = 140.0;
 
 fn problems(state: &State) -> &[Problem] {
     state.report.as_ref().and_then(|report| report.problems.as_deref()).unwrap_or_default()
@@ -39,46 +39,70 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let problems = problems(state);
     let id = ui.scope_id().with("all");
     let mut is_open = ui.data(|data| data.get_temp(id).unwrap_or(false));
-    if let [only] = problems {
-        row_ui(ui, only, state, commands, |_| {});
-        return;
-    }
-    if is_open {
-        let row = ui.spacing().interact_size.y + ui.spacing().item_spacing.y;
-        ScrollArea::vertical().max_height(SHOWN * row).auto_shrink([false, true]).show(ui, |ui| {
-            for (index, problem) in problems.iter().enumerate() {
-                row_ui(ui, problem, state, commands, |ui| {
-                    if index == 0 && ui.button("Less").on_hover_text("Show the worst problem only.").clicked() {
-                        is_open = false;
-                    }
-                });
-            }
-        });
-    } else if let Some(worst) = problems.first() {
-        row_ui(ui, worst, state, commands, |ui| {
+    match problems {
+        [] => {}
+        [only] => row_ui(ui, only, false, state, commands, |_| {}),
+        [worst, ..] if !is_open => row_ui(ui, worst, false, state, commands, |ui| {
             let text = format!("+{} more", problems.len() - 1);
             if ui.button(text).on_hover_text("Show all problems.").clicked() {
                 is_open = true;
             }
-        });
+        }),
+        [worst, others @ ..] => {
+            ScrollArea::vertical()
+                .min_scrolled_height(MOST_HEIGHT)
+                .max_height(MOST_HEIGHT)
+                .auto_shrink([false, true])
+                .show(ui, |ui| {
+                    row_ui(ui, worst, true, state, commands, |ui| {
+                        if ui.button("Less").on_hover_text("Show the worst problem only.").clicked() {
+                            is_open = false;
+                        }
+                    });
+                    for problem in others {
+                        row_ui(ui, problem, true, state, commands, |_| {});
+                    }
+                });
+        }
     }
     ui.data_mut(|data| data.insert_temp(id, is_open));
 }
 
-fn row_ui(ui: &mut Ui, problem: &Problem, state: &State, commands: &mut Vec<Command>, more: impl FnOnce(&mut Ui)) {
+/// One problem, on one line or, `is_full`, on as many as it needs. `more` adds buttons at the right.
+fn row_ui(
+    ui: &mut Ui,
+    problem: &Problem,
+    is_full: bool,
+    state: &State,
+    commands: &mut Vec<Command>,
+    more: impl FnOnce(&mut Ui),
+) {
     let palette = Palette::of(ui);
-    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        ui.set_height(ui.spacing().interact_size.y);
-        more(ui);
-        let is_object = state.document.description().object_names().any(|name| name == problem.place);
-        if is_object && ui.button("Show").on_hover_text("Select it in the tree.").clicked() {
-            commands.push(Command::SelectObject(Some(problem.place.clone())));
-        }
-        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-            let color = palette.severity(problem.severity);
-            ui.label(RichText::new(mark(problem.severity)).color(color)).on_hover_text(word(problem.severity));
-            ui.label(RichText::new(&problem.place).strong());
-            ui.add(egui::Label::new(&problem.message).truncate());
+    ui.horizontal(|ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            more(ui);
+            let description = state.document.description();
+            // A problem between two objects names both; the first is shown.
+            let object = problem.place.split(", ").find(|place| description.object_names().any(|name| name == *place));
+            if let Some(object) = object
+                && ui.button("Show").on_hover_text("Select it in the tree.").clicked()
+            {
+                commands.push(Command::SelectObject(Some(object.to_owned())));
+            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                let color = palette.severity(problem.severity);
+                ui.label(RichText::new(mark(problem.severity)).color(color)).on_hover_text(word(problem.severity));
+                let mut text = egui::text::LayoutJob::default();
+                let font = egui::TextStyle::Body.resolve(ui.style());
+                text.append(
+                    &problem.place,
+                    0.0,
+                    egui::TextFormat::simple(font.clone(), ui.visuals().strong_text_color()),
+                );
+                text.append(&problem.message, 8.0, egui::TextFormat::simple(font, ui.visuals().text_color()));
+                let label = Label::new(text);
+                ui.add(if is_full { label.wrap() } else { label.truncate() });
+            });
         });
     });
 }

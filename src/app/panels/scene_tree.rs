@@ -102,7 +102,10 @@ fn selectable_row_ui(ui: &mut Ui, is_selected: bool, name: &str) -> (Rect, Respo
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::TreeItem, true, is_selected, name));
     let visuals = ui.visuals();
     if is_selected {
-        ui.painter().rect_filled(rect, 4.0, visuals.selection.bg_fill);
+        // Not the colour of selections, which the sliders on it have.
+        ui.painter().rect_filled(rect, 4.0, visuals.widgets.inactive.weak_bg_fill);
+        let bar = Rect::from_min_size(rect.min, vec2(3.0, rect.height()));
+        ui.painter().rect_filled(bar, 1.5, Palette::of(ui).accent);
     } else if response.hovered() {
         ui.painter().rect_filled(rect, 4.0, visuals.widgets.inactive.weak_bg_fill.gamma_multiply(0.6));
     }

@@ -14,10 +14,11 @@ pub fn show(ctx: &Context, state: &State, commands: &mut Vec<Command>) {
         .open(&mut is_open)
         .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
         .collapsible(false)
+        .default_height(room.y - 90.0)
         .resizable(false)
         .show(ctx, |ui| {
             ui.set_width((room.x - 60.0).min(620.0));
-            ScrollArea::vertical().max_height(room.y - 120.0).show(ui, |ui| {
+            ScrollArea::vertical().max_height(room.y - 130.0).show(ui, |ui| {
                 ui.columns(2, |columns| {
                     let [left, right] = columns else { return };
                     section_first_ui(left, "Mouse", "");
@@ -36,7 +37,7 @@ pub fn show(ctx: &Context, state: &State, commands: &mut Vec<Command>) {
                             section_ui(ui, group.title, "");
                         }
                         Grid::new(group.title).num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
-                            for shortcut in group.shortcuts {
+                            for shortcut in group.shortcuts.iter().filter(|shortcut| !shortcut.what.is_empty()) {
                                 ui.label(RichText::new(ui.ctx().format_shortcut(&shortcut.keys)).monospace().small());
                                 ui.label(shortcut.what);
                                 ui.end_row();

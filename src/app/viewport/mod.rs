@@ -29,6 +29,7 @@ pub struct Viewport {
 struct Shot {
     texture: TextureHandle,
     films: Vec<Arc<Snapshot>>,
+    mean_difference: Option<f64>,
 }
 
 impl Viewport {
@@ -49,10 +50,14 @@ impl Viewport {
                 Some(shot) => {
                     shot.texture.set(picture.image, options);
                     shot.films = picture.films;
+                    shot.mean_difference = picture.mean_difference;
                 }
                 None => {
                     let texture = ctx.load_texture(content.to_string(), picture.image, options);
-                    self.shown.insert(content, Shot { texture, films: picture.films });
+                    self.shown.insert(
+                        content,
+                        Shot { texture, films: picture.films, mean_difference: picture.mean_difference },
+                    );
                 }
             }
         }
@@ -96,7 +101,13 @@ impl Viewport {
         }
         self.paint_dividers(ui, state, &panes);
         for (index, pane) in panes.iter().enumerate() {
-            overlay::pane_ui(ui, state, &self.films(state.settings.panes[index]), index, *pane, commands);
+            let content = state.settings.panes[index];
+            let shot = overlay::Shot {
+                content,
+                films: &self.films(content),
+                mean_difference: self.shown.get(&content).and_then(|shot| shot.mean_difference),
+            };
+            overlay::pane_ui(ui, state, &shot, index, *pane, commands);
         }
         overlay::area_ui(ui, state, area);
     }

@@ -23,16 +23,23 @@ const WEAK: Color32 = Color32::from_rgb(0xb4, 0xb9, 0xc0);
 const ALERT: Color32 = Color32::from_rgb(0xf5, 0xc0, 0x4a);
 const MARGIN: f32 = 8.0;
 
+/// What a pane shows.
+pub(super) struct Shot<'a> {
+    pub content: PaneContent,
+    pub films: &'a [Arc<Snapshot>],
+    /// As in [`crate::app::develop::Picture`].
+    pub mean_difference: Option<f64>,
+}
+
 /// A pane's label, with the menu that chooses what it shows, and its legend.
 pub(super) fn pane_ui(
     ui: &mut Ui,
     state: &State,
-    films: &[Arc<Snapshot>],
+    shot: &Shot<'_>,
     index: usize,
     pane: Pane,
     commands: &mut Vec<Command>,
 ) {
-    let content = state.settings.panes[index];
     let room = pane.visible.shrink(MARGIN);
     if room.width() < 40.0 || room.height() < 30.0 {
         return;
@@ -48,21 +55,15 @@ pub(super) fn pane_ui(
     };
     let mut child = ui.new_child(UiBuilder::new().max_rect(room).layout(align).id_salt(("label", index)));
     child.set_clip_rect(pane.visible.intersect(ui.clip_rect()));
-    label_ui(&mut child, state, films, index, content, commands);
+    label_ui(&mut child, state, shot, index, commands);
 
-    if let PaneContent::Difference(..) = content {
+    if let PaneContent::Difference(..) = shot.content {
         paint_legend(ui, state, room, to_right && to_bottom);
     }
 }
 
-fn label_ui(
-    ui: &mut Ui,
-    state: &State,
-    films: &[Arc<Snapshot>],
-    index: usize,
-    content: PaneContent,
-    commands: &mut Vec<Command>,
-) {
+fn label_ui(ui: &mut Ui, state: &State, shot: &Shot<'_>, index: usize, commands: &mut Vec<Command>) {
+    let Shot { content, films, mean_difference } = *shot;
     let job = label_text(ui, films, content);
     let button =
         Button::new(job).fill(GROUND).stroke(Stroke::NONE).corner_radius(5).min_size(vec2(0.0, 24.0)).truncate();
@@ -90,6 +91,13 @@ fn label_ui(
             commands.push(Command::SetActivePane(index));
             commands.push(Command::ShowTab(crate::app::settings::Tab::Render));
         }
+    }
+    if let Some(mean) = mean_difference {
+        let text = if mean == 0.0 { "identical".to_owned() } else { format!("mean {mean:.3e}") };
+        let text = egui::RichText::new(text).text_style(theme::small_mono_style()).color(WEAK);
+        let chip = Button::new(text).fill(GROUND).stroke(Stroke::NONE).corner_radius(5).min_size(Vec2::ZERO).truncate();
+        let tip = "The mean over all pixels of the absolute difference in linear luminance, noise included.";
+        ui.add(chip.sense(egui::Sense::hover())).on_hover_text(tip);
     }
     if state.is_paused && index == 0 {
         let text = egui::RichText::new("paused").text_style(egui::TextStyle::Small).color(TEXT);

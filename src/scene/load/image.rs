@@ -67,7 +67,7 @@ mod tests {
     use super::*;
     use image::{Rgb, Rgb32FImage, RgbImage};
 
-    fn encode(image: DynamicImage, format: ImageFormat) -> Vec<u8> {
+    fn encode(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
         image.write_to(&mut bytes, format).unwrap();
         bytes.into_inner()
@@ -75,7 +75,7 @@ mod tests {
 
     fn floats(values: [[f32; 3]; 2], format: ImageFormat) -> Vec<u8> {
         let image = Rgb32FImage::from_fn(2, 1, |x, _| Rgb(values[x as usize]));
-        encode(image.into(), format)
+        encode(&DynamicImage::from(image), format)
     }
 
     #[test]
@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn png_is_srgb() {
         let image = RgbImage::from_pixel(1, 1, Rgb([0, 128, 255]));
-        let image = read(&encode(image.into(), ImageFormat::Png), ImageFormat::Png).unwrap();
+        let image = read(&encode(&DynamicImage::from(image), ImageFormat::Png), ImageFormat::Png).unwrap();
         assert_eq!((image.pixels[0][0], image.pixels[0][2]), (0.0, 1.0));
         assert!((image.pixels[0][1] - 0.215_860_5).abs() < 1e-6);
     }
