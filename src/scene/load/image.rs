@@ -126,8 +126,8 @@ mod tests {
         for (format, bytes) in [
             (ImageFormat::OpenExr, floats([[0.5; 3], [2.0; 3]], ImageFormat::OpenExr)),
             (ImageFormat::Hdr, floats([[0.5; 3], [2.0; 3]], ImageFormat::Hdr)),
-            (ImageFormat::Png, encode(png.clone().into(), ImageFormat::Png)),
-            (ImageFormat::Jpeg, encode(png.into(), ImageFormat::Jpeg)),
+            (ImageFormat::Png, encode(&png.clone().into(), ImageFormat::Png)),
+            (ImageFormat::Jpeg, encode(&png.into(), ImageFormat::Jpeg)),
         ] {
             for place in 0..bytes.len() {
                 for flip in [0x01, 0x80] {
