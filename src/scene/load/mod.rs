@@ -21,6 +21,7 @@ use std::sync::Arc;
 use toml_edit::Document;
 
 use self::files::Files;
+pub(super) use self::files::normal;
 use self::node::{Node, Table, Text};
 use self::suggest::suggestion;
 use super::SceneError;
