@@ -18,10 +18,15 @@ fn quick() -> Settings {
 
 fn window_of(scene: &str, settings: Settings, size: [f32; 2]) -> Harness<'static, App> {
     let description = iorect::scene::load::open(scene).expect("a built-in scene");
-    Harness::builder()
+    let mut harness = Harness::builder()
         .with_size(size)
         .with_step_dt(1.0 / 60.0)
-        .build_eframe(move |cc| App::new(cc, description, Some(settings)).expect("threads can be started"))
+        .build_eframe(move |cc| App::new(cc, description, Some(settings)).expect("threads can be started"));
+    // The tree and the strip of problems come with the report: nothing moves under the pointer after that.
+    until(&mut harness, "the scene is prepared and checked", |app| {
+        app.state().report.as_ref().is_some_and(|report| report.problems.is_some())
+    });
+    harness
 }
 
 fn window(scene: &str) -> Harness<'static, App> {
@@ -180,15 +185,40 @@ fn drop_file(harness: &mut Harness<'_, App>, path: PathBuf) {
 }
 
 #[test]
-fn a_scene_that_cannot_be_prepared_gives_way_to_the_last_good_one() {
+fn an_impossible_ior_is_refused_in_words() {
+    let mut harness = window("nested-spheres");
+    let medium = iorect::app::MediumRef::Named("glass".into());
+    apply(&mut harness, Command::SetIor(medium, iorect::optics::IorModel::Constant(-1.0)));
+    assert!(harness.state().state().notices.iter().any(|notice| notice.text.contains("greater than 0")));
+    assert!(ior(&harness, "glass") > 1.0 && !harness.state().state().document.is_dirty());
+}
+
+#[test]
+fn a_scene_that_can_be_read_but_not_shown_gives_way_to_the_last_one() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("blind.toml");
+    std::fs::write(&path, "name = \"Blind\"\n[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 1]\n").unwrap();
     let mut harness = window("nested-spheres");
     until(&mut harness, "there are images", every_pane_has_an_image);
-    apply(
-        &mut harness,
-        Command::SetIor(iorect::app::MediumRef::Named("glass".into()), iorect::optics::IorModel::Constant(-1.0)),
-    );
-    assert!(harness.state().state().notices.iter().any(|notice| notice.text.contains("greater than 0")));
-    assert!(ior(&harness, "glass") > 1.0);
+    apply(&mut harness, Command::Open(path.display().to_string()));
+    until(&mut harness, "the notice is there", |app| app.state().notices.iter().any(|n| n.text.contains("direction")));
+    until(&mut harness, "the old scene is shown", |app| {
+        app.state().document.description().name == "Nested spheres" && every_pane_has_an_image(app)
+    });
+}
+
+#[test]
+fn unsaved_changes_are_asked_about_before_another_scene_is_opened() {
+    let mut harness = window("nested-spheres");
+    harness.get_by_role_and_label(Role::Slider, "IOR of glass").set_value_accesskit(1.61);
+    harness.run_steps(3);
+    apply(&mut harness, Command::Open("plain-glass".into()));
+    harness.get_by_label("Stay").click();
+    harness.run_steps(3);
+    assert!((ior(&harness, "glass") - 1.61).abs() < 1e-9);
+    apply(&mut harness, Command::Open("plain-glass".into()));
+    harness.get_by_label("Open without saving").click();
+    until(&mut harness, "the other scene is open", |app| app.state().document.description().name != "Nested spheres");
 }
 
 #[test]

@@ -160,8 +160,9 @@ impl Worker {
         let lanes = [Arc::new(Mailbox::new()), Arc::new(Mailbox::new())];
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let mut threads = Vec::new();
-        // The window's own thread needs a core to stay fluid.
-        let widths = [(cores - 1).max(1), (cores / 4).max(1)];
+        // The window's own thread is idle most of the time. Where there are cores to spare it has one for itself; on small machines
+        // rendering takes all of them, which made no frame later when measured on two cores.
+        let widths = [if cores >= 4 { cores - 1 } else { cores }, (cores / 4).max(1)];
         for ((mailbox, width), name) in lanes.iter().zip(widths).zip(["render", "reference"]) {
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(width)
