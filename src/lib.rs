@@ -13,8 +13,10 @@
 //! | [`scene`] | the scene as the user wrote it ([`scene::Description`]), its files, and its compiled form ([`scene::World`]) |
 //! | [`rectify`] | what lies on the other side of every refractor: the pre-trace, its votes, the interface table |
 //! | [`tracking`] | the modes: given a crossing, which medium is left and which is entered |
+//! | [`scatter`] | dielectric and diffuse scattering, given a pair of indices |
 //! | [`estimator`] | one sample of one pixel; one path, vertex by vertex |
 //! | [`render`] | film, samples in bulk on all cores, the worker behind the window |
+//! | [`check`] | what is wrong or doubtful in a scene, with advice |
 //! | [`measure`] | image differences |
 //! | [`export`] | PNG and EXR, labelled comparisons |
 //! | [`cli`], [`app`] | the command line and the window, both thin over the rest |

@@ -236,6 +236,21 @@ fn files_that_cannot_be_read() {
     assert!(message(path.to_str().unwrap()).contains("latin.toml:2:12: is not text"));
 }
 
+/// Sizes at the ends of what is accepted can be compiled, and those beyond are refused.
+#[test]
+fn huge_and_tiny() {
+    for size in ["1e18", "1e-18", "1e6", "1e-90"] {
+        let ball = format!("{{ icosphere = {{ center = [0, 0, 0], radius = {size}, subdivisions = 1 }} }}");
+        let scene = load::parse(&with_shape(&ball), Path::new("s.toml"), false).unwrap();
+        iorect::render::prepare(std::sync::Arc::new(scene), None).unwrap();
+    }
+    refused(&with_shape("{ sphere = { center = [0, 0, 0], radius = 1e19 } }"), 10, 51, &["at most 1e18"]);
+    refused(&with_shape("{ sphere = { center = [0, 1e300, 0], radius = 1 } }"), 10, 31, &["too large"]);
+    let ball = with_shape("{ sphere = { center = [0, 0, 0], radius = 1 } }");
+    refused(&format!("{ball}transform = {{ scale = 1e30 }}\n"), 11, 23, &["1e18"]);
+    refused(&format!("{ball}transform = {{ translate = [0, 0, -1e30] }}\n"), 11, 27, &["1e18"]);
+}
+
 /// Cuts and flips of a scene that has every section: an error or a scene, never a panic; and what is read can be saved.
 #[test]
 fn no_damage_makes_it_panic() {

@@ -9,7 +9,7 @@ use iorect::optics::IorModel;
 use iorect::scene::description::{Environment, Paint, Shape, Transform};
 use iorect::scene::{builtin, load, save};
 
-#[path = "../examples/make_assets.rs"]
+#[path = "../assets/make_assets.rs"]
 #[allow(dead_code)]
 mod make_assets;
 

@@ -272,11 +272,13 @@ impl State {
         match command {
             Command::SetIor(medium, ior) => {
                 let n = ior.ior();
-                if n.is_finite() && n > 0.0 {
+                if crate::optics::dispersion::IOR_RANGE.contains(&n) {
                     let edited = with_ior(self.document.description(), &medium, ior);
                     self.edit(EditKey::Ior(medium), now_secs, edited);
                 } else {
-                    self.notify_error(format!("An index of refraction must be greater than 0, not {n}."));
+                    self.notify_error(format!(
+                        "An index of refraction must be greater than 0 (from 1e-6 to 1e6), not {n}."
+                    ));
                 }
             }
             Command::SetAbsorption(medium, absorption) => {

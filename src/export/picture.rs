@@ -64,7 +64,7 @@ impl Format {
 /// Writes `picture` in the format that the path's extension names. `display` and `text` matter to PNG only.
 ///
 /// # Errors
-/// As [`png`] and [`exr`], and when the extension is neither.
+/// As [`png()`] and [`exr()`], and when the extension is neither.
 pub fn save(path: &Path, picture: &Picture, display: &Display, text: &[(String, String)]) -> Result<(), ExportError> {
     match Format::of(path)? {
         Format::Png => png(path, picture, display, text),
@@ -84,7 +84,7 @@ pub fn png(path: &Path, picture: &Picture, display: &Display, text: &[(String, S
 /// Writes an image that is already encoded for an sRGB screen, such as a [`super::comparison`].
 ///
 /// # Errors
-/// As [`png`].
+/// As [`png()`].
 pub fn image_png(path: &Path, image: &image::RgbImage, text: &[(String, String)]) -> Result<(), ExportError> {
     let (width, height) = image.dimensions();
     if width == 0 || height == 0 {

@@ -8,6 +8,9 @@ use super::catalog;
 /// transport is in RGB, and at which glass makers print n.
 pub const WAVELENGTH_D_UM: f64 = 0.587_561_8;
 
+/// Indices that are taken for real: far beyond any material and any test of stability, and far from where f64 gives out.
+pub const IOR_RANGE: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+
 /// How a medium's index of refraction is given.
 #[derive(Debug, Clone, PartialEq)]
 pub enum IorModel {

@@ -12,7 +12,7 @@ use super::needs::SceneNeeds;
 use super::shapes;
 use super::world::{MediumId, Object, ObjectId, Paint, Surface, World, WorldMedium};
 use crate::geometry::{Geometry, Mesh, Part};
-use crate::optics::dispersion::WAVELENGTH_D_UM;
+use crate::optics::dispersion::{IOR_RANGE, WAVELENGTH_D_UM};
 use crate::optics::{IorModel, medium};
 
 /// Compiles `description`. With `previous`, the description and world compiled before it, geometry is kept where no shape has changed.
@@ -64,10 +64,10 @@ fn compile_media(description: &Description) -> Result<Vec<WorldMedium>, SceneErr
 
 fn compile_medium(name: &str, ior: &IorModel, absorption: [f64; 3]) -> Result<WorldMedium, SceneError> {
     let ior_minus_one = ior.ior_minus_one(WAVELENGTH_D_UM);
-    if !(ior_minus_one.is_finite() && ior_minus_one > -1.0) {
+    if !IOR_RANGE.contains(&(1.0 + ior_minus_one)) {
         let value = 1.0 + ior_minus_one;
         return Err(SceneError::new(format!(
-            "medium `{name}`: the IOR is {value}, must be a finite number greater than 0"
+            "medium `{name}`: the IOR is {value}, must be greater than 0 (from 1e-6 to 1e6)"
         )));
     }
     if !absorption.iter().all(|a| a.is_finite() && *a >= 0.0) {

@@ -20,7 +20,7 @@ impl Files<'_> {
     pub fn locate(&self, path: &Path) -> PathBuf {
         match self {
             Self::Disk(folder) => folder.join(path),
-            Self::BuiltIn(folder) => normalize(&folder.join(path)),
+            Self::BuiltIn(folder) => normal(&folder.join(path)),
             Self::Nowhere => path.to_path_buf(),
         }
     }
@@ -63,13 +63,13 @@ fn plain(error: &std::io::Error) -> String {
     }
 }
 
-/// Takes `.` and `..` out of a path by name.
-fn normalize(path: &Path) -> PathBuf {
+/// Takes `.` and `..` out of a path by name; those that lead out of it stay.
+pub(in crate::scene) fn normal(path: &Path) -> PathBuf {
     let mut normal = PathBuf::new();
     for component in path.components() {
         match component {
             Component::CurDir => {}
-            Component::ParentDir => {
+            Component::ParentDir if matches!(normal.components().next_back(), Some(Component::Normal(_))) => {
                 normal.pop();
             }
             other => normal.push(other),
@@ -84,7 +84,8 @@ mod tests {
 
     #[test]
     fn dots_are_taken_out() {
-        assert_eq!(normalize(Path::new("a/./b/../c")), Path::new("a/c"));
+        assert_eq!(normal(Path::new("a/./b/../c")), Path::new("a/c"));
+        assert_eq!(normal(Path::new("../a/../../c")), Path::new("../../c"));
     }
 
     #[test]

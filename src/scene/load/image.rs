@@ -119,4 +119,27 @@ mod tests {
         }
         assert!(read(b"not an image", ImageFormat::Png).is_err());
     }
+
+    #[test]
+    fn no_damage_makes_it_panic() {
+        let png = RgbImage::from_fn(3, 2, |x, y| Rgb([x as u8 * 50, y as u8 * 90, 7]));
+        for (format, bytes) in [
+            (ImageFormat::OpenExr, floats([[0.5; 3], [2.0; 3]], ImageFormat::OpenExr)),
+            (ImageFormat::Hdr, floats([[0.5; 3], [2.0; 3]], ImageFormat::Hdr)),
+            (ImageFormat::Png, encode(&png.clone().into(), ImageFormat::Png)),
+            (ImageFormat::Jpeg, encode(&png.into(), ImageFormat::Jpeg)),
+        ] {
+            for place in 0..bytes.len() {
+                for flip in [0x01, 0x80] {
+                    let mut damaged = bytes.clone();
+                    damaged[place] ^= flip;
+                    // Any answer will do that is not a panic, and that is an image if it is one.
+                    if let Ok(image) = read(&damaged, format) {
+                        assert_eq!(image.pixels.len(), image.width * image.height);
+                        assert!(image.pixels.iter().flatten().all(|x| x.is_finite() && *x >= 0.0));
+                    }
+                }
+            }
+        }
+    }
 }

@@ -21,12 +21,14 @@ use std::sync::Arc;
 use toml_edit::Document;
 
 use self::files::Files;
+pub(super) use self::files::normal;
 use self::node::{Node, Table, Text};
 use self::suggest::suggestion;
 use super::SceneError;
 use super::builtin;
 use super::camera::Camera;
 use super::description::{CameraDescription, Description, Source, WorldMedium};
+use crate::optics::dispersion::IOR_RANGE;
 use crate::optics::{IorModel, Medium, catalog, medium};
 
 /// Vertical field of view of a camera that gives none, in degrees.
@@ -187,7 +189,9 @@ fn ior(node: &Node<'_>) -> Result<IorModel, SceneError> {
                 FORMS.join(", ")
             )));
         }
-        return node.number_that("greater than 0", |n| n > 0.0).map(IorModel::Constant);
+        return node
+            .number_that("greater than 0 (from 1e-6 to 1e6)", |n| IOR_RANGE.contains(&n))
+            .map(IorModel::Constant);
     }
     let table = node.table()?;
     table.only(&FORMS)?;
@@ -217,9 +221,10 @@ fn ior(node: &Node<'_>) -> Result<IorModel, SceneError> {
         _ => return Err(node.error(format!("{} must have exactly one of {}", node.name, FORMS.join(", ")))),
     };
     let n = model.ior();
-    if n.is_finite() && n > 0.0 {
+    if IOR_RANGE.contains(&n) {
         Ok(model)
     } else {
-        Err(node.error(format!("the formula gives an IOR of {n} at 587.56 nm, must be finite and greater than 0")))
+        Err(node
+            .error(format!("the formula gives an IOR of {n} at 587.56 nm, must be greater than 0 (from 1e-6 to 1e6)")))
     }
 }

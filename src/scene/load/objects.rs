@@ -11,6 +11,7 @@ use super::suggest::suggestion;
 use crate::optics::{Medium, catalog, medium};
 use crate::scene::SceneError;
 use crate::scene::description::{Light, Paint, Refractor, Shape, Solid, Transform};
+use crate::scene::shapes::MAX_LENGTH;
 
 /// Albedo of a solid that gives none.
 pub(crate) const DEFAULT_ALBEDO: [f64; 3] = [0.8; 3];
@@ -156,11 +157,23 @@ fn transform(table: &Table<'_>) -> Result<Transform, SceneError> {
     table.only(&["scale", "rotate", "translate"])?;
     let scale = table.read("scale", DVec3::ONE, |node| {
         let scale = if node.is_number() { DVec3::splat(node.number()?) } else { node.vec3()? };
-        if scale.to_array().contains(&0.0) { Err(node.error("`scale` must not be 0")) } else { Ok(scale) }
+        if scale.to_array().contains(&0.0) {
+            return Err(node.error("`scale` must not be 0"));
+        }
+        within_reach(node, scale)
     })?;
     Ok(Transform {
         scale,
         rotate: table.read("rotate", DVec3::ZERO, Node::vec3)?,
-        translate: table.read("translate", DVec3::ZERO, Node::vec3)?,
+        translate: table.read("translate", DVec3::ZERO, |node| within_reach(node, node.vec3()?))?,
     })
+}
+
+/// Refuses numbers that would carry a shape beyond what can be computed with.
+fn within_reach(node: &Node<'_>, v: DVec3) -> Result<DVec3, SceneError> {
+    if v.abs().max_element() <= MAX_LENGTH {
+        Ok(v)
+    } else {
+        Err(node.error(format!("{} is too large, must be at most {MAX_LENGTH:e}", node.name)))
+    }
 }

@@ -6,6 +6,7 @@ use super::write_atomically;
 use crate::scene::SceneError;
 use crate::scene::builtin;
 use crate::scene::description::{Description, Environment, Shape};
+use crate::scene::load::normal;
 
 /// Makes the scene's relative paths right for a scene file at `target`.
 pub(super) fn relocate(description: &mut Description, target: &Path) -> Result<(), SceneError> {
@@ -69,21 +70,6 @@ fn absolute(folder: &Path) -> PathBuf {
     std::fs::canonicalize(folder).or_else(|_| std::path::absolute(folder)).unwrap_or_else(|_| folder.to_path_buf())
 }
 
-/// Takes `.` and `..` out of a path by name.
-fn normal(path: &Path) -> PathBuf {
-    let mut normal = PathBuf::new();
-    for component in path.components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir if matches!(normal.components().next_back(), Some(Component::Normal(_))) => {
-                normal.pop();
-            }
-            other => normal.push(other),
-        }
-    }
-    normal
-}
-
 /// The way from a folder to a file, both absolute; the file itself where there is none, as between drives.
 fn relative(folder: &Path, file: &Path) -> PathBuf {
     let common = folder.components().zip(file.components()).take_while(|(a, b)| a == b).count();
@@ -104,7 +90,5 @@ mod tests {
         assert_eq!(relative(Path::new("/a/b"), Path::new("/a/c/m.obj")), Path::new("../c/m.obj"));
         assert_eq!(relative(Path::new("/a"), Path::new("/a/m.obj")), Path::new("m.obj"));
         assert_eq!(relative(Path::new("/a/b/c"), Path::new("/m.obj")), Path::new("../../../m.obj"));
-        assert_eq!(normal(Path::new("/a/./b/../m.obj")), Path::new("/a/m.obj"));
-        assert_eq!(normal(Path::new("../m.obj")), Path::new("../m.obj"));
     }
 }

@@ -16,6 +16,8 @@ use crate::geometry::Mesh;
 
 pub use validate::{ShapeError, validate};
 
+/// Largest coordinate and length: beyond, products of two would overflow in single precision.
+pub const MAX_LENGTH: f64 = 1e18;
 /// Most triangles that a shape may be tessellated into.
 pub const MAX_TRIANGLES: u64 = 4_000_000;
 /// Most segments of a shape of revolution, and most rings of a torus.

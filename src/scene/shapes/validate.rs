@@ -3,11 +3,9 @@
 use glam::DVec3;
 
 use super::profile::{clean, from_points, pieces_cross};
-use super::{MAX_SEGMENTS, MAX_SUBDIVISIONS, MAX_TRIANGLES};
+use super::{MAX_LENGTH, MAX_SEGMENTS, MAX_SUBDIVISIONS, MAX_TRIANGLES};
 use crate::scene::description::Shape;
 
-/// Coordinates and lengths beyond this would overflow in volumes and areas.
-const MAX_LENGTH: f64 = 1e18;
 /// Most points of a profile: every piece is tested against every other.
 const MAX_PROFILE_POINTS: usize = 4096;
 
@@ -120,10 +118,13 @@ pub fn validate(shape: &Shape) -> Checked {
 
 fn place(key: &'static str, p: DVec3) -> Checked {
     if !p.is_finite() {
-        return fault(key, format!("{key} is {p}, must be finite"));
+        return fault(key, format!("{key} is {:?}, must be finite", p.to_array()));
     }
     if p.abs().max_element() > MAX_LENGTH {
-        return fault(key, format!("{key} is {p}, too large: use a scale with numbers below {MAX_LENGTH:e}"));
+        return fault(
+            key,
+            format!("{key} is {:?}, too large: use a scale with numbers below {MAX_LENGTH:e}", p.to_array()),
+        );
     }
     Ok(())
 }
