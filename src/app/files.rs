@@ -17,8 +17,8 @@ use crate::render::{Display, Events, Prepared};
 use crate::scene::{self, Description};
 use crate::tracking::Mode;
 
-/// A person needs longer than this to close a dialog: a faster answer means that there was none.
-const NO_DIALOG: Duration = Duration::from_millis(250);
+/// A person hardly closes a dialog sooner than this: a faster answer means that there was none.
+const NO_DIALOG: Duration = Duration::from_millis(1000);
 
 /// What a path is wanted for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,8 +4,8 @@ use glam::{DQuat, DVec2, DVec3};
 
 use crate::scene::description::CameraDescription;
 
-/// A full turn per this many picture heights of dragging.
-const TURN_PER_HEIGHT: f64 = 0.75;
+/// Turns per picture height of dragging.
+const TURN_PER_HEIGHT: f64 = 0.5;
 /// The camera keeps this angle from looking straight along `up`, in radians.
 const POLE_MARGIN: f64 = 0.02;
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Context, Id, Key, Modal, TextEdit, Ui};
+use egui::{Context, Frame, Id, Key, Margin, Modal, TextEdit, Ui};
 
 use crate::app::command::Command;
 use crate::app::files::{Purpose, extension_of, with_extension};
@@ -33,7 +33,11 @@ pub struct PathPrompt {
 
 impl PathPrompt {
     pub fn new(purpose: Purpose, suggestion: &Path) -> Self {
-        let absolute = std::path::absolute(suggestion).unwrap_or_else(|_| suggestion.to_owned());
+        let absolute = match std::path::absolute(suggestion) {
+            Ok(path) => path,
+            // Nothing was suggested: begin where the program was started.
+            Err(_) => std::env::current_dir().map(|folder| folder.join("")).unwrap_or_default(),
+        };
         Self { purpose, text: absolute.display().to_string(), has_focus: false }
     }
 }
@@ -48,7 +52,7 @@ impl Dialogs {
 
     pub fn show(&mut self, ctx: &Context, state: &State, commands: &mut Vec<Command>) {
         if let Some(prompt) = &mut self.prompt {
-            let answer = Modal::new(Id::unique("path")).show(ctx, |ui| prompt.show(ui));
+            let answer = modal(ctx, "path").show(ctx, |ui| prompt.show(ui));
             match answer.inner {
                 Some(Answer::Path(path)) => {
                     let command = match prompt.purpose {
@@ -65,12 +69,18 @@ impl Dialogs {
             }
         }
         if let Some(leaving) = &self.leaving {
-            let answer = Modal::new(Id::unique("leaving")).show(ctx, |ui| leaving_ui(ui, leaving, state, commands));
+            let answer = modal(ctx, "leaving").show(ctx, |ui| leaving_ui(ui, leaving, state, commands));
             if answer.inner || answer.should_close() {
                 self.leaving = None;
             }
         }
     }
+}
+
+/// A question in the middle of the window.
+fn modal(ctx: &Context, id: &str) -> Modal {
+    let frame = Frame::window(&ctx.style_of(ctx.theme())).inner_margin(Margin::same(18));
+    Modal::new(Id::unique(id)).frame(frame)
 }
 
 enum Answer {

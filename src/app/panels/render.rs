@@ -1,6 +1,6 @@
 //! Panes and their modes, display, quality, progress, events.
 
-use egui::{ComboBox, DragValue, Grid, RichText, Slider, Ui};
+use egui::{ComboBox, DragValue, RichText, Slider, Ui};
 
 use crate::app::command::Command;
 use crate::app::settings::{Arrangement, PaneContent};
@@ -159,39 +159,48 @@ fn limit_ui(
     });
 }
 
+/// Where the columns of the progress table begin, as shares of its width: they must not move when numbers change.
+const COLUMNS: [f32; 4] = [0.0, 0.36, 0.54, 0.77];
+
 fn progress_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
     let palette = Palette::of(ui);
-    let head = |ui: &mut Ui, text: &str, about: &str| {
-        ui.label(RichText::new(text).small().color(palette.weak_text)).on_hover_text(about);
-    };
-    Grid::new("progress").num_columns(4).spacing([10.0, 3.0]).min_col_width(30.0).show(ui, |ui| {
-        head(ui, "mode", "Modes of one lane advance in lockstep, with the same random numbers.");
-        head(ui, "spp", "Samples per pixel.");
-        head(ui, "time", "Time spent rendering this image.");
-        head(ui, "samples/s", "Pixel samples per second.");
-        ui.end_row();
-        for mode in state.settings.modes() {
-            ui.label(RichText::new(format!("{DOT} {mode}")).small().color(palette.mode(mode)));
-            let film = (state.settings.shown_panes().iter())
-                .find_map(|content| viewport.films(*content).into_iter().find(|film| film.mode == mode));
-            match film {
-                Some(film) if film.is_preview() => {
-                    ui.label(value("preview"));
-                    ui.label(value(duration(film.seconds)));
-                    ui.label(value(short_count(film.samples_per_second())));
-                }
-                Some(film) => {
-                    ui.label(value(film.samples.to_string()));
-                    ui.label(value(duration(film.seconds)));
-                    ui.label(value(short_count(film.samples_per_second())));
-                }
-                None => {
-                    ui.label(value("…"));
-                }
+    let head = |text: &str| RichText::new(text).small().color(palette.weak_text);
+    let about = [
+        "Modes of one lane advance in lockstep, with the same random numbers; reference beside others goes at its own pace.",
+        "Samples per pixel.",
+        "Time spent rendering this image.",
+        "Pixel samples per second.",
+    ];
+    table_row_ui(ui, ["mode", "spp", "time", "samples/s"].map(head), about);
+    for mode in state.settings.modes() {
+        let name = RichText::new(format!("{DOT} {mode}")).small().color(palette.mode(mode));
+        let film = (state.settings.shown_panes().iter())
+            .find_map(|content| viewport.films(*content).into_iter().find(|film| film.mode == mode));
+        let texts = match film {
+            Some(film) => {
+                let samples = if film.is_preview() { "…".to_owned() } else { film.samples.to_string() };
+                [samples, duration(film.seconds), short_count(film.samples_per_second())]
             }
-            ui.end_row();
+            None => ["…", "…", "…"].map(str::to_owned),
+        };
+        let [samples, time, speed] = texts.map(value);
+        table_row_ui(ui, [name, samples, time, speed], ["", "", "", ""]);
+    }
+}
+
+fn table_row_ui(ui: &mut Ui, cells: [RichText; 4], about: [&str; 4]) {
+    let (rect, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), 18.0), egui::Sense::hover());
+    for (index, (cell, about)) in cells.into_iter().zip(about).enumerate() {
+        let end = COLUMNS.get(index + 1).copied().unwrap_or(1.0);
+        let x = |share: f32| rect.left() + share * rect.width();
+        let room = egui::Rect::from_x_y_ranges(x(COLUMNS[index])..=x(end) - 2.0, rect.y_range());
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        let mut cell_ui = ui.new_child(egui::UiBuilder::new().max_rect(room).layout(layout));
+        let response = cell_ui.add(egui::Label::new(cell).truncate());
+        if !about.is_empty() {
+            response.on_hover_text(about);
         }
-    });
+    }
 }
 
 fn events_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
