@@ -132,8 +132,10 @@ fn media(prepared: &Prepared) -> Vec<Problem> {
         .map(|m| Problem::advice(&m.name, "unused_medium", "no refractor is made of this medium; remove it or use it"))
         .collect();
     let used = used.iter().map(|m| (m.name.as_str(), &m.ior));
-    let dispersive: Vec<(&str, &IorModel)> =
-        [("world", &description.world.ior)].into_iter().chain(used).filter(|(_, ior)| ior.is_dispersive()).collect();
+    let dispersive: Vec<(&str, &IorModel)> = ([("world", &description.world.ior)].into_iter().chain(used))
+        // A catalogue's entry is asked for by name, and its IOR is shown; a formula was written for its dispersion.
+        .filter(|(_, ior)| ior.is_dispersive() && !matches!(ior, IorModel::Catalog(_)))
+        .collect();
     if !dispersive.is_empty() {
         let names: Vec<&str> = dispersive.iter().map(|(name, _)| *name).collect();
         let values: Vec<String> = dispersive.iter().map(|(name, ior)| format!("{name} {:.4}", ior.ior())).collect();

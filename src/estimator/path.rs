@@ -13,6 +13,7 @@ use crate::rectify::containment::medium_of;
 use crate::render::Events;
 use crate::scatter::{dielectric, diffuse};
 use crate::scene::SceneNeeds;
+use crate::scene::environment::DirectionSample;
 use crate::scene::world::{MediumId, ObjectId, Paint, Surface, World};
 use crate::tracking::{Crossing, Sides, Tracker};
 
@@ -34,12 +35,13 @@ pub mod dimension {
     pub const PIXEL: u32 = 0;
     pub const LENS: u32 = 1;
     pub const FIRST_SEGMENT: u32 = 2;
-    pub const PER_SEGMENT: u32 = 5;
+    pub const PER_SEGMENT: u32 = 6;
     pub const SCATTER: u32 = 0;
     pub const DIRECTION: u32 = 1;
-    pub const LIGHT_CHOICE: u32 = 2;
-    pub const LIGHT: u32 = 3;
-    pub const ROULETTE: u32 = 4;
+    pub const EMITTER_CHOICE: u32 = 2;
+    pub const EMITTER: u32 = 3;
+    pub const ENVIRONMENT: u32 = 4;
+    pub const ROULETTE: u32 = 5;
 }
 
 /// What all samples of an image share.
@@ -198,23 +200,35 @@ impl<T: Tracker> PathTracer<'_, T> {
         scratch: &mut Scratch<T::State>,
     ) -> DVec3 {
         let world = self.world;
-        let environment_share = self.environment_share();
-        if environment_share == 0.0 && !self.needs.emitters {
-            return DVec3::ZERO;
-        }
-        let choice = sampler.get_1d(dimensions + dimension::LIGHT_CHOICE);
-        let u = sampler.get_2d(dimensions + dimension::LIGHT);
-        let (target, sample, share) = if choice < environment_share {
-            (None, world.environment.sample(u), environment_share)
-        } else {
-            let share = 1.0 - environment_share;
-            let select = (choice - environment_share) / share;
-            match world.emitters.sample(&world.geometry, point.position, select, u) {
-                Some((object, sample)) => (Some(object), Some(sample), share),
-                None => return DVec3::ZERO,
+        let mut radiance = DVec3::ZERO;
+        // The environment and the emitters are each asked: a choice between them would waste half of the samples where only one is seen.
+        if self.needs.image_environment {
+            let u = sampler.get_2d(dimensions + dimension::ENVIRONMENT);
+            if let Some(sample) = world.environment.sample(u) {
+                radiance += self.direct_from(None, &sample, point, normal, medium, scratch);
             }
-        };
-        let Some(sample) = sample else { return DVec3::ZERO };
+        }
+        if self.needs.emitters {
+            let select = sampler.get_1d(dimensions + dimension::EMITTER_CHOICE);
+            let u = sampler.get_2d(dimensions + dimension::EMITTER);
+            if let Some((object, sample)) = world.emitters.sample(&world.geometry, point.position, select, u) {
+                radiance += self.direct_from(Some(object), &sample, point, normal, medium, scratch);
+            }
+        }
+        radiance
+    }
+
+    /// Light that reaches a diffuse point from the sampled direction of the emitter `target` (`None`: the environment).
+    #[inline]
+    fn direct_from(
+        &self,
+        target: Option<ObjectId>,
+        sample: &DirectionSample,
+        point: &SurfacePoint,
+        normal: DVec3,
+        medium: MediumId,
+        scratch: &mut Scratch<T::State>,
+    ) -> DVec3 {
         let cos = sample.direction.dot(normal);
         // The geometric side decides what can be reached; an interpolated normal must not let light through the surface.
         let is_above = (sample.direction.dot(point.normal) > 0.0) == (normal.dot(point.normal) > 0.0);
@@ -223,13 +237,12 @@ impl<T: Tracker> PathTracer<'_, T> {
         }
         let ray = Ray::leaving(point.position, sample.direction, point.primitive);
         let Some(transmittance) = self.visibility(ray, target, medium, scratch) else { return DVec3::ZERO };
-        let radiance = match target.map(|object| &world.object(object).surface) {
+        let radiance = match target.map(|object| &self.world.object(object).surface) {
             Some(Surface::Light { radiance }) => *radiance,
-            _ => world.environment.radiance(sample.direction),
+            _ => self.world.environment.radiance(sample.direction),
         };
-        let pdf = sample.pdf * share;
-        let weight = power_heuristic(pdf, diffuse::pdf(cos));
-        radiance * transmittance * (diffuse::pdf(cos) * weight / pdf)
+        let weight = power_heuristic(sample.pdf, diffuse::pdf(cos));
+        radiance * transmittance * (diffuse::pdf(cos) * weight / sample.pdf)
     }
 
     /// Transmittance from the ray's start to the light `target` (`None`: the environment), through surfaces that do not bend light;
@@ -331,23 +344,9 @@ impl<T: Tracker> PathTracer<'_, T> {
         if normal.dot(ray.direction) < 0.0 { normal } else { point.normal * outward }
     }
 
-    /// Probability with which light sampling asks the environment rather than the emitters.
-    #[inline]
-    fn environment_share(&self) -> f64 {
-        match (self.needs.image_environment, self.needs.emitters) {
-            (false, _) => 0.0,
-            (true, false) => 1.0,
-            (true, true) => 0.5,
-        }
-    }
-
     #[inline]
     fn environment_pdf(&self, direction: DVec3) -> f64 {
-        if self.needs.image_environment {
-            self.environment_share() * self.world.environment.pdf(direction)
-        } else {
-            0.0
-        }
+        if self.needs.image_environment { self.world.environment.pdf(direction) } else { 0.0 }
     }
 
     #[inline]
@@ -355,7 +354,7 @@ impl<T: Tracker> PathTracer<'_, T> {
         if !self.needs.emitters {
             return 0.0;
         }
-        (1.0 - self.environment_share()) * self.world.emitters.pdf(&self.world.geometry, from, direction, object, point)
+        self.world.emitters.pdf(&self.world.geometry, from, direction, object, point)
     }
 }
 
