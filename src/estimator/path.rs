@@ -23,11 +23,13 @@ const ROULETTE_FROM: u32 = 4;
 const LONG_PATH: u32 = 64;
 
 /// Probability of going on from a segment beyond [`LONG_PATH`]. It starts at 0.95 and rises, so that the chance of lasting k segments
-/// more falls as 1/k: a constant 0.95 would make the paths through hundreds of interfaces, which do arrive, too rare to find. From
-/// the thousandth on it is constant, and a trapped path lasts some hundred segments more in the mean.
+/// more falls as 1/k and the weight of those that do grows no faster than k. With a constant 0.95 that weight grows exponentially: the
+/// paths through hundreds of interfaces, which do arrive, would be too rare to find, and the few that are caught between facets for
+/// thousands of segments would come back as fireflies. From the ten thousandth on it is constant, which bounds the time of one path;
+/// a trapped path lasts some 140 segments more in the mean.
 #[inline]
 fn survival_of_long_path(segment: u32) -> f64 {
-    (1.0 - 1.0 / (f64::from(segment - LONG_PATH) + 19.0)).min(0.999)
+    (1.0 - 1.0 / (f64::from(segment - LONG_PATH) + 19.0)).min(0.9999)
 }
 
 /// Random dimensions of a path: the camera's, then a block for each segment.
