@@ -37,6 +37,9 @@ use crate::scene;
 /// Key of the settings in the storage.
 const SETTINGS_KEY: &str = "settings";
 
+/// Passes after which a new scale has reached every size that is measured in points.
+const SETTLING_PASSES: u32 = 8;
+
 /// The window could not be shown.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
@@ -141,6 +144,8 @@ pub struct App {
     /// Whether the user has agreed to lose unsaved changes.
     may_close: bool,
     title: String,
+    /// Passes since the scale of the interface last changed.
+    passes_at_scale: u32,
 }
 
 impl App {
@@ -184,6 +189,7 @@ impl App {
             window_camera: None,
             may_close: false,
             title: String::new(),
+            passes_at_scale: SETTLING_PASSES,
         })
     }
 
@@ -330,12 +336,18 @@ impl App {
         }
     }
 
-    fn set_appearance(&self, ctx: &egui::Context) {
+    fn set_appearance(&mut self, ctx: &egui::Context) {
         ctx.set_theme(match self.state.wants_dark() {
             None => egui::ThemePreference::System,
             Some(true) => egui::ThemePreference::Dark,
             Some(false) => egui::ThemePreference::Light,
         });
+        // For some passes after a change of scale, sizes in points are still those of the old one: to believe them would change the
+        // scale again and again.
+        if self.passes_at_scale < SETTLING_PASSES {
+            self.passes_at_scale += 1;
+            return;
+        }
         let native = ctx.native_pixels_per_point().unwrap_or(1.0);
         let to_native = ctx.pixels_per_point() / native;
         let window = ctx.content_rect().size() * to_native;
@@ -343,6 +355,7 @@ impl App {
         let factor = self.state.interface_factor(window.into(), monitor);
         if (factor - ctx.zoom_factor()).abs() > 1e-3 {
             ctx.set_zoom_factor(factor);
+            self.passes_at_scale = 0;
         }
     }
 
