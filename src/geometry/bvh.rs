@@ -126,12 +126,7 @@ impl Tree {
         (tree, slots)
     }
 
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        self.nodes.len() * size_of::<Node>()
-    }
-
-    /// Visits the leaf slots whose boxes `ray` meets between `ray.t_min` and `*t_max`, near ones first by box. `visit` gets a slot
+    /// Visits the leaf slots whose boxes `ray` meets between `ray.t_min` and `*t_max`, the nearest child of each node first. `visit` gets a slot
     /// and may lower `t_max`; it ends the walk by returning `true`.
     #[inline(always)]
     pub(super) fn walk<K: Kernel>(&self, ray: &Ray, t_max: &mut f64, mut visit: impl FnMut(u32, &mut f64) -> bool) {

@@ -176,18 +176,6 @@ impl Geometry {
         self.spheres.len()
     }
 
-    /// Bytes held by trees, packs and attributes.
-    pub fn bytes(&self) -> usize {
-        self.triangle_tree.bytes()
-            + self.sphere_tree.bytes()
-            + size_of_val(&self.packs[..])
-            + size_of_val(&self.positions[..])
-            + size_of_val(&self.normals[..])
-            + size_of_val(&self.triangles[..])
-            + size_of_val(&self.object_of_primitive[..])
-            + size_of_val(&self.areas[..])
-    }
-
     /// The first hit in the order (distance, primitive).
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
