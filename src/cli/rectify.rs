@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::arguments::RectifyArguments;
+use super::arguments::{Granularity, RectifyArguments};
 use super::table::{Align, Table, wrapped};
 use super::{Failure, plural, print, print_json};
 use crate::check::{Severity, check};
@@ -18,7 +18,7 @@ use crate::scene;
 #[derive(Serialize)]
 struct Report<'a> {
     scene: &'a str,
-    granularity: &'a str,
+    granularity: Granularity,
     seconds: RectifySeconds,
     patches: Vec<PatchReport<'a>>,
     warnings: Vec<Warning>,
@@ -121,7 +121,11 @@ fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
         ]);
     }
     let rays: u64 = report.patches.iter().map(|patch| u64::from(patch.rays)).sum();
-    let mut text = format!("{} · one answer per object\n\n", prepared.description.name);
+    let unit = match report.granularity {
+        Granularity::Patch => "patch",
+        Granularity::Object => "object",
+    };
+    let mut text = format!("{} · one answer per {unit}\n\n", prepared.description.name);
     text += &table.render();
     let seconds = report.seconds;
     text += &format!(

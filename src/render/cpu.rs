@@ -17,7 +17,8 @@ use crate::scene::camera::Camera;
 use crate::scene::needs::SceneNeeds;
 use crate::scene::world::MediumId;
 use crate::tracking::naive::Naive;
-use crate::tracking::rectified::Rectified;
+use crate::tracking::priority::Priority;
+use crate::tracking::rectified::{Rectified, RectifiedObject};
 use crate::tracking::reference::Reference;
 use crate::tracking::stack::Stack;
 use crate::tracking::{Mode, Tracker};
@@ -49,6 +50,8 @@ pub fn accumulate(
     match settings.mode {
         Mode::Naive => pass.run(&Naive, film),
         Mode::Stack => pass.run(&Stack, film),
+        Mode::Priority => pass.run(&Priority { world: &prepared.world }, film),
+        Mode::RectifiedObject => pass.run(&RectifiedObject { table: &prepared.table }, film),
         Mode::Rectified => pass.run(&Rectified { table: &prepared.table }, film),
         Mode::Reference => pass.run(&Reference { world: &prepared.world }, film),
     }

@@ -16,13 +16,14 @@ impl Tracker for Reference<'_> {
     #[inline]
     fn start(&self, (): &mut ()) {}
 
-    fn sides(&self, (): &(), crossing: &Crossing, events: &mut Events) -> Sides {
+    fn sides(&self, (): &(), crossing: &Crossing, events: &mut Events) -> Option<Sides> {
         let world = self.world;
         let others = containment(world, crossing.point.position, Some(crossing.refractor));
         events.ambiguous += u64::from(others.is_ambiguous);
         let outside = medium_of(world, top(world, others.refractors.iter().copied()));
         let inside = medium_of(world, top(world, others.refractors.into_iter().chain([crossing.refractor])));
-        if crossing.is_entering { Sides { from: outside, to: inside } } else { Sides { from: inside, to: outside } }
+        let (from, to) = if crossing.is_entering { (outside, inside) } else { (inside, outside) };
+        Some(Sides { from, to })
     }
 
     #[inline]
