@@ -3,7 +3,7 @@
 use super::path::{Met, PathTracer, dimension};
 use super::sampler::Sampler;
 use crate::geometry::Ray;
-use crate::rectify::containment::medium_at;
+use crate::rectify::start::{Start, start};
 use crate::render::{Events, Prepared};
 use crate::scatter::dielectric::{self, Choice};
 use crate::scene::world::{ObjectId, Surface};
@@ -113,10 +113,10 @@ impl Tracing<'_> {
     fn run<T: Tracker>(&self, tracker: &T, ray: Ray) -> TracedPath {
         let world = &*self.prepared.world;
         let tracer = PathTracer { world, tracker, needs: world.needs, max_depth: self.max_depth };
-        let mut ray = Ray::new(ray.origin - world.geometry.origin, ray.direction.normalize());
+        let ray = Ray::new(ray.origin - world.geometry.origin, ray.direction.normalize());
         let mut state = T::State::default();
         tracker.start(&mut state);
-        let (mut medium, is_ambiguous) = medium_at(world, ray.origin);
+        let Start { mut ray, mut medium, is_ambiguous } = start(world, ray);
         let mut path = TracedPath {
             mode: self.mode,
             camera_medium: world.medium(medium).name.clone(),

@@ -3,6 +3,7 @@
 pub mod containment;
 pub mod pretrace;
 mod random;
+pub mod start;
 pub mod table;
 
 pub use pretrace::rectify;
