@@ -226,7 +226,7 @@ fn f03_floating_ice() {
         add(&mut description, ice, 1.5, 0.0);
         description.refractors[1].transform.rotate = DVec3::new(0.0, 25.0, 10.0);
         let (scene, truth) = check_as_written(description, 500);
-        must_differ(&scene, &truth, Mode::RectifiedObject, 500, 10);
+        must_differ(&scene, &truth, Mode::RectifiedObject, 500, 5);
         must_differ(&scene, &truth, Mode::Naive, 500, 50);
     }
 }
@@ -493,7 +493,7 @@ fn f07_a_torus_as_container() {
     // Half in the tube, half in the hole.
     add(&mut description, icosphere(DVec3::new(0.0, 0.1, 1.2), 0.5), 1.4, 0.0);
     let (scene, truth) = check_as_written(description, 600);
-    must_differ(&scene, &truth, Mode::RectifiedObject, 600, 40);
+    must_differ(&scene, &truth, Mode::RectifiedObject, 600, 20);
 }
 
 /// Family 8: rays through vertices, edges and along axes, tangent rays and thin wedges. Everything has the global IOR, so rays go

@@ -7,6 +7,7 @@
 use glam::DVec3;
 
 use super::sampler::Sampler;
+use crate::geometry::ray::NO_PRIMITIVE;
 use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::optics::Interface;
 use crate::rectify::containment::medium_of;
@@ -114,10 +115,12 @@ impl<T: Tracker> PathTracer<'_, T> {
 
             let mut met = None;
             if let Surface::Refractor { smooth, .. } = *surface {
-                let Met { crossing, interface } = self.meet(&ray, &hit, &scratch.state, &mut scratch.events);
-                if let Some((sides, _)) = interface {
-                    scratch.events.inconsistent += u64::from(!world.is_consistent(medium, sides.from));
-                }
+                let Some(Met { crossing, interface }) =
+                    self.meet(&ray, &hit, &scratch.state, medium, &mut scratch.events)
+                else {
+                    ray = ray.beyond(&hit);
+                    continue;
+                };
                 match interface {
                     Some((sides, interface)) if !interface.is_matched() => {
                         met = Some((crossing, sides, interface, smooth));
@@ -288,21 +291,30 @@ impl<T: Tracker> PathTracer<'_, T> {
                 has_state = true;
             }
             // Events are counted along camera paths only.
-            let met = self.meet(&ray, &hit, &scratch.shadow, &mut Events::default());
-            if let Some((sides, interface)) = met.interface {
-                if !interface.is_matched() {
-                    return None;
+            if let Some(met) = self.meet(&ray, &hit, &scratch.shadow, medium, &mut Events::default()) {
+                if let Some((sides, interface)) = met.interface {
+                    if !interface.is_matched() {
+                        return None;
+                    }
+                    medium = sides.to;
                 }
-                medium = sides.to;
+                self.tracker.transmit(&mut scratch.shadow, &met.crossing);
             }
-            self.tracker.transmit(&mut scratch.shadow, &met.crossing);
             ray = ray.beyond(&hit);
         }
     }
 
-    /// Asks the tracker about a hit of a refractor.
+    /// Asks the tracker about a hit of a refractor by a path in `medium`, and counts a crossing that leaves another one. `None`: it is the
+    /// crossing before, met again, which the tracker must not hear of: the path goes straight on.
     #[inline]
-    pub(super) fn meet(&self, ray: &Ray, hit: &Hit, state: &T::State, events: &mut Events) -> Met {
+    pub(super) fn meet(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        state: &T::State,
+        medium: MediumId,
+        events: &mut Events,
+    ) -> Option<Met> {
         let world = self.world;
         let refractor = ObjectId(world.geometry.object_of(hit.primitive));
         let interior = medium_of(world, Some(refractor));
@@ -312,7 +324,27 @@ impl<T: Tracker> PathTracer<'_, T> {
             let ior_minus_one = |medium| world.medium(medium).ior_minus_one;
             (sides, Interface::new(ior_minus_one(sides.from), ior_minus_one(sides.to)))
         });
-        Met { crossing, interface }
+        if let Some((sides, _)) = interface
+            && !world.is_consistent(medium, sides.from)
+        {
+            if self.is_met_again(ray, hit, &point) {
+                return None;
+            }
+            events.inconsistent += 1;
+        }
+        Some(Met { crossing, interface })
+    }
+
+    /// Whether a hit is of the surface that the ray comes from, in the same place: through an edge or a vertex a ray meets several faces.
+    fn is_met_again(&self, ray: &Ray, hit: &Hit, point: &SurfacePoint) -> bool {
+        /// Roundings that two hits of one place differ by at the most.
+        const ROUNDINGS: f64 = 64.0;
+        let geometry = &self.world.geometry;
+        let last = if ray.after == NO_PRIMITIVE { ray.from } else { ray.after };
+        let scale = point.position.abs().max_element() + ray.origin.abs().max_element();
+        last != NO_PRIMITIVE
+            && geometry.object_of(last) == geometry.object_of(hit.primitive)
+            && hit.t - ray.t_min <= ROUNDINGS * f64::EPSILON * scale
     }
 
     /// What is left of light after the part of `ray` from its start to `t`.

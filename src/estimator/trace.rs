@@ -164,12 +164,15 @@ impl Tracing<'_> {
                     Some(Ray::leaving(point.position, direction, hit.primitive))
                 }
                 Surface::Refractor { smooth, .. } => {
-                    let Met { crossing, interface } = tracer.meet(&ray, &hit, &state, &mut path.events);
+                    let Some(Met { crossing, interface }) = tracer.meet(&ray, &hit, &state, medium, &mut path.events)
+                    else {
+                        ray = ray.beyond(&hit);
+                        continue;
+                    };
                     vertex.refractor = Some(name.clone());
                     vertex.patch = Some(self.prepared.table.patch(object).index);
                     if let Some((sides, _)) = interface {
                         vertex.is_consistent = world.is_consistent(medium, sides.from);
-                        path.events.inconsistent += u64::from(!vertex.is_consistent);
                         let (from, to) = (world.medium(sides.from), world.medium(sides.to));
                         vertex.from = Some(from.name.clone());
                         vertex.to = Some(to.name.clone());
