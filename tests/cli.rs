@@ -319,7 +319,7 @@ fn rectify_finds_what_contains_what() {
     let report = desk.json(&["rectify", "nest.toml", "--json"]);
     assert_has(&report, &["scene", "granularity", "seconds", "patches", "warnings"]);
     assert_has(&report["seconds"], &["topology", "patches", "pretrace", "resolve"]);
-    assert_eq!(report["granularity"], "object");
+    assert_eq!(report["granularity"], "patch");
     let patches = report["patches"].as_array().unwrap();
     let found: Vec<_> = (patches.iter())
         .map(|p| {

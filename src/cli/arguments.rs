@@ -177,7 +177,7 @@ pub struct RectifyArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
     /// What one answer is stored for: patch (a part of a surface with the same surroundings everywhere) or object
-    #[arg(long, value_name = "GRANULARITY", default_value = "object", value_parser = granularity)]
+    #[arg(long, value_name = "GRANULARITY", default_value = "patch", value_parser = granularity)]
     pub granularity: Granularity,
 }
 

@@ -95,8 +95,8 @@ pub fn trace(
         Mode::Naive => tracing.run(&Naive, ray),
         Mode::Stack => tracing.run(&Stack, ray),
         Mode::Priority => tracing.run(&Priority { world: &prepared.world }, ray),
-        Mode::RectifiedObject => tracing.run(&RectifiedObject { table: &prepared.table }, ray),
-        Mode::Rectified => tracing.run(&Rectified { table: &prepared.table }, ray),
+        Mode::RectifiedObject => tracing.run(&RectifiedObject::new(&prepared.world, &prepared.table), ray),
+        Mode::Rectified => tracing.run(&Rectified { world: &prepared.world, table: &prepared.table }, ray),
         Mode::Reference => tracing.run(&Reference { world: &prepared.world }, ray),
     }
 }
@@ -170,7 +170,8 @@ impl Tracing<'_> {
                         continue;
                     };
                     vertex.refractor = Some(name.clone());
-                    vertex.patch = Some(self.prepared.table.patch(object).index);
+                    vertex.patch =
+                        self.prepared.table.patch_of(&world.geometry, hit.primitive).map(|patch| patch.index);
                     if let Some((sides, _)) = interface {
                         vertex.is_consistent = world.is_consistent(medium, sides.from);
                         let (from, to) = (world.medium(sides.from), world.medium(sides.to));

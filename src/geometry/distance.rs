@@ -34,7 +34,7 @@ const ROUNDINGS: f64 = 16.0;
 
 /// The point of a triangle nearest to `p`, by the region of the triangle's plane that it lies over (Ericson, Real-Time Collision
 /// Detection, section 5.1.5).
-fn closest_point([a, b, c]: [DVec3; 3], p: DVec3) -> DVec3 {
+pub fn closest_point([a, b, c]: [DVec3; 3], p: DVec3) -> DVec3 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
     if d1 <= 0.0 && d2 <= 0.0 {

@@ -48,8 +48,8 @@ pub fn accumulate(
         Mode::Naive => pass.run(&Naive, film),
         Mode::Stack => pass.run(&Stack, film),
         Mode::Priority => pass.run(&Priority { world: &prepared.world }, film),
-        Mode::RectifiedObject => pass.run(&RectifiedObject { table: &prepared.table }, film),
-        Mode::Rectified => pass.run(&Rectified { table: &prepared.table }, film),
+        Mode::RectifiedObject => pass.run(&RectifiedObject::new(&prepared.world, &prepared.table), film),
+        Mode::Rectified => pass.run(&Rectified { world: &prepared.world, table: &prepared.table }, film),
         Mode::Reference => pass.run(&Reference { world: &prepared.world }, film),
     }
 }

@@ -1,7 +1,9 @@
-//! `reference`: containment asked anew at every hit, by voting rays. Slow; the truth that the other modes are measured against.
+//! `reference`: containment asked anew on both sides of every hit, by voting rays. Slow; the truth that the other modes are measured
+//! against.
 
 use super::{Crossing, Sides, Tracker};
-use crate::rectify::containment::{containment, medium_of, top};
+use crate::rectify::contact::is_stood_for;
+use crate::rectify::containment::{containment_beside, medium_of, top};
 use crate::render::Events;
 use crate::scene::World;
 
@@ -18,14 +20,22 @@ impl Tracker for Reference<'_> {
 
     fn sides(&self, (): &(), crossing: &Crossing, events: &mut Events) -> Option<Sides> {
         let world = self.world;
-        let others = containment(world, crossing.point.position, Some(crossing.refractor));
-        events.ambiguous += u64::from(others.is_ambiguous);
-        let outside = medium_of(world, top(world, others.refractors.iter().copied()));
-        let inside = medium_of(world, top(world, others.refractors.into_iter().chain([crossing.refractor])));
+        if is_stood_for(world, &crossing.point) {
+            return None;
+        }
+        let (outer, inner) =
+            (containment_beside(world, &crossing.point, true), containment_beside(world, &crossing.point, false));
+        events.ambiguous += u64::from(outer.is_ambiguous || inner.is_ambiguous);
+        let outside = medium_of(world, top(world, outer.refractors));
+        let inside = medium_of(world, top(world, inner.refractors.into_iter().chain([crossing.refractor])));
         let (from, to) = if crossing.is_entering { (outside, inside) } else { (inside, outside) };
         Some(Sides { from, to })
     }
 
     #[inline]
     fn transmit(&self, (): &mut (), _: &Crossing) {}
+
+    fn can_skip(&self) -> bool {
+        true
+    }
 }
