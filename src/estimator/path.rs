@@ -22,6 +22,9 @@ const ROULETTE_FROM: u32 = 4;
 /// Segments after which every path may be ended whatever its throughput, or trapped lossless paths would never end.
 const LONG_PATH: u32 = 64;
 
+/// Hits nearer to each other than this share of the scene's size are at one place: rounding alone may have parted them.
+const SAME_PLACE: f64 = 1e-10;
+
 /// Probability of going on from a segment beyond [`LONG_PATH`]. It starts at 0.95 and rises, so that the chance of lasting k segments
 /// more falls as 1/k and the weight of those that do grows no faster than k. With a constant 0.95 that weight grows exponentially: the
 /// paths through hundreds of interfaces, which do arrive, would be too rare to find, and the few that are caught between facets for
@@ -115,8 +118,14 @@ impl<T: Tracker> PathTracer<'_, T> {
             let mut met = None;
             if let Surface::Refractor { smooth, .. } = *surface {
                 let Met { crossing, interface } = self.meet(&ray, &hit, &scratch.state, &mut scratch.events);
-                if let Some((sides, _)) = interface {
-                    scratch.events.inconsistent += u64::from(!world.is_consistent(medium, sides.from));
+                if let Some((sides, _)) = interface
+                    && !world.is_consistent(medium, sides.from)
+                {
+                    if let Some(behind) = self.graze(&ray, &hit, medium, sides, &scratch.state) {
+                        ray = behind;
+                        continue;
+                    }
+                    scratch.events.inconsistent += 1;
                 }
                 match interface {
                     Some((sides, interface)) if !interface.is_matched() => {
@@ -313,6 +322,23 @@ impl<T: Tracker> PathTracer<'_, T> {
             (sides, Interface::new(ior_minus_one(sides.from), ior_minus_one(sides.to)))
         });
         Met { crossing, interface }
+    }
+
+    /// A ray that grazes an edge or a corner enters and leaves there at one place, and the leaving may come first. Where a crossing does not
+    /// leave the `medium` that the path is in, but the next one does, at the same place, and the two undo each other, the ray behind both.
+    #[cold]
+    pub(super) fn graze(&self, ray: &Ray, hit: &Hit, medium: MediumId, sides: Sides, state: &T::State) -> Option<Ray> {
+        let world = self.world;
+        let next = world.geometry.closest(&ray.beyond(hit))?;
+        let size = world.geometry.bounding_sphere()?.radius;
+        let object = ObjectId(world.geometry.object_of(next.primitive));
+        let is_refractor = matches!(world.object(object).surface, Surface::Refractor { .. });
+        if next.t - hit.t > SAME_PLACE * size || !is_refractor {
+            return None;
+        }
+        let (next_sides, _) = self.meet(ray, &next, state, &mut Events::default()).interface?;
+        let is_undone = next_sides.from == medium && next_sides.to == sides.from && sides.to == medium;
+        is_undone.then(|| ray.beyond(&next))
     }
 
     /// What is left of light after the part of `ray` from its start to `t`.

@@ -165,6 +165,13 @@ impl Tracing<'_> {
                 }
                 Surface::Refractor { smooth, .. } => {
                     let Met { crossing, interface } = tracer.meet(&ray, &hit, &state, &mut path.events);
+                    if let Some((sides, _)) = interface
+                        && !world.is_consistent(medium, sides.from)
+                        && let Some(behind) = tracer.graze(&ray, &hit, medium, sides, &state)
+                    {
+                        ray = behind;
+                        continue;
+                    }
                     vertex.refractor = Some(name.clone());
                     vertex.patch =
                         self.prepared.table.patch_of(&world.geometry, hit.primitive).map(|patch| patch.index);
