@@ -23,6 +23,9 @@ const ROULETTE_FROM: u32 = 4;
 /// Segments after which every path may be ended whatever its throughput, or trapped lossless paths would never end.
 const LONG_PATH: u32 = 64;
 
+/// Hits nearer to each other than this share of the scene's size are at one place: rounding alone may have parted them.
+const SAME_PLACE: f64 = 1e-10;
+
 /// Probability of going on from a segment beyond [`LONG_PATH`]. It starts at 0.95 and rises, so that the chance of lasting k segments
 /// more falls as 1/k and the weight of those that do grows no faster than k. With a constant 0.95 that weight grows exponentially: the
 /// paths through hundreds of interfaces, which do arrive, would be too rare to find, and the few that are caught between facets for
@@ -115,11 +118,13 @@ impl<T: Tracker> PathTracer<'_, T> {
 
             let mut met = None;
             if let Surface::Refractor { smooth, .. } = *surface {
-                let Some(Met { crossing, interface }) =
-                    self.meet(&ray, &hit, &scratch.state, medium, &mut scratch.events)
-                else {
-                    ray = ray.beyond(&hit);
-                    continue;
+                let met_here = self.meet(&ray, &hit, &scratch.state, medium, &mut scratch.events);
+                let Met { crossing, interface } = match met_here {
+                    Ok(met) => met,
+                    Err(behind) => {
+                        ray = behind;
+                        continue;
+                    }
                 };
                 match interface {
                     Some((sides, interface)) if !interface.is_matched() => {
@@ -291,21 +296,28 @@ impl<T: Tracker> PathTracer<'_, T> {
                 has_state = true;
             }
             // Events are counted along camera paths only.
-            if let Some(met) = self.meet(&ray, &hit, &scratch.shadow, medium, &mut Events::default()) {
-                if let Some((sides, interface)) = met.interface {
-                    if !interface.is_matched() {
-                        return None;
-                    }
-                    medium = sides.to;
+            let met = match self.meet(&ray, &hit, &scratch.shadow, medium, &mut Events::default()) {
+                Ok(met) => met,
+                Err(behind) => {
+                    ray = behind;
+                    continue;
                 }
-                self.tracker.transmit(&mut scratch.shadow, &met.crossing);
+            };
+            if let Some((sides, interface)) = met.interface {
+                if !interface.is_matched() {
+                    return None;
+                }
+                medium = sides.to;
             }
+            self.tracker.transmit(&mut scratch.shadow, &met.crossing);
             ray = ray.beyond(&hit);
         }
     }
 
-    /// Asks the tracker about a hit of a refractor by a path in `medium`, and counts a crossing that leaves another one. `None`: it is the
-    /// crossing before, met again, which the tracker must not hear of: the path goes straight on.
+    /// Meets a refractor's surface on a path in `medium`, and counts a crossing that leaves another medium.
+    ///
+    /// # Errors
+    /// Where it is no crossing, the ray to go on with: straight on, and the tracker must not hear of it.
     #[inline]
     pub(super) fn meet(
         &self,
@@ -314,7 +326,25 @@ impl<T: Tracker> PathTracer<'_, T> {
         state: &T::State,
         medium: MediumId,
         events: &mut Events,
-    ) -> Option<Met> {
+    ) -> Result<Met, Ray> {
+        let met = self.ask(ray, hit, state, events);
+        if let Some((sides, _)) = met.interface
+            && !self.world.is_consistent(medium, sides.from)
+        {
+            if self.is_met_again(ray, hit, &met.crossing.point) {
+                return Err(ray.beyond(hit));
+            }
+            if let Some(behind) = self.graze(ray, hit, medium, sides, state) {
+                return Err(behind);
+            }
+            events.inconsistent += 1;
+        }
+        Ok(met)
+    }
+
+    /// Asks the tracker about a hit of a refractor.
+    #[inline]
+    fn ask(&self, ray: &Ray, hit: &Hit, state: &T::State, events: &mut Events) -> Met {
         let world = self.world;
         let refractor = ObjectId(world.geometry.object_of(hit.primitive));
         let interior = medium_of(world, Some(refractor));
@@ -324,18 +354,11 @@ impl<T: Tracker> PathTracer<'_, T> {
             let ior_minus_one = |medium| world.medium(medium).ior_minus_one;
             (sides, Interface::new(ior_minus_one(sides.from), ior_minus_one(sides.to)))
         });
-        if let Some((sides, _)) = interface
-            && !world.is_consistent(medium, sides.from)
-        {
-            if self.is_met_again(ray, hit, &point) {
-                return None;
-            }
-            events.inconsistent += 1;
-        }
-        Some(Met { crossing, interface })
+        Met { crossing, interface }
     }
 
-    /// Whether a hit is of the surface that the ray comes from, in the same place: through an edge or a vertex a ray meets several faces.
+    /// Whether a hit is of the surface that the ray comes from, in the same place: a ray that has turned at an edge or a corner may meet the
+    /// neighbouring face there.
     fn is_met_again(&self, ray: &Ray, hit: &Hit, point: &SurfacePoint) -> bool {
         /// Roundings that two hits of one place differ by at the most.
         const ROUNDINGS: f64 = 64.0;
@@ -345,6 +368,26 @@ impl<T: Tracker> PathTracer<'_, T> {
         last != NO_PRIMITIVE
             && geometry.object_of(last) == geometry.object_of(hit.primitive)
             && hit.t - ray.t_min <= ROUNDINGS * f64::EPSILON * scale
+    }
+
+    /// A ray that grazes an edge or a corner enters and leaves there at one place, and the leaving may come first. Where a crossing does not
+    /// leave the `medium` that the path is in, but the next one does, at the same place, and the two undo each other, the ray behind both.
+    #[cold]
+    fn graze(&self, ray: &Ray, hit: &Hit, medium: MediumId, sides: Sides, state: &T::State) -> Option<Ray> {
+        let geometry = &self.world.geometry;
+        let behind = ray.beyond(hit);
+        let farthest = hit.t + SAME_PLACE * geometry.bounding_sphere()?.radius;
+        // Some modes are here at every other crossing: most often a short search finds nothing.
+        if sides.to != medium || !geometry.is_occluded(&behind, farthest) {
+            return None;
+        }
+        let next = geometry.closest(&behind)?;
+        let object = ObjectId(geometry.object_of(next.primitive));
+        if !matches!(self.world.object(object).surface, Surface::Refractor { .. }) {
+            return None;
+        }
+        let (next_sides, _) = self.ask(ray, &next, state, &mut Events::default()).interface?;
+        (next_sides.from == medium && next_sides.to == sides.from).then(|| ray.beyond(&next))
     }
 
     /// What is left of light after the part of `ray` from its start to `t`.

@@ -164,10 +164,13 @@ impl Tracing<'_> {
                     Some(Ray::leaving(point.position, direction, hit.primitive))
                 }
                 Surface::Refractor { smooth, .. } => {
-                    let Some(Met { crossing, interface }) = tracer.meet(&ray, &hit, &state, medium, &mut path.events)
-                    else {
-                        ray = ray.beyond(&hit);
-                        continue;
+                    let met = tracer.meet(&ray, &hit, &state, medium, &mut path.events);
+                    let Met { crossing, interface } = match met {
+                        Ok(met) => met,
+                        Err(behind) => {
+                            ray = behind;
+                            continue;
+                        }
                     };
                     vertex.refractor = Some(name.clone());
                     vertex.patch =
