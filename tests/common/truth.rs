@@ -380,7 +380,7 @@ fn line_meets_box(ray: &Ray, min: DVec3, max: DVec3) -> bool {
     to_center.cross(ray.direction).length() <= radius
 }
 
-/// Möller and Trumbore 1997, edges included.
+/// Möller and Trumbore 1997. Edges are included with some room, so that no ray slips between two triangles; meeting both does no harm.
 fn meet_triangle(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<Meeting> {
     let (ab, ac) = (b - a, c - a);
     let p = ray.direction.cross(ac);
@@ -393,7 +393,7 @@ fn meet_triangle(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<Meeting> {
     let q = s.cross(ab);
     let v = ray.direction.dot(q) / determinant;
     let w = 1.0 - u - v;
-    if u < 0.0 || v < 0.0 || w < 0.0 {
+    if u.min(v).min(w) < -1e-12 {
         return None;
     }
     let area_vector = ab.cross(ac);
@@ -479,15 +479,18 @@ impl Truth {
 /// The media that a path goes through, each different from the one before. Stretches no longer than `together`, between faces that meet
 /// in an edge or a vertex, do not count.
 ///
-/// # Panics
-/// When the path leaves another medium than the one it was in.
-pub fn media_along(path: &TracedPath, together: f64) -> Vec<String> {
+/// # Errors
+/// When the path leaves another medium than the one it was in: all its vertices.
+pub fn media_along(path: &TracedPath, together: f64) -> Result<Vec<String>, String> {
     let mut names = vec![path.camera_medium.clone()];
     let mut last = None;
     for vertex in path.vertices.iter().filter(|v| v.from != v.to) {
         let (from, to) = (vertex.from.as_ref().unwrap(), vertex.to.as_ref().unwrap());
         let position = DVec3::from(vertex.position);
-        assert_eq!(names.last(), Some(from), "{path:#?}");
+        if names.last() != Some(from) {
+            let vertices = path.vertices.iter().map(|v| format!("{:?} {:?} to {:?}", v.position, v.from, v.to));
+            return Err(format!("{names:?}: {:#?}", vertices.collect::<Vec<_>>()));
+        }
         if last.is_some_and(|last| position.distance(last) <= together) {
             names.pop();
         }
@@ -496,5 +499,5 @@ pub fn media_along(path: &TracedPath, together: f64) -> Vec<String> {
         }
         last = Some(position);
     }
-    names
+    Ok(names)
 }
