@@ -2,12 +2,17 @@
 
 mod bvh;
 mod geometry;
+mod hierarchy;
 mod kernel;
 mod mesh;
 pub mod ray;
 pub mod sphere;
+pub mod topology;
 mod triangle;
+mod winding;
 
 pub use geometry::{Geometry, ObjectRange, Part, SurfacePoint, uniform_direction};
 pub use mesh::Mesh;
 pub use ray::{Hit, PrimitiveId, Ray};
+pub use topology::{Enclosure, Topology};
+pub use winding::WindingTree;
