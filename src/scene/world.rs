@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::environment::EnvironmentLight;
 use super::light::Emitters;
 use super::needs::SceneNeeds;
-use crate::geometry::Geometry;
+use crate::geometry::{Enclosure, Geometry, Topology, WindingTree};
 
 /// Index into [`World::media`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -71,6 +71,13 @@ pub struct Object {
     pub surface: Surface,
     /// Enclosed volume, ≥ 0; infinite for a surface that encloses none, such as a quad.
     pub volume: f64,
+    /// How membership is asked. Of refractors only: nothing asks what is in a solid or a light, and theirs is [`Enclosure::Closed`].
+    pub enclosure: Enclosure,
+    /// Analysis of a refractor's mesh, in object space; its faces are the object's primitives, in their order. `None` for an analytic
+    /// sphere, a solid or a light.
+    pub topology: Option<Arc<Topology>>,
+    /// Of a refractor with holes, to be asked at local coordinates.
+    pub winding: Option<Arc<WindingTree>>,
 }
 
 /// A compiled scene. Coordinates inside are relative to [`Geometry::origin`].
@@ -84,6 +91,8 @@ pub struct World {
     pub needs: SceneNeeds,
     /// Whether the global medium is indistinguishable from the reserved vacuum.
     pub world_is_vacuum: bool,
+    /// Time that analysing meshes took in this compile, in seconds; 0 where all was known.
+    pub topology_secs: f64,
 }
 
 impl World {
