@@ -122,7 +122,8 @@ impl InterfaceTable {
                 Self::resolve(world, layout, votes, Arc::clone(&previous.per_object), RectifySeconds::default())
             }
             None => {
-                let (layout, votes, seconds) = lay_out(world);
+                let (layout, votes, mut seconds) = lay_out(world);
+                seconds.topology = world.topology_secs;
                 Self::resolve(world, Arc::new(layout), Arc::new(votes), Arc::default(), seconds)
             }
         }
