@@ -1,4 +1,5 @@
-//! Random scenes of spheres and meshes that nest, overlap, touch nothing exactly and stand half out of each other: on every well-conditioned
+//! Random scenes of spheres and meshes that nest, overlap and stand half out of each other, and of such
+//! whose faces coincide: on every well-conditioned
 //! ray `rectified`, `reference` and a truth worked out apart agree.
 //!
 //! `IORECT_TEST_CASES=N` sets how many scenes of each kind are tried; the seeds go on from those of the default run.
@@ -147,6 +148,28 @@ fn half_submerged(numbers: &mut Numbers) -> Description {
     description
 }
 
+/// Boxes and cylinders on a coarse grid, so that faces coincide: the same way and opposed, wholly and in part, of other tessellation; in a third
+/// of the scenes all turned by one rotation, so that they coincide but for rounding.
+fn touching(numbers: &mut Numbers) -> Description {
+    let mut description = empty(index_of_refraction(numbers));
+    let rotate = if numbers.index(3) == 0 { turn(numbers) } else { DVec3::ZERO };
+    for _ in 0..2 + numbers.index(4) {
+        let mut on_grid = |low: usize, high: usize| (low + numbers.index(high - low)) as f64 * 0.5 - 1.0;
+        let shape = if on_grid(0, 4) < 0.5 {
+            let min = DVec3::new(on_grid(0, 4), on_grid(0, 4), on_grid(0, 4));
+            let size = DVec3::new(on_grid(3, 6), on_grid(3, 6), on_grid(3, 6));
+            Shape::Box { min, max: min + size }
+        } else {
+            let center = DVec3::new(on_grid(0, 5), on_grid(0, 5), on_grid(0, 5));
+            let segments = 4 * (1 + numbers.index(4) as u32);
+            Shape::Cylinder { center, radius: 0.5 + 0.5 * numbers.index(2) as f64, height: 1.0, segments }
+        };
+        place(numbers, &mut description, shape, DVec3::ZERO);
+        description.refractors.last_mut().unwrap().transform = Transform { rotate, ..Transform::IDENTITY };
+    }
+    description
+}
+
 /// What came of many scenes.
 #[derive(Default)]
 struct Total {
@@ -206,6 +229,11 @@ fn overlapping_objects() {
 #[test]
 fn half_submerged_objects() {
     check(half_submerged);
+}
+
+#[test]
+fn touching_objects() {
+    check(touching);
 }
 
 /// Whatever the scene, the three ways to ask agree about points in space.

@@ -110,7 +110,7 @@ impl Truth {
         let min = bodies.iter().fold(DVec3::INFINITY, |m, b| m.min(b.min));
         let max = bodies.iter().fold(DVec3::NEG_INFINITY, |m, b| m.max(b.max));
         let size = (max - min).max_element();
-        Self { bodies, media, size, together: 1e-7 * size, margin: 1e-5 * size, grazing: 0.02, top: is_above }
+        Self { bodies, media, size, together: 1e-6 * size, margin: 1e-5 * size, grazing: 0.02, top: is_above }
     }
 
     /// The refractors that contain a point, by index.
