@@ -23,8 +23,8 @@ const ROULETTE_FROM: u32 = 4;
 /// Segments after which every path may be ended whatever its throughput, or trapped lossless paths would never end.
 const LONG_PATH: u32 = 64;
 
-/// Hits nearer to each other than this share of the scene's size are at one place: rounding alone may have parted them.
-const SAME_PLACE: f64 = 1e-10;
+/// Roundings of f64, at the scene's size, that two hits of one place differ by at the most.
+const ROUNDINGS: f64 = 64.0;
 
 /// Probability of going on from a segment beyond [`LONG_PATH`]. It starts at 0.95 and rises, so that the chance of lasting k segments
 /// more falls as 1/k and the weight of those that do grows no faster than k. With a constant 0.95 that weight grows exponentially: the
@@ -118,14 +118,14 @@ impl<T: Tracker> PathTracer<'_, T> {
 
             let mut met = None;
             if let Surface::Refractor { smooth, .. } = *surface {
-                let met_here = self.meet(&ray, &hit, &scratch.state, medium, &mut scratch.events);
-                let Met { crossing, interface } = match met_here {
-                    Ok(met) => met,
-                    Err(behind) => {
-                        ray = behind;
-                        continue;
-                    }
-                };
+                let Met { crossing, interface } =
+                    match self.meet(&ray, &hit, &scratch.state, medium, &mut scratch.events) {
+                        Ok(met) => met,
+                        Err(behind) => {
+                            ray = behind;
+                            continue;
+                        }
+                    };
                 match interface {
                     Some((sides, interface)) if !interface.is_matched() => {
                         met = Some((crossing, sides, interface, smooth));
@@ -314,10 +314,8 @@ impl<T: Tracker> PathTracer<'_, T> {
         }
     }
 
-    /// Meets a refractor's surface on a path in `medium`, and counts a crossing that leaves another medium.
-    ///
-    /// # Errors
-    /// Where it is no crossing, the ray to go on with: straight on, and the tracker must not hear of it.
+    /// Asks the tracker about a hit of a refractor by a path in `medium`, and counts a crossing that leaves another one. An error is the ray
+    /// with which the path goes straight on: what it met is no crossing, and the tracker must not hear of it.
     #[inline]
     pub(super) fn meet(
         &self,
@@ -327,67 +325,60 @@ impl<T: Tracker> PathTracer<'_, T> {
         medium: MediumId,
         events: &mut Events,
     ) -> Result<Met, Ray> {
-        let met = self.ask(ray, hit, state, events);
-        if let Some((sides, _)) = met.interface
+        let (crossing, sides) = self.ask(ray, hit, state, events);
+        if let Some(sides) = sides
             && !self.world.is_consistent(medium, sides.from)
         {
-            if self.is_met_again(ray, hit, &met.crossing.point) {
-                return Err(ray.beyond(hit));
-            }
-            if let Some(behind) = self.graze(ray, hit, medium, sides, state) {
+            if let Some(behind) = self.behind_edge(ray, hit, medium, sides, state) {
                 return Err(behind);
             }
             events.inconsistent += 1;
         }
-        Ok(met)
+        let ior_minus_one = |medium| self.world.medium(medium).ior_minus_one;
+        let interface = sides.map(|s| (s, Interface::new(ior_minus_one(s.from), ior_minus_one(s.to))));
+        Ok(Met { crossing, interface })
     }
 
-    /// Asks the tracker about a hit of a refractor.
+    /// What the tracker says about a hit of a refractor.
     #[inline]
-    fn ask(&self, ray: &Ray, hit: &Hit, state: &T::State, events: &mut Events) -> Met {
+    fn ask(&self, ray: &Ray, hit: &Hit, state: &T::State, events: &mut Events) -> (Crossing, Option<Sides>) {
         let world = self.world;
         let refractor = ObjectId(world.geometry.object_of(hit.primitive));
         let interior = medium_of(world, Some(refractor));
         let point = world.geometry.surface(ray, hit);
         let crossing = Crossing { refractor, interior, is_entering: hit.is_front, point, barycentric: hit.barycentric };
-        let interface = self.tracker.sides(state, &crossing, events).map(|sides| {
-            let ior_minus_one = |medium| world.medium(medium).ior_minus_one;
-            (sides, Interface::new(ior_minus_one(sides.from), ior_minus_one(sides.to)))
-        });
-        Met { crossing, interface }
+        let sides = self.tracker.sides(state, &crossing, events);
+        (crossing, sides)
     }
 
-    /// Whether a hit is of the surface that the ray comes from, in the same place: a ray that has turned at an edge or a corner may meet the
-    /// neighbouring face there.
-    fn is_met_again(&self, ray: &Ray, hit: &Hit, point: &SurfacePoint) -> bool {
-        /// Roundings that two hits of one place differ by at the most.
-        const ROUNDINGS: f64 = 64.0;
-        let geometry = &self.world.geometry;
-        let last = if ray.after == NO_PRIMITIVE { ray.from } else { ray.after };
-        let scale = point.position.abs().max_element() + ray.origin.abs().max_element();
-        last != NO_PRIMITIVE
-            && geometry.object_of(last) == geometry.object_of(hit.primitive)
-            && hit.t - ray.t_min <= ROUNDINGS * f64::EPSILON * scale
-    }
-
-    /// A ray that grazes an edge or a corner enters and leaves there at one place, and the leaving may come first. Where a crossing does not
-    /// leave the `medium` that the path is in, but the next one does, at the same place, and the two undo each other, the ray behind both.
+    /// At an edge or a corner a ray may meet several faces in one place. A crossing there that does not leave the `medium` that the path is in
+    /// is none if the path has just come from that surface in that place, or if the next one does leave that medium, in the same place,
+    /// and the two undo each other: the ray grazes the edge, and rounding shows the leaving first. Then gives the ray behind them.
     #[cold]
-    fn graze(&self, ray: &Ray, hit: &Hit, medium: MediumId, sides: Sides, state: &T::State) -> Option<Ray> {
+    fn behind_edge(&self, ray: &Ray, hit: &Hit, medium: MediumId, sides: Sides, state: &T::State) -> Option<Ray> {
         let geometry = &self.world.geometry;
-        let behind = ray.beyond(hit);
-        let farthest = hit.t + SAME_PLACE * geometry.bounding_sphere()?.radius;
-        // Some modes are here at every other crossing: most often a short search finds nothing.
-        if sides.to != medium || !geometry.is_occluded(&behind, farthest) {
+        let scale = geometry.bounding_sphere().map_or(0.0, |s| s.radius) + ray.origin.abs().max_element();
+        let is_same_place = |from: f64, to: f64| to - from <= ROUNDINGS * f64::EPSILON * scale;
+        let last = if ray.after == NO_PRIMITIVE { ray.from } else { ray.after };
+        if last != NO_PRIMITIVE
+            && geometry.object_of(last) == geometry.object_of(hit.primitive)
+            && is_same_place(ray.t_min, hit.t)
+        {
+            return Some(ray.beyond(hit));
+        }
+        // Modes that are wrong come here often, and a search this short costs them little.
+        let reach = hit.t + 2.0 * ROUNDINGS * f64::EPSILON * scale;
+        if sides.to != medium || !geometry.is_occluded(&ray.beyond(hit), reach) {
             return None;
         }
-        let next = geometry.closest(&behind)?;
+        let next = geometry.closest(&ray.beyond(hit)).filter(|next| is_same_place(hit.t, next.t))?;
         let object = ObjectId(geometry.object_of(next.primitive));
         if !matches!(self.world.object(object).surface, Surface::Refractor { .. }) {
             return None;
         }
-        let (next_sides, _) = self.ask(ray, &next, state, &mut Events::default()).interface?;
-        (next_sides.from == medium && next_sides.to == sides.from).then(|| ray.beyond(&next))
+        let (_, next_sides) = self.ask(ray, &next, state, &mut Events::default());
+        let undone = Sides { from: medium, to: sides.from };
+        (next_sides == Some(undone)).then(|| ray.beyond(&next))
     }
 
     /// What is left of light after the part of `ray` from its start to `t`.

@@ -164,8 +164,7 @@ impl Tracing<'_> {
                     Some(Ray::leaving(point.position, direction, hit.primitive))
                 }
                 Surface::Refractor { smooth, .. } => {
-                    let met = tracer.meet(&ray, &hit, &state, medium, &mut path.events);
-                    let Met { crossing, interface } = match met {
+                    let Met { crossing, interface } = match tracer.meet(&ray, &hit, &state, medium, &mut path.events) {
                         Ok(met) => met,
                         Err(behind) => {
                             ray = behind;
