@@ -2,6 +2,7 @@
 //! where the solid angles of all its triangles say so; overlaps are resolved here once more; Snell's law is written in vectors. Of the
 //! program it uses nothing but the shapes' tessellation and their transforms. Slow and simple.
 
+use std::cell::Cell;
 use std::f64::consts::PI;
 
 use glam::DVec3;
@@ -44,6 +45,8 @@ pub struct Truth {
     pub grazing: f64,
     /// How overlaps are resolved. Made wrong on purpose by tests of the tests.
     top: fn(Candidate, Candidate) -> bool,
+    /// Places so far where surfaces of several bodies were one.
+    coincident: Cell<usize>,
 }
 
 /// A refractor that contains a point.
@@ -110,7 +113,16 @@ impl Truth {
         let min = bodies.iter().fold(DVec3::INFINITY, |m, b| m.min(b.min));
         let max = bodies.iter().fold(DVec3::NEG_INFINITY, |m, b| m.max(b.max));
         let size = (max - min).max_element();
-        Self { bodies, media, size, together: 1e-6 * size, margin: 1e-5 * size, grazing: 0.02, top: is_above }
+        Self {
+            bodies,
+            media,
+            size,
+            together: 1e-6 * size,
+            margin: 1e-5 * size,
+            grazing: 0.02,
+            top: is_above,
+            coincident: Cell::new(0),
+        }
     }
 
     /// The refractors that contain a point, by index.
@@ -252,6 +264,8 @@ impl Truth {
             if !is_clear || nearest.t - previous < self.margin || until - group[group.len() - 1].t < self.margin {
                 return Found::IllConditioned;
             }
+            let is_coincident = here.iter().any(|&body| body != here[0]);
+            self.coincident.set(self.coincident.get() + usize::from(is_coincident));
             let from = *before.get_or_insert_with(|| self.medium_index_at(ray.at(0.5 * (previous + nearest.t))));
             if group.iter().any(|m| self.bodies[m.body].medium.is_none()) {
                 return Found::Next(Next { position, normal: nearest.normal, from, to: None });
@@ -421,6 +435,8 @@ fn distance_to_triangle([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
 pub struct Survey {
     /// Vertices and ends of paths that were compared.
     pub checked: usize,
+    /// Surfaces on the way that coincided with another body's.
+    pub coincident: usize,
     pub faults: Vec<String>,
     /// Of paths that were well-conditioned from end to end.
     pub events: u64,
@@ -429,6 +445,7 @@ pub struct Survey {
 /// Traces rays in a mode and compares every vertex with the truth.
 pub fn survey(scene: &Prepared, truth: &Truth, mode: Mode, rays: &[Ray]) -> Survey {
     let mut survey = Survey::default();
+    truth.coincident.set(0);
     for (index, ray) in rays.iter().enumerate() {
         let follow = if index % 3 == 0 { Follow::Transmit } else { Follow::Sample };
         let path = trace(scene, mode, *ray, follow, index as u64, Some(14));
@@ -446,6 +463,7 @@ pub fn survey(scene: &Prepared, truth: &Truth, mode: Mode, rays: &[Ray]) -> Surv
             }
         }
     }
+    survey.coincident = truth.coincident.get();
     survey
 }
 
