@@ -368,7 +368,7 @@ fn c40_depth() {
         if k % 3 == 0 {
             let Shape::Sphere { radius, .. } = refractor.shape else { unreachable!() };
             // Vertices on the sphere, faces within it by less than the next shell.
-            refractor.shape = icosphere(radius, 5);
+            refractor.shape = icosphere(radius, 4);
         }
     }
     description.camera.vertical_fov = 8.0;
