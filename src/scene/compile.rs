@@ -362,18 +362,30 @@ fn paint(paint: &description::Paint, shape: &Shape, transform: &Transform, local
 
 /// Whether two descriptions give the same primitives, object by object.
 fn has_same_geometry(a: &Description, b: &Description) -> bool {
-    let same = |x: (&Shape, &Transform, bool), y: (&Shape, &Transform, bool)| {
-        x.1 == y.1 && x.2 == y.2 && is_same_shape(x.0, y.0)
+    changed_objects(a, b).is_some_and(|changed| changed.is_empty())
+}
+
+/// The objects whose primitives differ between two descriptions, in ascending order; `None` where the objects themselves are others.
+pub fn changed_objects(a: &Description, b: &Description) -> Option<Vec<ObjectId>> {
+    let counts = |d: &Description| [d.refractors.len(), d.solids.len(), d.lights.len()];
+    let is_same = |((shape_a, transform_a, smooth_a), (shape_b, transform_b, smooth_b)): &(Surfaced, Surfaced)| {
+        transform_a == transform_b && smooth_a == smooth_b && is_same_shape(shape_a, shape_b)
     };
-    a.refractors.len() == b.refractors.len()
-        && a.solids.len() == b.solids.len()
-        && a.lights.len() == b.lights.len()
-        && (a.refractors.iter().zip(&b.refractors))
-            .all(|(x, y)| same((&x.shape, &x.transform, x.smooth), (&y.shape, &y.transform, y.smooth)))
-        && (a.solids.iter().zip(&b.solids))
-            .all(|(x, y)| same((&x.shape, &x.transform, x.smooth), (&y.shape, &y.transform, y.smooth)))
-        && (a.lights.iter().zip(&b.lights))
-            .all(|(x, y)| same((&x.shape, &x.transform, false), (&y.shape, &y.transform, false)))
+    (counts(a) == counts(b)).then(|| {
+        (surfaces(a).zip(surfaces(b)).zip(0..))
+            .filter(|(pair, _)| !is_same(pair))
+            .map(|(_, index)| ObjectId(index))
+            .collect()
+    })
+}
+
+type Surfaced<'a> = (&'a Shape, &'a Transform, bool);
+
+/// Shape, transform and smoothness of every object, in the order of object ids.
+fn surfaces(description: &Description) -> impl Iterator<Item = Surfaced<'_>> {
+    (description.refractors.iter().map(|r| (&r.shape, &r.transform, r.smooth)))
+        .chain(description.solids.iter().map(|s| (&s.shape, &s.transform, s.smooth)))
+        .chain(description.lights.iter().map(|l| (&l.shape, &l.transform, false)))
 }
 
 fn is_same_shape(a: &Shape, b: &Shape) -> bool {
