@@ -8,7 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// Triangles in a leaf.
-pub(super) const LEAF: usize = 4;
+const LEAF: usize = 4;
 
 /// Bits of the curve for each axis.
 const CURVE_BITS: u32 = 21;
