@@ -6,7 +6,7 @@
 use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
-use crate::geometry::hierarchy::{Extent, Hierarchy};
+use crate::geometry::hierarchy::{Extent, Hierarchy, LEAF};
 
 /// What is known of a surface's crossings with itself.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -170,9 +170,19 @@ impl Search<'_> {
             return;
         }
         if level == 0 {
+            let (box_a, box_b) = (boxes[a], boxes[b]);
+            let mut near_a = [0; LEAF];
+            let mut count = 0;
+            for y in self.tree.leaf_range(b) {
+                near_a[count] = y;
+                count += usize::from(self.boxes.of_faces[y].meets(&box_a));
+            }
+            if count == 0 {
+                return;
+            }
             for x in self.tree.leaf_range(a) {
-                if self.boxes.of_faces[x].meets(&boxes[b]) {
-                    for y in self.tree.leaf_range(b) {
+                if self.boxes.of_faces[x].meets(&box_b) {
+                    for &y in &near_a[..count] {
                         self.test(x, y);
                     }
                 }
