@@ -7,6 +7,7 @@
 use glam::DVec3;
 
 use super::sampler::Sampler;
+use crate::geometry::ray::NO_PRIMITIVE;
 use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::optics::Interface;
 use crate::rectify::containment::medium_of;
@@ -21,6 +22,9 @@ use crate::tracking::{Crossing, Sides, Tracker};
 const ROULETTE_FROM: u32 = 4;
 /// Segments after which every path may be ended whatever its throughput, or trapped lossless paths would never end.
 const LONG_PATH: u32 = 64;
+
+/// Roundings of f64, at the scene's size, that two hits of one place differ by at the most.
+const ROUNDINGS: f64 = 64.0;
 
 /// Probability of going on from a segment beyond [`LONG_PATH`]. It starts at 0.95 and rises, so that the chance of lasting k segments
 /// more falls as 1/k and the weight of those that do grows no faster than k. With a constant 0.95 that weight grows exponentially: the
@@ -74,8 +78,8 @@ struct LastScatter {
 /// A crossing with all that is known of it.
 pub(super) struct Met {
     pub crossing: Crossing,
-    pub sides: Sides,
-    pub interface: Interface,
+    /// `None`: the tracker skips it.
+    pub interface: Option<(Sides, Interface)>,
 }
 
 impl<T: Tracker> PathTracer<'_, T> {
@@ -114,16 +118,26 @@ impl<T: Tracker> PathTracer<'_, T> {
 
             let mut met = None;
             if let Surface::Refractor { smooth, .. } = *surface {
-                let found = self.meet(&ray, &hit, &scratch.state, &mut scratch.events);
-                scratch.events.inconsistent += u64::from(!world.is_consistent(medium, found.sides.from));
-                if found.interface.is_matched() {
-                    // Straight on: the same ray, no depth, no random numbers.
-                    self.tracker.transmit(&mut scratch.state, &found.crossing);
-                    medium = found.sides.to;
-                    ray = ray.beyond(&hit);
-                    continue;
+                let Met { crossing, interface } =
+                    match self.meet(&ray, &hit, &scratch.state, medium, &mut scratch.events) {
+                        Ok(met) => met,
+                        Err(behind) => {
+                            ray = behind;
+                            continue;
+                        }
+                    };
+                match interface {
+                    Some((sides, interface)) if !interface.is_matched() => {
+                        met = Some((crossing, sides, interface, smooth));
+                    }
+                    passed => {
+                        // Straight on: the same ray, no depth, no random numbers.
+                        self.tracker.transmit(&mut scratch.state, &crossing);
+                        medium = passed.map_or(medium, |(sides, _)| sides.to);
+                        ray = ray.beyond(&hit);
+                        continue;
+                    }
                 }
-                met = Some((found, smooth));
             }
 
             // From here on the path turns: a new segment.
@@ -145,17 +159,16 @@ impl<T: Tracker> PathTracer<'_, T> {
                 }
             }
 
-            if let Some((met, smooth)) = met {
-                let point = met.crossing.point;
+            if let Some((crossing, sides, interface, smooth)) = met {
+                let point = crossing.point;
                 let outward = if hit.is_front { 1.0 } else { -1.0 };
                 let shading = self.outward_normal(&hit, &point, smooth) * outward;
                 let choice = dielectric::Choice::Sample(sampler.get_1d(dimensions + dimension::SCATTER));
-                let scattered =
-                    dielectric::scatter(&met.interface, ray.direction, point.normal * outward, shading, choice);
+                let scattered = dielectric::scatter(&interface, ray.direction, point.normal * outward, shading, choice);
                 if scattered.is_transmitted {
-                    self.tracker.transmit(&mut scratch.state, &met.crossing);
-                    scale *= met.interface.radiance_factor();
-                    medium = met.sides.to;
+                    self.tracker.transmit(&mut scratch.state, &crossing);
+                    scale *= interface.radiance_factor();
+                    medium = sides.to;
                 }
                 ray = Ray::leaving(point.position, scattered.direction, hit.primitive);
                 last = None;
@@ -247,8 +260,8 @@ impl<T: Tracker> PathTracer<'_, T> {
         radiance * transmittance * (diffuse::pdf(cos) * weight / sample.pdf)
     }
 
-    /// Transmittance from the ray's start to the light `target` (`None`: the environment), through surfaces that do not bend light;
-    /// `None` when something else is in the way. Arriving at the very object needs no distance to compare with.
+    /// Transmittance from the ray's start to the light `target` (`None`: the environment), through surfaces that do not bend light
+    /// and those that the mode skips; `None` when something else is in the way. Arriving at the very object needs no distance to compare with.
     #[inline]
     fn visibility(
         &self,
@@ -258,7 +271,9 @@ impl<T: Tracker> PathTracer<'_, T> {
         scratch: &mut Scratch<T::State>,
     ) -> Option<DVec3> {
         let world = self.world;
-        if target.is_none() && !self.needs.index_matching {
+        // Whether the ray may pass through a refractor unbent, and so must look at each one it meets.
+        let can_pass = self.needs.index_matching || self.tracker.can_skip();
+        if target.is_none() && !can_pass {
             let is_open = !world.geometry.is_occluded(&ray, f64::INFINITY);
             return is_open.then(|| self.transmittance(medium, &ray, f64::INFINITY));
         }
@@ -273,7 +288,7 @@ impl<T: Tracker> PathTracer<'_, T> {
             if Some(object) == target {
                 return hit.is_front.then_some(transmittance);
             }
-            if !self.needs.index_matching || !matches!(world.object(object).surface, Surface::Refractor { .. }) {
+            if !can_pass || !matches!(world.object(object).surface, Surface::Refractor { .. }) {
                 return None;
             }
             if !has_state {
@@ -281,27 +296,84 @@ impl<T: Tracker> PathTracer<'_, T> {
                 has_state = true;
             }
             // Events are counted along camera paths only.
-            let met = self.meet(&ray, &hit, &scratch.shadow, &mut Events::default());
-            if !met.interface.is_matched() {
-                return None;
+            let met = match self.meet(&ray, &hit, &scratch.shadow, medium, &mut Events::default()) {
+                Ok(met) => met,
+                Err(behind) => {
+                    ray = behind;
+                    continue;
+                }
+            };
+            if let Some((sides, interface)) = met.interface {
+                if !interface.is_matched() {
+                    return None;
+                }
+                medium = sides.to;
             }
             self.tracker.transmit(&mut scratch.shadow, &met.crossing);
-            medium = met.sides.to;
             ray = ray.beyond(&hit);
         }
     }
 
-    /// Asks the tracker about a hit of a refractor.
+    /// Asks the tracker about a hit of a refractor by a path in `medium`, and counts a crossing that leaves another one. An error is the ray
+    /// with which the path goes straight on: what it met is no crossing, and the tracker must not hear of it.
     #[inline]
-    pub(super) fn meet(&self, ray: &Ray, hit: &Hit, state: &T::State, events: &mut Events) -> Met {
+    pub(super) fn meet(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        state: &T::State,
+        medium: MediumId,
+        events: &mut Events,
+    ) -> Result<Met, Ray> {
+        let (crossing, sides) = self.ask(ray, hit, state, events);
+        if let Some(sides) = sides
+            && !self.world.is_consistent(medium, sides.from)
+        {
+            if let Some(behind) = self.behind_edge(ray, hit, medium, sides, state) {
+                return Err(behind);
+            }
+            events.inconsistent += 1;
+        }
+        let ior_minus_one = |medium| self.world.medium(medium).ior_minus_one;
+        let interface = sides.map(|s| (s, Interface::new(ior_minus_one(s.from), ior_minus_one(s.to))));
+        Ok(Met { crossing, interface })
+    }
+
+    /// What the tracker says about a hit of a refractor.
+    #[inline]
+    fn ask(&self, ray: &Ray, hit: &Hit, state: &T::State, events: &mut Events) -> (Crossing, Option<Sides>) {
         let world = self.world;
         let refractor = ObjectId(world.geometry.object_of(hit.primitive));
         let interior = medium_of(world, Some(refractor));
         let point = world.geometry.surface(ray, hit);
-        let crossing = Crossing { refractor, interior, is_entering: hit.is_front, point };
+        let crossing = Crossing { refractor, interior, is_entering: hit.is_front, point, barycentric: hit.barycentric };
         let sides = self.tracker.sides(state, &crossing, events);
-        let interface = Interface::new(world.medium(sides.from).ior_minus_one, world.medium(sides.to).ior_minus_one);
-        Met { crossing, sides, interface }
+        (crossing, sides)
+    }
+
+    /// At an edge or a corner a ray may meet several faces in one place. A crossing there that does not leave the `medium` that the path is in
+    /// is none if the path has just come from that surface in that place, or if the next one does leave that medium, in the same place,
+    /// and the two undo each other: the ray grazes the edge, and rounding shows the leaving first. Then gives the ray behind them.
+    #[cold]
+    fn behind_edge(&self, ray: &Ray, hit: &Hit, medium: MediumId, sides: Sides, state: &T::State) -> Option<Ray> {
+        let geometry = &self.world.geometry;
+        let scale = geometry.bounding_sphere().map_or(0.0, |s| s.radius) + ray.origin.abs().max_element();
+        let is_same_place = |from: f64, to: f64| to - from <= ROUNDINGS * f64::EPSILON * scale;
+        let last = if ray.after == NO_PRIMITIVE { ray.from } else { ray.after };
+        if last != NO_PRIMITIVE
+            && geometry.object_of(last) == geometry.object_of(hit.primitive)
+            && is_same_place(ray.t_min, hit.t)
+        {
+            return Some(ray.beyond(hit));
+        }
+        let next = geometry.closest(&ray.beyond(hit)).filter(|next| is_same_place(hit.t, next.t))?;
+        let object = ObjectId(geometry.object_of(next.primitive));
+        if !matches!(self.world.object(object).surface, Surface::Refractor { .. }) {
+            return None;
+        }
+        let (_, next_sides) = self.ask(ray, &next, state, &mut Events::default());
+        let undone = Sides { from: medium, to: sides.from };
+        (next_sides == Some(undone) && sides.to == medium).then(|| ray.beyond(&next))
     }
 
     /// What is left of light after the part of `ray` from its start to `t`.

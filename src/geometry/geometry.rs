@@ -250,7 +250,7 @@ impl Geometry {
             let sheared = ShearedRay::new(ray);
             self.triangle_tree.walk::<K>(ray, &mut t_max, |slot, t_max| {
                 let pack = &self.packs[slot as usize];
-                K::meet_triangles(&sheared, pack).for_each(pack, |primitive, hit| {
+                K::meet_triangles(&sheared, pack).for_each(&sheared, pack, |primitive, hit| {
                     if primitive != ray.from && is_behind(ray, hit.t, primitive) && hit.t <= *t_max {
                         let TriangleHit { t, barycentric, is_front } = hit;
                         done |= search.found(Hit { t, primitive, barycentric, is_front }, t_max);
@@ -323,6 +323,15 @@ impl Geometry {
         (primitive as usize).checked_sub(self.triangles.len()).map(|index| &self.spheres[index])
     }
 
+    /// The sphere that an object is, if it is one.
+    #[inline]
+    pub fn sphere_of(&self, object: u32) -> Option<&Sphere> {
+        match self.range(object) {
+            ObjectRange::Sphere(id) => self.sphere(*id),
+            ObjectRange::Triangles(_) => None,
+        }
+    }
+
     /// Corners of a triangle.
     #[inline]
     pub fn corners(&self, triangle: PrimitiveId) -> [DVec3; 3] {
@@ -366,30 +375,42 @@ impl Geometry {
         }
     }
 
+    /// Surface area of a primitive, in scene units squared.
+    pub fn primitive_area(&self, primitive: PrimitiveId) -> f64 {
+        match self.sphere(primitive) {
+            Some(sphere) => 4.0 * std::f64::consts::PI * sphere.radius * sphere.radius,
+            None => 0.5 * triangle::area_vector(self.corners(primitive)).length(),
+        }
+    }
+
     /// A point of an object's surface, uniform by area, for `u` uniform in [0, 1)³. `None` when the object has no area.
     pub fn sample_surface(&self, object: u32, u: [f64; 3]) -> Option<SurfacePoint> {
         match self.range(object) {
-            ObjectRange::Sphere(primitive) => {
-                let sphere = self.sphere(*primitive)?;
-                let normal = uniform_direction([u[0], u[1]]);
-                Some(SurfacePoint { position: sphere.center + normal * sphere.radius, normal, primitive: *primitive })
-            }
+            ObjectRange::Sphere(primitive) => self.sample_primitive(*primitive, [u[0], u[1]]),
             ObjectRange::Triangles(range) => {
                 let areas = &self.areas[range.start as usize..range.end as usize];
                 let total = *areas.last()?;
                 let at = areas.partition_point(|&sum| sum <= u[0] * total).min(areas.len() - 1);
-                let primitive = range.start + at as u32;
-                let corners = self.corners(primitive);
-                // Uniform on the triangle: a square folded along its diagonal.
-                let (mut v, mut w) = (u[1], u[2]);
-                if v + w > 1.0 {
-                    (v, w) = (1.0 - v, 1.0 - w);
-                }
-                let normal = triangle::area_vector(corners).try_normalize()?;
-                let position = corners[0] * (1.0 - v - w) + corners[1] * v + corners[2] * w;
-                Some(SurfacePoint { position, normal, primitive })
+                self.sample_primitive(range.start + at as u32, [u[1], u[2]])
             }
         }
+    }
+
+    /// A point of a triangle or sphere, uniform by area, for `u` uniform in [0, 1)². `None` when it has no area.
+    pub fn sample_primitive(&self, primitive: PrimitiveId, u: [f64; 2]) -> Option<SurfacePoint> {
+        if let Some(sphere) = self.sphere(primitive) {
+            let normal = uniform_direction(u);
+            return Some(SurfacePoint { position: sphere.center + normal * sphere.radius, normal, primitive });
+        }
+        let corners = self.corners(primitive);
+        // A square folded along its diagonal.
+        let [mut v, mut w] = u;
+        if v + w > 1.0 {
+            (v, w) = (1.0 - v, 1.0 - w);
+        }
+        let normal = triangle::area_vector(corners).try_normalize()?;
+        let position = corners[0] * (1.0 - v - w) + corners[1] * v + corners[2] * w;
+        Some(SurfacePoint { position, normal, primitive })
     }
 }
 

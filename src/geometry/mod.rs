@@ -1,6 +1,7 @@
 //! Rays, primitives, and the tree over them. The only module that knows obvhs, which builds the tree; the walk is ours.
 
 mod bvh;
+mod distance;
 mod geometry;
 mod hierarchy;
 mod kernel;
@@ -11,6 +12,7 @@ pub mod topology;
 mod triangle;
 mod winding;
 
+pub use distance::closest_point;
 pub use geometry::{Geometry, ObjectRange, Part, SurfacePoint, uniform_direction};
 pub use mesh::Mesh;
 pub use ray::{Hit, PrimitiveId, Ray};

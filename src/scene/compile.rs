@@ -54,7 +54,25 @@ pub fn compile(description: &Description, previous: Option<(&Description, &World
     );
     let needs = SceneNeeds::of(&geometry, &objects, &media, &emitters, &environment);
     let world_is_vacuum = media[0].ior_minus_one == 0.0 && media[0].absorption == DVec3::ZERO;
-    Ok(World { geometry, objects, media, emitters, environment, needs, world_is_vacuum, topology_secs })
+    let refractors_that = |enclosure: Enclosure| {
+        (objects.iter().enumerate())
+            .filter(|(_, o)| o.enclosure == enclosure && matches!(o.surface, Surface::Refractor { .. }))
+            .map(|(index, _)| ObjectId(index as u32))
+            .collect::<Vec<_>>()
+    };
+    let (holed, has_sheets) = (refractors_that(Enclosure::Holed), !refractors_that(Enclosure::Sheet).is_empty());
+    Ok(World {
+        geometry,
+        objects,
+        media,
+        emitters,
+        environment,
+        needs,
+        holed,
+        has_sheets,
+        world_is_vacuum,
+        topology_secs,
+    })
 }
 
 fn compile_media(description: &Description) -> Result<Vec<WorldMedium>, SceneError> {

@@ -80,6 +80,18 @@ pub struct Object {
     pub winding: Option<Arc<WindingTree>>,
 }
 
+impl Object {
+    /// Generalised winding number of a surface with holes around a point (local coordinates); 0 for others.
+    pub fn winding_at(&self, point: DVec3) -> f64 {
+        self.winding.as_ref().map_or(0.0, |tree| tree.winding(point))
+    }
+
+    /// Whether the surface falls into components.
+    pub fn has_several_components(&self) -> bool {
+        self.topology.as_ref().is_some_and(|topology| topology.components > 1)
+    }
+}
+
 /// A compiled scene. Coordinates inside are relative to [`Geometry::origin`].
 #[derive(Debug, Clone)]
 pub struct World {
@@ -89,6 +101,10 @@ pub struct World {
     pub emitters: Emitters,
     pub environment: EnvironmentLight,
     pub needs: SceneNeeds,
+    /// The refractors whose enclosure has holes.
+    pub holed: Vec<ObjectId>,
+    /// Whether some refractor is an open sheet.
+    pub has_sheets: bool,
     /// Whether the global medium is indistinguishable from the reserved vacuum.
     pub world_is_vacuum: bool,
     /// Time that analysing meshes took in this compile, in seconds; 0 where all was known.
