@@ -81,13 +81,17 @@ fn compile_medium(name: &str, ior: &IorModel, absorption: [f64; 3]) -> Result<Wo
 
 /// Every object's surface in scene coordinates, in the order of object ids.
 fn parts(description: &Description) -> Result<Vec<Part>, SceneError> {
-    let refractors = description.refractors.iter().map(|r| (&r.name, &r.shape, &r.transform, r.smooth));
-    let solids = description.solids.iter().map(|s| (&s.name, &s.shape, &s.transform, s.smooth));
-    let lights = description.lights.iter().map(|l| (&l.name, &l.shape, &l.transform, false));
+    let refractors = description.refractors.iter().map(|r| (&r.name, &r.shape, &r.transform, r.smooth, r.visible));
+    let solids = description.solids.iter().map(|s| (&s.name, &s.shape, &s.transform, s.smooth, s.visible));
+    let lights = description.lights.iter().map(|l| (&l.name, &l.shape, &l.transform, false, l.visible));
     refractors
         .chain(solids)
         .chain(lights)
-        .map(|(name, shape, transform, smooth)| {
+        .map(|(name, shape, transform, smooth, visible)| {
+            if !visible {
+                // It keeps its id and has no primitives.
+                return Ok(Part::Mesh { mesh: Mesh::default(), smooth: false });
+            }
             part(shape, transform, smooth).map_err(|e| SceneError { message: format!("`{name}`: {}", e.message), ..e })
         })
         .collect()
@@ -213,18 +217,20 @@ fn paint(paint: &description::Paint, shape: &Shape, transform: &Transform, local
 
 /// Whether two descriptions give the same primitives, object by object.
 fn has_same_geometry(a: &Description, b: &Description) -> bool {
-    let same = |x: (&Shape, &Transform, bool), y: (&Shape, &Transform, bool)| {
-        x.1 == y.1 && x.2 == y.2 && is_same_shape(x.0, y.0)
+    let same = |x: (&Shape, &Transform, bool, bool), y: (&Shape, &Transform, bool, bool)| {
+        x.1 == y.1 && (x.2, x.3) == (y.2, y.3) && is_same_shape(x.0, y.0)
     };
     a.refractors.len() == b.refractors.len()
         && a.solids.len() == b.solids.len()
         && a.lights.len() == b.lights.len()
-        && (a.refractors.iter().zip(&b.refractors))
-            .all(|(x, y)| same((&x.shape, &x.transform, x.smooth), (&y.shape, &y.transform, y.smooth)))
-        && (a.solids.iter().zip(&b.solids))
-            .all(|(x, y)| same((&x.shape, &x.transform, x.smooth), (&y.shape, &y.transform, y.smooth)))
+        && (a.refractors.iter().zip(&b.refractors)).all(|(x, y)| {
+            same((&x.shape, &x.transform, x.smooth, x.visible), (&y.shape, &y.transform, y.smooth, y.visible))
+        })
+        && (a.solids.iter().zip(&b.solids)).all(|(x, y)| {
+            same((&x.shape, &x.transform, x.smooth, x.visible), (&y.shape, &y.transform, y.smooth, y.visible))
+        })
         && (a.lights.iter().zip(&b.lights))
-            .all(|(x, y)| same((&x.shape, &x.transform, false), (&y.shape, &y.transform, false)))
+            .all(|(x, y)| same((&x.shape, &x.transform, false, x.visible), (&y.shape, &y.transform, false, y.visible)))
 }
 
 fn is_same_shape(a: &Shape, b: &Shape) -> bool {

@@ -96,6 +96,8 @@ pub struct Refractor {
     pub priority: i32,
     /// Whether normals are interpolated over faces.
     pub smooth: bool,
+    /// An invisible object is not there at all: nothing hits it, and it contains nothing.
+    pub visible: bool,
     pub transform: Transform,
 }
 
@@ -109,6 +111,8 @@ pub struct Solid {
     pub mirror: bool,
     /// Whether normals are interpolated over faces.
     pub smooth: bool,
+    /// As [`Refractor::visible`].
+    pub visible: bool,
     pub transform: Transform,
 }
 
@@ -118,6 +122,8 @@ pub struct Light {
     pub name: String,
     pub shape: Shape,
     pub radiance: [f64; 3],
+    /// As [`Refractor::visible`].
+    pub visible: bool,
     pub transform: Transform,
 }
 
