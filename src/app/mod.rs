@@ -9,6 +9,7 @@ mod document;
 mod files;
 mod keys;
 mod navigation;
+mod objects;
 mod panels;
 mod screenshot;
 mod settings;
@@ -23,6 +24,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub use command::{Command, ExportKind, MediumRef};
+pub use objects::Manipulation;
 pub use settings::{Arrangement, InterfaceScale, PaneContent, Settings, Tab, Theme};
 pub use state::State;
 

@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use super::objects::Manipulation;
 use crate::render::Display;
 use crate::tracking::Mode;
 
@@ -111,6 +112,8 @@ pub struct Settings {
     pub show_render_panel: bool,
     pub show_problems: bool,
     pub tab: Tab,
+    /// What can be dragged on the selected object in the picture.
+    pub handles: Option<Manipulation>,
     /// Paths, latest first.
     pub recent: Vec<String>,
 }
@@ -137,6 +140,7 @@ impl Default for Settings {
             show_render_panel: true,
             show_problems: true,
             tab: Tab::Render,
+            handles: Some(Manipulation::Move),
             recent: Vec::new(),
         }
     }

@@ -19,9 +19,10 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use self::lane::{Job, LaneMessage, run_lane};
-use self::mailbox::Mailbox;
+use self::mailbox::{Mailbox, Taken};
 use super::events::Events;
 use super::prepare::{Prepared, prepare};
 use crate::check::{Problem, check};
@@ -216,9 +217,29 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, SceneError>) -> Result<T, SceneEr
     })
 }
 
+/// Requests of a drag follow each other faster than this: looking for problems waits until there is none for so long.
+const QUIET: Duration = Duration::from_millis(80);
+
 fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>>; 2], board: &Board, wake: &Wake) {
     let mut current: Option<Prepared> = None;
-    while let Some(request) = requests.wait() {
+    // The epoch and the scene whose problems have not been looked for yet.
+    let mut unchecked: Option<(u64, Prepared)> = None;
+    loop {
+        let taken = if unchecked.is_some() { requests.wait_for(QUIET) } else { requests.wait().into() };
+        let request = match taken {
+            Taken::Message(request) => request,
+            Taken::Closed => return,
+            // Time for what can wait.
+            Taken::Empty => {
+                if let Some((epoch, prepared)) = unchecked.take() {
+                    let problems = guarded(|| Ok(check(&prepared))).unwrap_or_default();
+                    let report = SceneReport { epoch, prepared, problems: Some(problems) };
+                    board.lock().scene = Some(Arc::new(report));
+                    wake(News::Scene);
+                }
+                continue;
+            }
+        };
         let is_new = current.as_ref().is_none_or(|p| !Arc::ptr_eq(&p.description, &request.description));
         let outcome = guarded(|| {
             let camera = Camera::new(&request.camera)?;
@@ -261,10 +282,7 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
         }
         board.lock().snapshots.retain(|mode, _| request.modes.contains(mode));
         if is_new {
-            let problems = guarded(|| Ok(check(&prepared))).unwrap_or_default();
-            let report = SceneReport { epoch: request.epoch, prepared: prepared.clone(), problems: Some(problems) };
-            board.lock().scene = Some(Arc::new(report));
-            wake(News::Scene);
+            unchecked = Some((request.epoch, prepared.clone()));
             current = Some(prepared);
         }
     }
@@ -272,7 +290,7 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
 
 #[cfg(test)]
 mod tests {
-    use std::time::{Duration, Instant};
+    use std::time::Instant;
 
     use super::*;
 

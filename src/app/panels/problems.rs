@@ -5,18 +5,11 @@ use egui::{Align, Label, Layout, RichText, ScrollArea, Ui};
 use crate::app::command::Command;
 use crate::app::state::State;
 use crate::app::theme::{ADVICE_MARK, ERROR_MARK, Palette, WARNING_MARK};
+use crate::app::widgets::note;
 use crate::check::{Problem, Severity};
 
 /// Height of the opened strip, in points: the picture keeps most of the room.
 const MOST_HEIGHT: f32 = 140.0;
-
-fn problems(state: &State) -> &[Problem] {
-    state.report.as_ref().and_then(|report| report.problems.as_deref()).unwrap_or_default()
-}
-
-pub fn has_any(state: &State) -> bool {
-    !problems(state).is_empty()
-}
 
 /// A mark that says the severity without its colour.
 fn mark(severity: Severity) -> &'static str {
@@ -36,11 +29,14 @@ fn word(severity: Severity) -> &'static str {
 }
 
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let problems = problems(state);
+    let problems = state.problems();
     let id = ui.scope_id().with("all");
     let mut is_open = ui.data(|data| data.get_temp(id).unwrap_or(false));
     match problems {
-        [] => {}
+        // All solved while a button is down: the strip goes when it is released.
+        [] => {
+            ui.label(note(ui, "No problems left."));
+        }
         [only] => row_ui(ui, only, false, state, commands, |_| {}),
         [worst, ..] if !is_open => row_ui(ui, worst, false, state, commands, |ui| {
             let text = format!("+{} more", problems.len() - 1);
@@ -49,10 +45,14 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
         }),
         [worst, others @ ..] => {
-            ScrollArea::vertical()
-                .min_scrolled_height(MOST_HEIGHT)
-                .max_height(MOST_HEIGHT)
-                .auto_shrink([false, true])
+            // While a button is down nothing may move under the pointer.
+            let height = id.with("height");
+            let is_pressed = ui.input(|input| input.pointer.any_down());
+            let kept: Option<f32> = ui.data(|data| data.get_temp(height)).filter(|_| is_pressed);
+            let output = ScrollArea::vertical()
+                .min_scrolled_height(kept.unwrap_or(MOST_HEIGHT))
+                .max_height(kept.unwrap_or(MOST_HEIGHT))
+                .auto_shrink([false, kept.is_none()])
                 .show(ui, |ui| {
                     row_ui(ui, worst, true, state, commands, |ui| {
                         if ui.button("Less").on_hover_text("Show the worst problem only.").clicked() {
@@ -63,6 +63,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                         row_ui(ui, problem, true, state, commands, |_| {});
                     }
                 });
+            ui.data_mut(|data| data.insert_temp(height, output.inner_rect.height()));
         }
     }
     ui.data_mut(|data| data.insert_temp(id, is_open));

@@ -8,7 +8,8 @@ use crate::app::viewport::Viewport;
 use crate::app::widgets::value;
 
 /// The hint, longest first: the longest that fits is shown.
-const HINTS: [&str; 3] = [
+const HINTS: [&str; 4] = [
+    "drag: orbit   ·   right drag: pan   ·   wheel: dolly   ·   Ctrl + wheel: zoom   ·   click: inspect   ·   Ctrl + click: select   ·   ?: all shortcuts",
     "drag: orbit   ·   right drag: pan   ·   wheel: dolly   ·   Ctrl + wheel: zoom   ·   click: inspect   ·   ?: all shortcuts",
     "drag: orbit   ·   right drag: pan   ·   wheel: dolly   ·   ?: all shortcuts",
     "?: shortcuts",

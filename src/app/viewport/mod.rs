@@ -1,8 +1,10 @@
 //! The middle of the window: one, two or four linked pictures.
 
+mod handles;
 mod input;
 mod layout;
 mod overlay;
+mod tools;
 
 use std::sync::Arc;
 
@@ -23,6 +25,7 @@ use crate::render::worker::Snapshot;
 pub struct Viewport {
     shown: Shown<Shot>,
     drag: Option<input::Drag>,
+    handles: handles::Handles,
 }
 
 /// One picture.
@@ -98,6 +101,8 @@ impl Viewport {
         self.read_pointer(ui, &response, state, &panes, commands);
         for (index, pane) in panes.iter().enumerate() {
             self.paint_picture(ui, state, index, *pane);
+            let painter = ui.painter().with_clip_rect(pane.visible.intersect(ui.clip_rect()));
+            self.handles.paint(&painter, state, &panes, index);
         }
         self.paint_dividers(ui, state, &panes);
         for (index, pane) in panes.iter().enumerate() {
@@ -109,6 +114,7 @@ impl Viewport {
             };
             overlay::pane_ui(ui, state, &shot, index, *pane, commands);
         }
+        tools::show(ui, state, &panes[0], commands);
         overlay::area_ui(ui, state, area);
     }
 

@@ -17,7 +17,7 @@ use crate::render::worker::Snapshot;
 use crate::tracking::Mode;
 
 /// Labels lie over pictures of any brightness: light text on a dark ground in both themes.
-const GROUND: Color32 = Color32::from_black_alpha(178);
+pub(super) const GROUND: Color32 = Color32::from_black_alpha(178);
 const TEXT: Color32 = Color32::from_rgb(0xf0, 0xf1, 0xf3);
 const WEAK: Color32 = Color32::from_rgb(0xb4, 0xb9, 0xc0);
 const ALERT: Color32 = Color32::from_rgb(0xf5, 0xc0, 0x4a);
@@ -204,6 +204,14 @@ pub(super) fn paint_marker(painter: &Painter, state: &State, picture: Rect) {
             painter.line_segment([center + direction * 7.0, center + direction * 12.0], stroke);
         }
     }
+}
+
+/// A word in the picture, around `center`.
+pub(super) fn paint_note(painter: &Painter, center: Pos2, text: &str) {
+    let galley = painter.layout_no_wrap(text.to_owned(), egui::FontId::monospace(12.0), TEXT);
+    let frame = Rect::from_center_size(center, galley.size() + vec2(14.0, 8.0));
+    painter.rect_filled(frame, 5.0, GROUND);
+    painter.galley(frame.min + vec2(7.0, 4.0), galley, TEXT);
 }
 
 /// The knob of a wipe.
