@@ -603,6 +603,62 @@ fn an_object_is_picked_hidden_framed_and_found_again() {
     assert!(!harness.state().state().document.is_dirty());
 }
 
+/// A block of water and a ball of glass, half in it, of equal priority.
+const TIE: &str = r#"
+name = "Tie"
+[camera]
+position = [0, 3, 12]
+target = [0, 0, 0]
+[environment]
+color = [1, 1, 1]
+[[medium]]
+name = "water"
+ior = 1.333
+[[medium]]
+name = "glass"
+ior = 1.5
+[[refractor]]
+name = "block"
+medium = "water"
+shape = { box = { min = [-3, -3, -3], max = [3, 0, 3] } }
+[[refractor]]
+name = "ball"
+medium = "glass"
+shape = { icosphere = { center = [2, 0, 0], radius = 0.5, subdivisions = 3 } }
+"#;
+
+#[test]
+fn a_click_on_a_problem_shows_its_place_and_a_tie_is_fixed() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("tie.toml");
+    std::fs::write(&path, TIE).unwrap();
+    let mut harness = window_of(path.to_str().expect("a plain path"), quick(), [1280.0, 720.0]);
+    let before = harness.state().state().view.camera;
+    let has_tie = |app: &App| app.state().problems().iter().any(|problem| problem.kind == "overlap_tie");
+    assert!(has_tie(harness.state()), "{:?}", harness.state().state().problems());
+    let all: Vec<_> = harness.query_all_by_label("Show").collect();
+    all[0].click();
+    drop(all);
+    harness.run_steps(3);
+    let after = harness.state().state().view.camera;
+    assert_eq!(harness.state().state().selected.as_deref(), Some("block"));
+    // Both are where the lower half of the ball is.
+    assert!(after.target.distance(DVec3::new(2.0, -0.25, 0.0)) < 0.01, "{:?}", after.target);
+    assert!(after.position.distance(after.target) < 4.0 && after.vertical_fov == before.vertical_fov);
+    harness.key_press(Key::Backspace);
+    harness.run_steps(3);
+    assert_eq!(harness.state().state().view.camera, before);
+
+    harness.get_by_label("Fix").click();
+    harness.run_steps(3);
+    let priorities: Vec<i32> =
+        harness.state().state().document.description().refractors.iter().map(|r| r.priority).collect();
+    assert_eq!(priorities, [0, 1], "the smaller volume wins for certain");
+    until(&mut harness, "the tie is no problem any more", move |app| !has_tie(app));
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    until(&mut harness, "it is one again", move |app| has_tie(app));
+}
+
 #[test]
 fn everything_has_a_name_and_is_inside_the_window() {
     for size in [[1280.0, 720.0], [900.0, 600.0], [500.0, 340.0]] {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use super::objects::Manipulation;
 use super::settings::{Arrangement, InterfaceScale, PaneContent, Tab, Theme};
+use crate::check::Spot;
 use crate::estimator::trace::Follow;
 use crate::optics::IorModel;
 use crate::render::ToneCurve;
@@ -57,6 +58,11 @@ pub enum Command {
     ResetCamera,
     /// Moves the camera, without turning it, so that an object fills a good part of the picture.
     FrameObject(String),
+    /// Selects the first object and moves the camera, without turning it, to the place, or to the objects where there is none.
+    ShowProblem {
+        objects: Vec<String>,
+        spot: Option<Spot>,
+    },
     /// Back to the view before the last jump of the camera.
     EarlierView,
     SetPaneCount(usize),

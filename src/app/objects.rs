@@ -112,6 +112,25 @@ pub fn pivot(shape: &Shape) -> DVec3 {
     (min + max) / 2.0
 }
 
+impl Object<'_> {
+    /// The lowest and highest scene coordinates of its box.
+    pub fn scene_bounds(&self) -> (DVec3, DVec3) {
+        let (min, max) = self.shape.bounds();
+        let matrix = self.transform.matrix();
+        if let Shape::Sphere { center, radius } | Shape::Icosphere { center, radius, .. } = self.shape {
+            // Scaling may be uneven; rotating a ball's box would enlarge it.
+            let (center, radius) =
+                (matrix.transform_point3(*center), radius * self.transform.scale.abs().max_element());
+            return (center - radius, center + radius);
+        }
+        (0..8_u32).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), bits| {
+            let pick = |axis: usize| if bits & (1 << axis) == 0 { min[axis] } else { max[axis] };
+            let corner = matrix.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
+            (low.min(corner), high.max(corner))
+        })
+    }
+}
+
 /// The transform that keeps the object-space point `pivot` where `before` put it.
 fn about_pivot(before: &Transform, after: Transform, pivot: DVec3) -> Transform {
     let place = before.matrix().transform_point3(pivot);

@@ -9,7 +9,7 @@ use super::document::{Document, EditKey, with_absorption, with_ior};
 use super::navigation;
 use super::objects::{self, Manipulation, Object};
 use super::settings::{InterfaceScale, MAX_PANES, Settings, Theme};
-use crate::check::Problem;
+use crate::check::{Problem, Spot};
 use crate::estimator::trace::{Follow, TracedPath, trace};
 use crate::geometry::Ray;
 use crate::render::worker::{Request, SceneReport};
@@ -358,6 +358,7 @@ impl State {
             Command::SetCamera(camera) => self.set_camera(camera),
             Command::ResetCamera => self.jump_to(self.document.description().camera),
             Command::FrameObject(object) => self.frame_object(&object),
+            Command::ShowProblem { objects, spot } => self.show_problem(&objects, spot),
             Command::EarlierView => {
                 if let Some(camera) = self.earlier_views.pop() {
                     self.set_camera(camera);
@@ -532,15 +533,29 @@ impl State {
 
     fn frame_object(&mut self, name: &str) {
         let Some(object) = objects::object(self.document.description(), name) else { return };
-        let (min, max) = object.shape.bounds();
-        let matrix = object.transform.matrix();
-        let center = matrix.transform_point3((min + max) / 2.0);
-        let half = (max - min) / 2.0;
-        // The farthest corner of the box; scaling may be uneven.
-        let corner = |x: f64, y: f64| matrix.transform_vector3(half * DVec3::new(x, y, 1.0)).length();
-        let radius = match object.shape {
-            Shape::Sphere { .. } | Shape::Icosphere { .. } => half.x * object.transform.scale.abs().max_element(),
-            _ => corner(1.0, 1.0).max(corner(1.0, -1.0)).max(corner(-1.0, 1.0)).max(corner(-1.0, -1.0)),
+        let (min, max) = object.scene_bounds();
+        let is_ball = matches!(object.shape, Shape::Sphere { .. } | Shape::Icosphere { .. });
+        let radius = if is_ball { (max.x - min.x) / 2.0 } else { (max - min).length() / 2.0 };
+        self.frame((min + max) / 2.0, radius);
+    }
+
+    fn show_problem(&mut self, names: &[String], spot: Option<Spot>) {
+        if let Some(name) = names.first() {
+            self.selected = Some(name.clone());
+        }
+        let description = self.document.description();
+        let boxes: Vec<_> =
+            names.iter().filter_map(|name| objects::object(description, name)).map(|o| o.scene_bounds()).collect();
+        let (center, radius) = match (spot, &boxes[..]) {
+            (Some(spot), _) => (spot.center, spot.radius),
+            (None, []) => return,
+            (None, [first, others @ ..]) => {
+                let common = others.iter().fold(*first, |a, b| (a.0.max(b.0), a.1.min(b.1)));
+                let all = others.iter().fold(*first, |a, b| (a.0.min(b.0), a.1.max(b.1)));
+                // What two objects have to do with each other is where both are.
+                let (min, max) = if common.0.cmplt(common.1).all() { common } else { all };
+                ((min + max) / 2.0, (max - min).length() / 2.0)
+            }
         };
         self.frame(center, radius);
     }

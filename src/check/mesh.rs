@@ -40,7 +40,8 @@ fn surface(name: &str, mesh: &Mesh, transform: &Transform) -> Option<Problem> {
     let edges = unmatched_edges(mesh);
     if let Some(&[a, b]) = edges.first() {
         let middle = transform.matrix().transform_point3((a + b) / 2.0);
-        return Some(Problem::warning(
+        let length = transform.matrix().transform_vector3(b - a).length();
+        let problem = Problem::warning(
             name,
             "open_mesh",
             format!(
@@ -51,7 +52,9 @@ fn surface(name: &str, mesh: &Mesh, transform: &Transform) -> Option<Problem> {
                 middle.y,
                 middle.z
             ),
-        ));
+        );
+        // Two edges' length shows the surroundings of the gap.
+        return Some(if length > 0.0 { problem.at(middle, 2.0 * length) } else { problem });
     }
     (mesh.signed_volume() < 0.0).then(|| {
         Problem::warning(
