@@ -319,7 +319,7 @@ fn rectify_finds_what_contains_what() {
     let report = desk.json(&["rectify", "nest.toml", "--json"]);
     assert_has(&report, &["scene", "granularity", "seconds", "patches", "warnings"]);
     assert_has(&report["seconds"], &["topology", "patches", "pretrace", "resolve"]);
-    assert_eq!(report["granularity"], "object");
+    assert_eq!(report["granularity"], "patch");
     let patches = report["patches"].as_array().unwrap();
     let found: Vec<_> = (patches.iter())
         .map(|p| {
@@ -370,8 +370,11 @@ fn trace_follows_a_ray_through_the_nest() {
     assert_has(&rectified, &["mode", "camera_medium", "vertices", "escaped", "final_direction"]);
     assert_eq!((&rectified["camera_medium"], &rectified["escaped"]), (&"world".into(), &true.into()));
     assert!((deflection(&rectified) - 26.721_050_44).abs() < 1e-4, "{}", deflection(&rectified));
-    assert!((deflection(&trace("stack")) - 26.721_050_44).abs() < 1e-4);
-    assert!((deflection(&trace("reference")) - 26.721_050_44).abs() < 1e-4);
+    for mode in ["stack", "priority", "rectified-object", "reference"] {
+        let path = trace(mode);
+        assert_eq!(path["mode"], mode);
+        assert!((deflection(&path) - 26.721_050_44).abs() < 1e-4, "{mode}: {}", deflection(&path));
+    }
     assert!((deflection(&trace("naive")) - 26.721_050_44).abs() > 1.0);
 
     let vertices = rectified["vertices"].as_array().unwrap();
@@ -489,11 +492,10 @@ fn wrong_commands_are_refused_before_any_work() {
         (&["render", "nest.toml", "--exposure", "inf"], "stops"),
         (&["render", "nest.toml", "--curve", "film"], "clip, soft"),
         (&["render", "nest.toml", "--leave-out", "maybe"], "on, off"),
-        (&["render", "nest.toml", "--mode", "fast"], "naive, stack, rectified, reference"),
-        (&["render", "nest.toml", "--mode", "priority"], "not yet supported"),
+        (&["render", "nest.toml", "--mode", "fast"], "naive, stack, priority, rectified-object, rectified, reference"),
         (&["render", "nest.toml", "--backend", "gpu"], "not yet supported"),
         (&["render", "nest.toml", "--estimator", "bidirectional"], "not yet supported"),
-        (&["rectify", "nest.toml", "--granularity", "patch"], "not yet supported"),
+        (&["rectify", "nest.toml", "--granularity", "face"], "patch, object"),
         (&["report", "nest.toml", "-o", "out"], "not yet supported"),
         (&["export", "nest.toml", "--to", "mitsuba", "-o", "out"], "not yet supported"),
         (&["render", "nest.toml", "-o", "missing/folder/a.png"], "no folder"),

@@ -269,7 +269,7 @@ fn a_cancelled_pass_says_so() {
     assert_eq!(film.samples, 0);
 }
 
-/// An edit of an index keeps geometry and adds votes; the result is that of a scene compiled from scratch.
+/// An edit of an index keeps geometry and votes, and another pre-trace adds to them; the result is that of a scene compiled from scratch.
 #[test]
 fn edits_keep_what_they_cannot_change() {
     let before = busy();
@@ -280,7 +280,9 @@ fn edits_keep_what_they_cannot_change() {
     let after = prepare(Arc::clone(&description), Some(&before)).unwrap();
     let fresh = prepare(description, None).unwrap();
     assert!(Arc::ptr_eq(&before.world.geometry, &after.world.geometry));
-    assert!(after.table.patches[0].rays > before.table.patches[0].rays);
+    assert_eq!(after.table.patches[0].rays, before.table.patches[0].rays);
+    let again = after.table.repeated(&after.world);
+    assert!(again.patches[0].rays > after.table.patches[0].rays && again.says_the_same(&after.table));
     let outsides = |p: &Prepared| p.table.patches.iter().map(|p| (p.outside, p.inside)).collect::<Vec<_>>();
     assert_eq!(outsides(&after), outsides(&fresh));
     let [a, b] = [&after, &fresh].map(|scene| render(scene, Mode::Rectified, (24, 16), 2, None).sums);
@@ -335,13 +337,15 @@ mod against_another_renderer {
         assert!((pixels - 0.180).abs() < 0.01, "{pixels}");
     }
 
-    /// Water that overlaps its glass and ice that floats half out, decided by priorities: `reference` is the truth there too, and one
-    /// exterior per object is not.
+    /// Water that overlaps its glass and ice that floats half out, decided by priorities: `reference` is the truth there too, `priority`
+    /// can be trusted from outside, and one exterior per object cannot.
     #[test]
-    fn reference_agrees_on_overlapping_volumes() {
+    fn reference_and_priority_agree_on_overlapping_volumes() {
         let (_, blocks) = errors("s2", load_scene("s2"), Mode::Reference, spp(8));
         assert!(blocks < 1e-4, "{blocks:e}");
-        let (_, blocks) = errors("s2", load_scene("s2"), Mode::Rectified, spp(8));
+        let (_, blocks) = errors("s2", load_scene("s2"), Mode::Priority, spp(8));
+        assert!(blocks < 1e-4, "{blocks:e}");
+        let (_, blocks) = errors("s2", load_scene("s2"), Mode::RectifiedObject, spp(8));
         assert!(blocks > 1e-3, "{blocks:e}");
     }
 

@@ -203,7 +203,7 @@ mod tests {
             PaneContent::Mode(Mode::Rectified),
         ];
         assert_eq!(settings.modes(), [Mode::Naive, Mode::Rectified]);
-        assert_eq!(PaneContent::differences().count(), 6);
+        assert_eq!(PaneContent::differences().count(), 15);
     }
 
     #[test]

@@ -86,10 +86,14 @@ impl Palette {
         match (mode, self.is_dark) {
             (Mode::Naive, true) => rgb(0xe69f00),
             (Mode::Stack, true) => rgb(0x56b4e9),
+            (Mode::Priority, true) => rgb(0xd5c94a),
+            (Mode::RectifiedObject, true) => rgb(0xb3a2f0),
             (Mode::Rectified, true) => rgb(0x2fc090),
             (Mode::Reference, true) => rgb(0xd98cb3),
             (Mode::Naive, false) => rgb(0xb27700),
             (Mode::Stack, false) => rgb(0x2280b8),
+            (Mode::Priority, false) => rgb(0x77701a),
+            (Mode::RectifiedObject, false) => rgb(0x6a55bb),
             (Mode::Rectified, false) => rgb(0x00845c),
             (Mode::Reference, false) => rgb(0xa84e80),
         }

@@ -11,7 +11,6 @@ use crate::optics::IorModel;
 use crate::rectify::containment::containment;
 use crate::render::Prepared;
 use crate::scene::description::{Environment, Refractor};
-use crate::scene::world::ObjectId;
 
 /// How bad a problem is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -74,8 +73,6 @@ pub fn check(prepared: &Prepared) -> Vec<Problem> {
     let mut problems = mesh::problems(&prepared.description);
     problems.extend(overlap::problems(prepared));
     problems.extend(confidence(prepared));
-    problems.extend(priorities(prepared));
-    problems.extend(same_medium(prepared));
     problems.extend(media(prepared));
     problems.extend(light(prepared));
     problems.extend(camera(prepared));
@@ -84,59 +81,26 @@ pub fn check(prepared: &Prepared) -> Vec<Problem> {
     problems
 }
 
-/// Objects about whose exterior the pre-trace's rays disagree.
+/// Patches about whose surroundings the pre-trace's rays disagree.
 fn confidence(prepared: &Prepared) -> Vec<Problem> {
-    let name = |container: Option<ObjectId>| {
-        container.map_or("the world".to_owned(), |id| format!("`{}`", prepared.world.object(id).name))
-    };
-    let doubtful = prepared.table.patches.iter().filter(|patch| patch.rays > 0 && patch.confidence < LEAST_CONFIDENCE);
+    let world = &*prepared.world;
+    let doubtful = prepared.table.patches.iter().filter(|patch| patch.confidence < LEAST_CONFIDENCE);
     doubtful
         .map(|patch| {
-            let total: u32 = patch.votes.iter().map(|(_, count)| count).sum();
-            let votes: Vec<String> = patch
-                .votes
-                .iter()
-                // Rare misses are no answer.
-                .filter(|&&(_, count)| 100 * count >= total)
-                .map(|&(container, count)| format!("{} {:.0} %", name(container), f64::from(count) / f64::from(total) * 100.0))
+            let votes: Vec<String> = (patch.votes.iter().filter(|vote| vote.share() < 1.0))
+                .map(|vote| {
+                    let share = 100.0 * f64::from(vote.inside) / f64::from(vote.asked);
+                    format!("{share:.0} % of the rays find it in `{}`", world.object(vote.refractor).name)
+                })
                 .collect();
             Problem::warning(
-                &prepared.world.object(patch.refractor).name,
+                &world.object(patch.refractor).name,
                 "low_confidence",
                 format!(
-                    "the rays disagree about what lies outside: {}. Where its surroundings differ from place to place, one exterior for \
-                     the whole object, as `rectified` keeps in this version, cannot be right; `reference` can",
+                    "what lies outside patch {} is doubtful: {}. Look for holes in the meshes named, and close them",
+                    patch.index,
                     votes.join(", ")
                 ),
-            )
-        })
-        .collect()
-}
-
-/// Priorities, which `rectified` does not use yet.
-fn priorities(prepared: &Prepared) -> Option<Problem> {
-    let names: Vec<&str> =
-        prepared.description.refractors.iter().filter(|r| r.priority != 0).map(|r| r.name.as_str()).collect();
-    (!names.is_empty()).then(|| {
-        Problem::warning(
-            names.join(", "),
-            "priority_partly_used",
-            "priorities decide overlaps in `reference` only so far: `rectified` keeps one exterior per object and does not ask them, \
-             `naive` and `stack` have none",
-        )
-    })
-}
-
-/// Objects of the medium that surrounds them.
-fn same_medium(prepared: &Prepared) -> Vec<Problem> {
-    let invisible = prepared.table.patches.iter().filter(|patch| patch.inside == patch.outside);
-    invisible
-        .map(|patch| {
-            let container = patch.outside_refractor.map_or("the world", |id| &prepared.world.object(id).name);
-            Problem::advice(
-                &prepared.world.object(patch.refractor).name,
-                "same_medium",
-                format!("it is of the same medium as `{container}`, which surrounds it, and so cannot be seen"),
             )
         })
         .collect()

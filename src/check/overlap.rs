@@ -1,120 +1,91 @@
-//! Refractors whose surfaces cross: volumes that overlap in part.
-//!
-//! Two spheres are compared exactly. Other pairs are asked by points of one surface: some inside the other object and some not means
-//! that the surfaces cross. A very small overlap can be missed.
-
-use glam::DVec3;
+//! Refractors that overlap in part, coincide, or hide each other.
 
 use super::Problem;
-use crate::geometry::{Geometry, ObjectRange};
-use crate::rectify::containment::{containment, top};
+use crate::rectify::PatchKind;
+use crate::rectify::containment::{medium_of, priority, top};
+use crate::rectify::encounters::{Encounter, Meeting};
 use crate::render::Prepared;
 use crate::scene::World;
-use crate::scene::world::{ObjectId, Surface};
-
-/// Points on each surface that are asked what contains them.
-const POINTS: u32 = 64;
+use crate::scene::world::ObjectId;
 
 pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
     let world = &*prepared.world;
-    let ids: Vec<ObjectId> = world.refractors().map(|(id, _)| id).collect();
-    let bounds: Vec<_> = ids.iter().map(|id| world.geometry.bounds_of(id.0)).collect();
-    let meets = |a: usize, b: usize| bounds[a].0.cmple(bounds[b].1).all() && bounds[b].0.cmple(bounds[a].1).all();
-    let mut problems = Vec::new();
-    // Worked out for those refractors only that might cross another.
-    let mut shares: Vec<Option<Vec<u32>>> = vec![None; ids.len()];
-    for a in 0..ids.len() {
-        for b in a + 1..ids.len() {
-            if !meets(a, b) {
-                continue;
-            }
-            if is_copy(prepared, ids[a], ids[b]) {
-                problems.push(coincident(world, ids[a], ids[b]));
-                continue;
-            }
-            let crosses = spheres_cross(&world.geometry, ids[a], ids[b]).unwrap_or_else(|| {
-                [(a, b), (b, a)].into_iter().any(|(x, y)| {
-                    let inside = shares[x].get_or_insert_with(|| points_inside(world, ids[x]))[ids[y].0 as usize];
-                    inside > 0 && inside < POINTS
-                })
-            });
-            if crosses {
-                problems.push(overlap(world, ids[a], ids[b]));
-            }
-        }
-    }
+    let mut problems: Vec<Problem> = (prepared.table.encounters(world).into_iter())
+        .filter_map(|encounter| match encounter.meeting {
+            Meeting::Overlap => tie(world, encounter),
+            Meeting::Copy => Some(copy(world, encounter)),
+            Meeting::Touch => None,
+        })
+        .collect();
+    problems.extend(world.refractors().filter_map(|(refractor, _)| invisible(prepared, refractor)));
     problems
 }
 
-/// Whether two objects are of one shape at one place.
-fn is_copy(prepared: &Prepared, a: ObjectId, b: ObjectId) -> bool {
-    let refractors = &prepared.description.refractors;
-    let (a, b) = (&refractors[a.0 as usize], &refractors[b.0 as usize]);
-    a.shape == b.shape && a.transform == b.transform
+fn names(world: &World, Encounter { a, b, .. }: Encounter) -> [&str; 2] {
+    [a, b].map(|id| world.object(id).name.as_str())
 }
 
-/// Whether the surfaces of two analytic spheres cross; `None` if they are not both such.
-fn spheres_cross(geometry: &Geometry, a: ObjectId, b: ObjectId) -> Option<bool> {
-    let sphere = |id: ObjectId| match geometry.range(id.0) {
-        ObjectRange::Sphere(primitive) => geometry.sphere(*primitive),
-        ObjectRange::Triangles(_) => None,
-    };
-    let (a, b) = (sphere(a)?, sphere(b)?);
-    let distance = a.center.distance(b.center);
-    Some((a.radius - b.radius).abs() < distance && distance < a.radius + b.radius)
-}
-
-/// For each object, how many of [`POINTS`] points on a refractor's surface lie inside it.
-fn points_inside(world: &World, refractor: ObjectId) -> Vec<u32> {
-    let mut inside = vec![0; world.objects.len()];
-    for i in 0..POINTS {
-        if let Some(point) = world.geometry.sample_surface(refractor.0, spread(i)) {
-            for container in containment(world, point.position, Some(refractor)).refractors {
-                inside[container.0 as usize] += 1;
-            }
-        }
+/// An overlap in part that nobody has decided.
+fn tie(world: &World, encounter: Encounter) -> Option<Problem> {
+    let Encounter { a, b, .. } = encounter;
+    let is_seamless = medium_of(world, Some(a)) == medium_of(world, Some(b));
+    if priority(world, a) != priority(world, b) || is_seamless {
+        return None;
     }
-    inside
-}
-
-/// Evenly spread points of the unit cube (the R₃ sequence of Roberts 2018).
-fn spread(i: u32) -> [f64; 3] {
-    /// The real root of x⁴ = x + 1.
-    const ROOT: f64 = 1.220_744_084_605_759_5;
-    let steps = DVec3::new(1.0 / ROOT, 1.0 / (ROOT * ROOT), 1.0 / (ROOT * ROOT * ROOT));
-    (DVec3::splat(0.5) + steps * f64::from(i)).fract().to_array()
-}
-
-fn overlap(world: &World, a: ObjectId, b: ObjectId) -> Problem {
-    const LIMIT: &str = "One exterior per object, as `rectified` keeps in this version, cannot be right where objects overlap in part; \
-                         `reference` can";
-    let names = [a, b].map(|id| world.object(id).name.as_str());
-    let place = names.join(", ");
-    let [priority_a, priority_b] = [a, b].map(|id| match world.object(id).surface {
-        Surface::Refractor { priority, .. } => priority,
-        _ => 0,
-    });
+    let [first, second] = names(world, encounter);
     let winner = top(world, [a, b]).map_or("", |id| &world.object(id).name);
-    let [a, b] = names;
-    if priority_a == priority_b {
-        let message = format!(
-            "{a} and {b} overlap with equal priority: the smaller volume wins, here {winner}; set a priority to choose (higher wins). \
-             {LIMIT}"
-        );
-        Problem::warning(place, "overlap_tie", message)
+    let reason = if world.object(a).volume.is_infinite() && world.object(b).volume.is_infinite() {
+        "the later one wins"
     } else {
-        let message = format!("{a} and {b} overlap; {winner} has the higher priority and wins. {LIMIT}");
-        Problem::warning(place, "overlap", message)
-    }
+        "the smaller volume wins"
+    };
+    Some(Problem::warning(
+        format!("{first}, {second}"),
+        "overlap_tie",
+        format!(
+            "{first} and {second} overlap with equal priority: {reason}, here {winner}; set a priority to choose (higher wins)"
+        ),
+    ))
 }
 
-fn coincident(world: &World, a: ObjectId, b: ObjectId) -> Problem {
-    let [a, b] = [a, b].map(|id| world.object(id).name.as_str());
+fn copy(world: &World, encounter: Encounter) -> Problem {
+    let [first, second] = names(world, encounter);
+    let winner = top(world, [encounter.a, encounter.b]).map_or("", |id| &world.object(id).name);
     Problem::warning(
-        format!("{a}, {b}"),
+        format!("{first}, {second}"),
         "coincident",
         format!(
-            "{a} and {b} have the same shape at the same place: which surface is met first is a matter of rounding; remove one"
+            "{first} and {second} have the same surface at the same place: {winner} fills both, and the other cannot be seen; remove \
+             one, or set a priority to choose (higher wins)"
         ),
     )
+}
+
+/// A refractor of which nothing is to be seen.
+fn invisible(prepared: &Prepared, refractor: ObjectId) -> Option<Problem> {
+    let world = &*prepared.world;
+    let patches = prepared.table.patches_of(refractor);
+    if patches.is_empty() || patches.iter().any(|patch| patch.kind != PatchKind::Null) {
+        return None;
+    }
+    let name = &world.object(refractor).name;
+    let fills = patches[0].inside_refractor?;
+    if fills == refractor {
+        let container = patches[0].outside_refractor.map_or("the world", |id| &world.object(id).name);
+        return Some(Problem::advice(
+            name,
+            "same_medium",
+            format!("it is of the same medium as `{container}`, which surrounds it, and so cannot be seen"),
+        ));
+    }
+    let other = &world.object(fills).name;
+    Some(Problem::warning(
+        name,
+        "hidden",
+        format!(
+            "it cannot be seen: it lies wholly in {other}, which has the higher priority and fills it. Give {name} a priority above {} \
+             (higher wins)",
+            priority(world, fills)
+        ),
+    ))
 }

@@ -143,7 +143,7 @@ Examples:
 pub struct RenderArguments {
     #[command(flatten)]
     pub image: ImageArguments,
-    /// How media are tracked: naive, stack, rectified or reference (priority is not yet supported)
+    /// How media are tracked: naive, stack, priority, rectified-object, rectified or reference
     #[arg(long, value_name = "MODE", default_value = "rectified")]
     pub mode: Mode,
     /// Picture to write, by its extension PNG (as seen, with text about what it shows) or EXR (linear) [default: SCENE-MODE.png]
@@ -154,7 +154,8 @@ pub struct RenderArguments {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 All modes use the same random numbers and advance in lockstep, so that differences show the modes' errors rather than noise.
-They are taken against the most trusted mode listed: reference, rectified, stack, naive, in this order.
+They are taken against the most trusted mode listed: reference, rectified,
+rectified-object, priority, stack, naive, in this order.
 
 Examples:
   iorect compare camera-in-water                                 → camera-in-water-comparison.png
@@ -163,7 +164,7 @@ Examples:
 pub struct CompareArguments {
     #[command(flatten)]
     pub image: ImageArguments,
-    /// Modes to compare, separated by commas: naive, stack, rectified, reference
+    /// Modes to compare, separated by commas: naive, stack, priority, rectified-object, rectified, reference
     #[arg(long, value_name = "MODES", default_value = "naive,stack,rectified", value_delimiter = ',')]
     pub modes: Vec<Mode>,
     /// Picture to write [default: SCENE-comparison.png]
@@ -175,9 +176,9 @@ pub struct CompareArguments {
 pub struct RectifyArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// What one answer is stored for: object (patch is not yet supported)
-    #[arg(long, value_name = "GRANULARITY", default_value = "object", value_parser = granularity)]
-    pub granularity: &'static str,
+    /// What one answer is stored for: patch (a part of a surface with the same surroundings everywhere) or object
+    #[arg(long, value_name = "GRANULARITY", default_value = "patch", value_parser = granularity)]
+    pub granularity: Granularity,
 }
 
 #[derive(Debug, Args)]
@@ -201,7 +202,7 @@ pub struct TraceArguments {
     /// Where the path goes from --origin; any length but 0
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true, requires = "origin")]
     pub direction: Option<DVec3>,
-    /// How media are tracked: naive, stack, rectified or reference
+    /// How media are tracked: naive, stack, priority, rectified-object, rectified or reference
     #[arg(long, value_name = "MODE", default_value = "rectified")]
     pub mode: Mode,
     /// Which way to go at each surface: transmit (where reflection is not total), reflect, or sample (by chance, as a render does)
@@ -249,6 +250,16 @@ pub struct Size {
 /// A cap on the segments of a path; `None`: no cap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Depth(pub Option<u32>);
+
+/// What one answer of rectification is stored for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Granularity {
+    /// Each part of a surface that has the same surroundings everywhere.
+    Patch,
+    /// Each object.
+    Object,
+}
 
 /// On or off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -303,8 +314,8 @@ fn estimator(text: &str) -> Result<&'static str, String> {
     one_of(text, &[("path", "path")], &["bidirectional"])
 }
 
-fn granularity(text: &str) -> Result<&'static str, String> {
-    one_of(text, &[("object", "object")], &["patch"])
+fn granularity(text: &str) -> Result<Granularity, String> {
+    one_of(text, &[("patch", Granularity::Patch), ("object", Granularity::Object)], &[])
 }
 
 fn follow(text: &str) -> Result<Follow, String> {
@@ -368,7 +379,8 @@ mod tests {
         assert!(backend("gpu").unwrap_err().contains("not yet supported"));
         assert!(!backend("abacus").unwrap_err().contains("not yet supported"));
         assert!(estimator("bidirectional").unwrap_err().contains("not yet supported"));
-        assert!(granularity("patch").unwrap_err().contains("not yet supported"));
+        assert_eq!(granularity("patch"), Ok(Granularity::Patch));
+        assert!(granularity("face").unwrap_err().contains("patch, object"));
     }
 
     #[test]

@@ -2,25 +2,30 @@
 
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::time::Instant;
 
 use serde::Serialize;
 
-use super::arguments::RectifyArguments;
+use super::arguments::{Granularity, RectifyArguments};
 use super::table::{Align, Table, wrapped};
 use super::{Failure, plural, print, print_json};
 use crate::check::{Severity, check};
 use crate::export::words::{brief, duration, grouped};
-use crate::rectify::Patch;
+use crate::rectify::containment::medium_of;
 use crate::rectify::table::RectifySeconds;
+use crate::rectify::{Patch, PatchKind};
 use crate::render::{Prepared, prepare};
 use crate::scene;
+use crate::scene::world::{MediumId, ObjectId, WorldMedium};
 
 #[derive(Serialize)]
 struct Report<'a> {
     scene: &'a str,
-    granularity: &'a str,
+    granularity: Granularity,
     seconds: RectifySeconds,
     patches: Vec<PatchReport<'a>>,
+    /// Patches of lights, whose `refractor` is the light.
+    lights: Vec<PatchReport<'a>>,
     warnings: Vec<Warning>,
 }
 
@@ -35,6 +40,7 @@ struct PatchReport<'a> {
     inside: Option<&'a str>,
     outside_refractor: Option<&'a str>,
     inside_refractor: Option<&'a str>,
+    crossed_by: Vec<&'a str>,
     rays: u32,
     confidence: f64,
 }
@@ -49,11 +55,23 @@ struct Warning {
 
 pub fn run(arguments: &RectifyArguments) -> Result<ExitCode, Failure> {
     let prepared = prepare(Arc::new(scene::load::open(&arguments.scene.scene)?), None)?;
+    let table = &prepared.table;
+    let mut seconds = table.seconds;
+    let patches = match arguments.granularity {
+        Granularity::Patch => table.patches.clone(),
+        Granularity::Object => {
+            let start = Instant::now();
+            let patches = whole_objects(&prepared);
+            seconds = RectifySeconds { pretrace: start.elapsed().as_secs_f64(), ..RectifySeconds::default() };
+            patches
+        }
+    };
     let report = Report {
         scene: &arguments.scene.scene,
         granularity: arguments.granularity,
-        seconds: prepared.table.seconds,
-        patches: prepared.table.patches.iter().map(|patch| patch_report(&prepared, patch)).collect(),
+        seconds,
+        patches: patches.iter().map(|patch| patch_report(&prepared, patch)).collect(),
+        lights: table.lights.iter().map(|patch| patch_report(&prepared, patch)).collect(),
         warnings: warnings(&prepared),
     };
     if arguments.scene.json {
@@ -64,20 +82,48 @@ pub fn run(arguments: &RectifyArguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// The source's answers, one for each object, in the form of patches.
+fn whole_objects(prepared: &Prepared) -> Vec<Patch> {
+    let world = &*prepared.world;
+    (prepared.table.per_object(world).answers.iter())
+        .map(|answer| {
+            let refractor = answer.refractor;
+            let outside = medium_of(world, answer.outside_refractor());
+            let inside = medium_of(world, Some(refractor));
+            Patch {
+                refractor,
+                index: 0,
+                kind: if outside == inside { PatchKind::Null } else { PatchKind::Clear },
+                faces: world.geometry.face_count(refractor.0),
+                area: world.geometry.area(refractor.0),
+                outside: Some(outside),
+                inside: Some(inside),
+                outside_refractor: answer.outside_refractor(),
+                inside_refractor: Some(refractor),
+                crossed_by: Vec::new(),
+                rays: answer.rays(),
+                confidence: answer.confidence(),
+                votes: Vec::new(),
+            }
+        })
+        .collect()
+}
+
 fn patch_report<'a>(prepared: &'a Prepared, patch: &Patch) -> PatchReport<'a> {
     let world = &prepared.world;
-    let refractor = world.object(patch.refractor).name.as_str();
+    let name = |id: ObjectId| world.object(id).name.as_str();
+    let medium = |id: MediumId| world.medium(id).name.as_str();
     PatchReport {
-        refractor,
+        refractor: name(patch.refractor),
         patch: patch.index,
         faces: patch.faces,
         area: patch.area,
-        // By identity: two media of equal IOR may absorb differently.
-        kind: if patch.outside == patch.inside { "null" } else { "clear" },
-        outside: Some(&world.medium(patch.outside).name),
-        inside: Some(&world.medium(patch.inside).name),
-        outside_refractor: patch.outside_refractor.map(|id| world.object(id).name.as_str()),
-        inside_refractor: Some(refractor),
+        kind: patch.kind.name(),
+        outside: patch.outside.map(medium),
+        inside: patch.inside.map(medium),
+        outside_refractor: patch.outside_refractor.map(name),
+        inside_refractor: patch.inside_refractor.map(name),
+        crossed_by: patch.crossed_by.iter().copied().map(name).collect(),
         rays: patch.rays,
         confidence: patch.confidence,
     }
@@ -96,6 +142,8 @@ fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
     let world = &prepared.world;
     let mut table = Table::new(&[
         ("refractor", Align::Left),
+        ("patch", Align::Right),
+        ("kind", Align::Left),
         ("outside", Align::Left),
         ("found in", Align::Left),
         ("inside", Align::Left),
@@ -104,33 +152,56 @@ fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
         ("rays", Align::Right),
         ("confidence", Align::Right),
     ]);
-    for (patch, row) in prepared.table.patches.iter().zip(&report.patches) {
-        let medium = |id| {
-            let medium = world.medium(id);
-            format!("{} {:.4}", medium.name, medium.ior())
+    let ior_of = |name: &str| world.media.iter().find(|medium| medium.name == name).map_or(0.0, WorldMedium::ior);
+    let medium = |name: Option<&str>| name.map_or("—".to_owned(), |name| format!("{name} {:.4}", ior_of(name)));
+    for row in &report.patches {
+        let place = if row.crossed_by.is_empty() {
+            row.outside_refractor.unwrap_or("—").to_owned()
+        } else {
+            format!("crossed by {}", row.crossed_by.join(", "))
         };
         table.row([
             row.refractor.to_owned(),
-            medium(patch.outside),
-            row.outside_refractor.unwrap_or("—").to_owned(),
-            medium(patch.inside),
+            row.patch.to_string(),
+            row.kind.to_owned(),
+            medium(row.outside),
+            place,
+            medium(row.inside),
             grouped(row.faces.into()),
             brief(row.area),
-            grouped(row.rays.into()),
-            format!("{:.1} %", 100.0 * row.confidence),
+            if row.rays == 0 { "—".to_owned() } else { grouped(row.rays.into()) },
+            if row.rays == 0 { "—".to_owned() } else { format!("{:.1} %", 100.0 * row.confidence) },
         ]);
     }
     let rays: u64 = report.patches.iter().map(|patch| u64::from(patch.rays)).sum();
-    let mut text = format!("{} · one answer per object\n\n", prepared.description.name);
+    let unit = match report.granularity {
+        Granularity::Patch => "patch of surface",
+        Granularity::Object => "object",
+    };
+    let mut text = format!("{} · one answer per {unit}\n\n", prepared.description.name);
     text += &table.render();
+    for light in &report.lights {
+        let name = light.refractor;
+        text += &match light.outside {
+            Some(_) => format!("\n  light {name} shines into {}", medium(light.outside)),
+            None => format!("\n  light {name} is crossed by {}", light.crossed_by.join(", ")),
+        };
+    }
+    if !report.lights.is_empty() {
+        text.push('\n');
+    }
     let seconds = report.seconds;
+    let refractors = world.refractors().count();
     text += &format!(
-        "\n  {} refractor{}, {} rays, {} (topology {} · pre-trace {} · resolve {})\n",
+        "\n  {} refractor{}, {} patch{}, {} rays, {} (topology {} · patches {} · pre-trace {} · resolve {})\n",
+        refractors,
+        plural(refractors),
         report.patches.len(),
-        plural(report.patches.len()),
+        if report.patches.len() == 1 { "" } else { "es" },
         grouped(rays),
         duration(seconds.total()),
         duration(seconds.topology),
+        duration(seconds.patches),
         duration(seconds.pretrace),
         duration(seconds.resolve)
     );

@@ -74,8 +74,8 @@ struct LastScatter {
 /// A crossing with all that is known of it.
 pub(super) struct Met {
     pub crossing: Crossing,
-    pub sides: Sides,
-    pub interface: Interface,
+    /// `None`: the tracker skips it.
+    pub interface: Option<(Sides, Interface)>,
 }
 
 impl<T: Tracker> PathTracer<'_, T> {
@@ -114,16 +114,22 @@ impl<T: Tracker> PathTracer<'_, T> {
 
             let mut met = None;
             if let Surface::Refractor { smooth, .. } = *surface {
-                let found = self.meet(&ray, &hit, &scratch.state, &mut scratch.events);
-                scratch.events.inconsistent += u64::from(!world.is_consistent(medium, found.sides.from));
-                if found.interface.is_matched() {
-                    // Straight on: the same ray, no depth, no random numbers.
-                    self.tracker.transmit(&mut scratch.state, &found.crossing);
-                    medium = found.sides.to;
-                    ray = ray.beyond(&hit);
-                    continue;
+                let Met { crossing, interface } = self.meet(&ray, &hit, &scratch.state, &mut scratch.events);
+                if let Some((sides, _)) = interface {
+                    scratch.events.inconsistent += u64::from(!world.is_consistent(medium, sides.from));
                 }
-                met = Some((found, smooth));
+                match interface {
+                    Some((sides, interface)) if !interface.is_matched() => {
+                        met = Some((crossing, sides, interface, smooth));
+                    }
+                    passed => {
+                        // Straight on: the same ray, no depth, no random numbers.
+                        self.tracker.transmit(&mut scratch.state, &crossing);
+                        medium = passed.map_or(medium, |(sides, _)| sides.to);
+                        ray = ray.beyond(&hit);
+                        continue;
+                    }
+                }
             }
 
             // From here on the path turns: a new segment.
@@ -145,17 +151,16 @@ impl<T: Tracker> PathTracer<'_, T> {
                 }
             }
 
-            if let Some((met, smooth)) = met {
-                let point = met.crossing.point;
+            if let Some((crossing, sides, interface, smooth)) = met {
+                let point = crossing.point;
                 let outward = if hit.is_front { 1.0 } else { -1.0 };
                 let shading = self.outward_normal(&hit, &point, smooth) * outward;
                 let choice = dielectric::Choice::Sample(sampler.get_1d(dimensions + dimension::SCATTER));
-                let scattered =
-                    dielectric::scatter(&met.interface, ray.direction, point.normal * outward, shading, choice);
+                let scattered = dielectric::scatter(&interface, ray.direction, point.normal * outward, shading, choice);
                 if scattered.is_transmitted {
-                    self.tracker.transmit(&mut scratch.state, &met.crossing);
-                    scale *= met.interface.radiance_factor();
-                    medium = met.sides.to;
+                    self.tracker.transmit(&mut scratch.state, &crossing);
+                    scale *= interface.radiance_factor();
+                    medium = sides.to;
                 }
                 ray = Ray::leaving(point.position, scattered.direction, hit.primitive);
                 last = None;
@@ -247,8 +252,8 @@ impl<T: Tracker> PathTracer<'_, T> {
         radiance * transmittance * (diffuse::pdf(cos) * weight / sample.pdf)
     }
 
-    /// Transmittance from the ray's start to the light `target` (`None`: the environment), through surfaces that do not bend light;
-    /// `None` when something else is in the way. Arriving at the very object needs no distance to compare with.
+    /// Transmittance from the ray's start to the light `target` (`None`: the environment), through surfaces that do not bend light
+    /// and those that the mode skips; `None` when something else is in the way. Arriving at the very object needs no distance to compare with.
     #[inline]
     fn visibility(
         &self,
@@ -258,7 +263,9 @@ impl<T: Tracker> PathTracer<'_, T> {
         scratch: &mut Scratch<T::State>,
     ) -> Option<DVec3> {
         let world = self.world;
-        if target.is_none() && !self.needs.index_matching {
+        // Whether the ray may pass through a refractor unbent, and so must look at each one it meets.
+        let can_pass = self.needs.index_matching || self.tracker.can_skip();
+        if target.is_none() && !can_pass {
             let is_open = !world.geometry.is_occluded(&ray, f64::INFINITY);
             return is_open.then(|| self.transmittance(medium, &ray, f64::INFINITY));
         }
@@ -273,7 +280,7 @@ impl<T: Tracker> PathTracer<'_, T> {
             if Some(object) == target {
                 return hit.is_front.then_some(transmittance);
             }
-            if !self.needs.index_matching || !matches!(world.object(object).surface, Surface::Refractor { .. }) {
+            if !can_pass || !matches!(world.object(object).surface, Surface::Refractor { .. }) {
                 return None;
             }
             if !has_state {
@@ -282,11 +289,13 @@ impl<T: Tracker> PathTracer<'_, T> {
             }
             // Events are counted along camera paths only.
             let met = self.meet(&ray, &hit, &scratch.shadow, &mut Events::default());
-            if !met.interface.is_matched() {
-                return None;
+            if let Some((sides, interface)) = met.interface {
+                if !interface.is_matched() {
+                    return None;
+                }
+                medium = sides.to;
             }
             self.tracker.transmit(&mut scratch.shadow, &met.crossing);
-            medium = met.sides.to;
             ray = ray.beyond(&hit);
         }
     }
@@ -298,10 +307,12 @@ impl<T: Tracker> PathTracer<'_, T> {
         let refractor = ObjectId(world.geometry.object_of(hit.primitive));
         let interior = medium_of(world, Some(refractor));
         let point = world.geometry.surface(ray, hit);
-        let crossing = Crossing { refractor, interior, is_entering: hit.is_front, point };
-        let sides = self.tracker.sides(state, &crossing, events);
-        let interface = Interface::new(world.medium(sides.from).ior_minus_one, world.medium(sides.to).ior_minus_one);
-        Met { crossing, sides, interface }
+        let crossing = Crossing { refractor, interior, is_entering: hit.is_front, point, barycentric: hit.barycentric };
+        let interface = self.tracker.sides(state, &crossing, events).map(|sides| {
+            let ior_minus_one = |medium| world.medium(medium).ior_minus_one;
+            (sides, Interface::new(ior_minus_one(sides.from), ior_minus_one(sides.to)))
+        });
+        Met { crossing, interface }
     }
 
     /// What is left of light after the part of `ray` from its start to `t`.

@@ -1,14 +1,15 @@
 //! One path, vertex by vertex, for people to read. It asks the same questions in the same order as the path tracer.
 
-use super::path::{PathTracer, dimension};
+use super::path::{Met, PathTracer, dimension};
 use super::sampler::Sampler;
 use crate::geometry::Ray;
-use crate::rectify::containment::medium_at;
+use crate::rectify::start::{Start, start};
 use crate::render::{Events, Prepared};
 use crate::scatter::dielectric::{self, Choice};
-use crate::scene::world::{MediumId, ObjectId, Surface};
+use crate::scene::world::{ObjectId, Surface};
 use crate::tracking::naive::Naive;
-use crate::tracking::rectified::Rectified;
+use crate::tracking::priority::Priority;
+use crate::tracking::rectified::{Rectified, RectifiedObject};
 use crate::tracking::reference::Reference;
 use crate::tracking::stack::Stack;
 use crate::tracking::{Mode, Tracker};
@@ -34,7 +35,7 @@ pub enum VertexEvent {
     Transmit,
     Reflect,
     TotalReflection,
-    /// A surface that does not bend light, or that the mode ignores.
+    /// A surface that does not bend light, or one that is no interface to the mode: then the vertex has no media.
     Skip,
     /// An opaque surface.
     Scatter,
@@ -93,7 +94,9 @@ pub fn trace(
     match mode {
         Mode::Naive => tracing.run(&Naive, ray),
         Mode::Stack => tracing.run(&Stack, ray),
-        Mode::Rectified => tracing.run(&Rectified { table: &prepared.table }, ray),
+        Mode::Priority => tracing.run(&Priority { world: &prepared.world }, ray),
+        Mode::RectifiedObject => tracing.run(&RectifiedObject::new(&prepared.world, &prepared.table), ray),
+        Mode::Rectified => tracing.run(&Rectified { world: &prepared.world, table: &prepared.table }, ray),
         Mode::Reference => tracing.run(&Reference { world: &prepared.world }, ray),
     }
 }
@@ -110,10 +113,10 @@ impl Tracing<'_> {
     fn run<T: Tracker>(&self, tracker: &T, ray: Ray) -> TracedPath {
         let world = &*self.prepared.world;
         let tracer = PathTracer { world, tracker, needs: world.needs, max_depth: self.max_depth };
-        let mut ray = Ray::new(ray.origin - world.geometry.origin, ray.direction.normalize());
+        let ray = Ray::new(ray.origin - world.geometry.origin, ray.direction.normalize());
         let mut state = T::State::default();
         tracker.start(&mut state);
-        let (mut medium, is_ambiguous) = medium_at(world, ray.origin);
+        let Start { mut ray, mut medium, is_ambiguous } = start(world, ray);
         let mut path = TracedPath {
             mode: self.mode,
             camera_medium: world.medium(medium).name.clone(),
@@ -161,23 +164,20 @@ impl Tracing<'_> {
                     Some(Ray::leaving(point.position, direction, hit.primitive))
                 }
                 Surface::Refractor { smooth, .. } => {
-                    let met = tracer.meet(&ray, &hit, &state, &mut path.events);
-                    vertex.is_consistent = world.is_consistent(medium, met.sides.from);
-                    path.events.inconsistent += u64::from(!vertex.is_consistent);
-                    let (from, to): (MediumId, MediumId) = (met.sides.from, met.sides.to);
+                    let Met { crossing, interface } = tracer.meet(&ray, &hit, &state, &mut path.events);
                     vertex.refractor = Some(name.clone());
-                    vertex.patch = Some(self.prepared.table.patch(object).index);
-                    vertex.from = Some(world.medium(from).name.clone());
-                    vertex.to = Some(world.medium(to).name.clone());
-                    vertex.ior_from = Some(world.medium(from).ior());
-                    vertex.ior_to = Some(world.medium(to).ior());
-                    if met.interface.is_matched() {
-                        vertex.event = VertexEvent::Skip;
-                        vertex.fresnel = Some(0.0);
-                        tracker.transmit(&mut state, &met.crossing);
-                        medium = to;
-                        Some(ray.beyond(&hit))
-                    } else {
+                    vertex.patch =
+                        self.prepared.table.patch_of(&world.geometry, hit.primitive).map(|patch| patch.index);
+                    if let Some((sides, _)) = interface {
+                        vertex.is_consistent = world.is_consistent(medium, sides.from);
+                        path.events.inconsistent += u64::from(!vertex.is_consistent);
+                        let (from, to) = (world.medium(sides.from), world.medium(sides.to));
+                        vertex.from = Some(from.name.clone());
+                        vertex.to = Some(to.name.clone());
+                        vertex.ior_from = Some(from.ior());
+                        vertex.ior_to = Some(to.ior());
+                    }
+                    if let Some((sides, interface)) = interface.filter(|(_, interface)| !interface.is_matched()) {
                         let outward = if hit.is_front { 1.0 } else { -1.0 };
                         let shading = tracer.outward_normal(&hit, &point, smooth) * outward;
                         let choice = match self.follow {
@@ -188,7 +188,7 @@ impl Tracing<'_> {
                             )),
                         };
                         let scattered =
-                            dielectric::scatter(&met.interface, ray.direction, point.normal * outward, shading, choice);
+                            dielectric::scatter(&interface, ray.direction, point.normal * outward, shading, choice);
                         vertex.fresnel = Some(scattered.reflectance);
                         vertex.event = match (scattered.is_transmitted, scattered.is_total) {
                             (true, _) => VertexEvent::Transmit,
@@ -196,10 +196,16 @@ impl Tracing<'_> {
                             (false, false) => VertexEvent::Reflect,
                         };
                         if scattered.is_transmitted {
-                            tracker.transmit(&mut state, &met.crossing);
-                            medium = to;
+                            tracker.transmit(&mut state, &crossing);
+                            medium = sides.to;
                         }
                         Some(Ray::leaving(point.position, scattered.direction, hit.primitive))
+                    } else {
+                        vertex.event = VertexEvent::Skip;
+                        vertex.fresnel = Some(0.0);
+                        tracker.transmit(&mut state, &crossing);
+                        medium = interface.map_or(medium, |(sides, _)| sides.to);
+                        Some(ray.beyond(&hit))
                     }
                 }
             };

@@ -71,10 +71,15 @@ impl Node {
 #[derive(Debug, Default)]
 pub struct Tree {
     nodes: Vec<Node>,
+    /// For each child of each node the object that all primitives below it belong to; [`MANY`] if there are several.
+    objects: Vec<[u32; WIDTH]>,
     center: DVec3,
     /// Of a sphere around everything.
     radius: f64,
 }
+
+/// Primitives of more than one object.
+const MANY: u32 = u32::MAX;
 
 /// Up to `per_slot` primitives for each leaf slot.
 pub struct Slots {
@@ -84,8 +89,9 @@ pub struct Slots {
 }
 
 impl Tree {
-    /// Builds the tree over `bounds`. Primitives are packed `per_slot` to a leaf slot.
-    pub fn build(bounds: &[Bounds], per_slot: usize) -> (Self, Slots) {
+    /// Builds the tree over `bounds`, the boxes of primitives that belong to the objects `object_of`. Primitives are packed `per_slot` to
+    /// a leaf slot.
+    pub fn build(bounds: &[Bounds], object_of: &[u32], per_slot: usize) -> (Self, Slots) {
         let mut slots = Slots { per_slot, primitives: Vec::new() };
         if bounds.is_empty() {
             return (Self::default(), slots);
@@ -95,6 +101,7 @@ impl Tree {
         let margin = all.min.abs().max(all.max.abs()).max_element() * BOX_MARGIN;
         let mut tree = Self {
             nodes: Vec::with_capacity(bounds.len() / 4 + 1),
+            objects: Vec::new(),
             center: (all.min.as_dvec3() + all.max.as_dvec3()) / 2.0,
             radius: (all.max.as_dvec3() - all.min.as_dvec3()).length() / 2.0,
         };
@@ -123,7 +130,62 @@ impl Tree {
                 node.used |= 1 << lane;
             }
         }
+        tree.find_objects(&slots, object_of);
         (tree, slots)
+    }
+
+    /// Fills in `objects`, from the leaves up: a node comes before its children.
+    fn find_objects(&mut self, slots: &Slots, object_of: &[u32]) {
+        fn common(mut objects: impl Iterator<Item = u32>) -> u32 {
+            let first = objects.next().unwrap_or(MANY);
+            if objects.all(|object| object == first) { first } else { MANY }
+        }
+        self.objects = vec![[MANY; WIDTH]; self.nodes.len()];
+        for index in (0..self.nodes.len()).rev() {
+            let node = &self.nodes[index];
+            for lane in (0..WIDTH).filter(|lane| node.used & 1 << lane != 0) {
+                let first = node.first[lane] as usize;
+                self.objects[index][lane] = if node.count[lane] == 0 {
+                    let child = &self.nodes[first];
+                    common((0..WIDTH).filter(|l| child.used & 1 << l != 0).map(|l| self.objects[first][l]))
+                } else {
+                    let end = first + node.count[lane] as usize;
+                    let primitives = &slots.primitives[first * slots.per_slot..end * slots.per_slot];
+                    common(primitives.iter().filter(|p| **p != u32::MAX).map(|p| object_of[*p as usize]))
+                };
+            }
+        }
+    }
+
+    /// Visits the leaf slots whose boxes meet the box from `min` to `max`, in no particular order. Subtrees that hold nothing but the object
+    /// `except` are passed over.
+    pub fn visit_box(&self, min: DVec3, max: DVec3, except: u32, mut visit: impl FnMut(u32)) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        // Rounded outwards.
+        let min = min.as_vec3().to_array().map(f32::next_down);
+        let max = max.as_vec3().to_array().map(f32::next_up);
+        let mut open = vec![0];
+        while let Some(index) = open.pop() {
+            let (node, objects) = (&self.nodes[index as usize], &self.objects[index as usize]);
+            let mut met = [true; WIDTH];
+            for axis in 0..3 {
+                for lane in 0..WIDTH {
+                    met[lane] &= (node.min[axis][lane] <= max[axis]) & (node.max[axis][lane] >= min[axis]);
+                }
+            }
+            for lane in (0..WIDTH).filter(|lane| met[*lane] && node.used & 1 << lane != 0) {
+                if objects[lane] == except && except != MANY {
+                    continue;
+                }
+                if node.count[lane] == 0 {
+                    open.push(node.first[lane]);
+                } else {
+                    (node.first[lane]..node.first[lane] + node.count[lane]).for_each(&mut visit);
+                }
+            }
+        }
     }
 
     /// Visits the leaf slots whose boxes `ray` meets between `ray.t_min` and `*t_max`, the nearest child of each node first. `visit` gets a slot

@@ -9,7 +9,7 @@ use super::bvh::{Bounds, Tree};
 use super::kernel::Avx2;
 use super::kernel::{Kernel, Portable};
 use super::mesh::Mesh;
-use super::ray::{Hit, PrimitiveId, Ray};
+use super::ray::{Hit, NO_PRIMITIVE, PrimitiveId, Ray};
 use super::sphere::Sphere;
 use super::triangle::{self, PACK, ShearedRay, TriangleHit, TrianglePack};
 
@@ -136,7 +136,8 @@ impl Geometry {
     fn build_trees(&mut self) {
         let corners = |t: &[u32; 3]| t.map(|i| self.positions[i as usize]);
         let boxes: Vec<Bounds> = self.triangles.iter().map(|t| Bounds::of(corners(t))).collect();
-        let (tree, slots) = Tree::build(&boxes, PACK);
+        let (of_triangles, of_spheres) = self.object_of_primitive.split_at(self.triangles.len());
+        let (tree, slots) = Tree::build(&boxes, of_triangles, PACK);
         self.packs = slots
             .primitives
             .chunks_exact(PACK)
@@ -157,7 +158,7 @@ impl Geometry {
                 Bounds::of([min.as_vec3(), max.as_vec3()])
             })
             .collect();
-        let (tree, slots) = Tree::build(&sphere_boxes, 1);
+        let (tree, slots) = Tree::build(&sphere_boxes, of_spheres, 1);
         self.sphere_tree = tree;
         self.sphere_slots = slots.primitives;
 
@@ -195,6 +196,26 @@ impl Geometry {
     /// Calls `visit` for every hit, in no particular order.
     pub fn for_each_hit(&self, ray: &Ray, visit: impl FnMut(Hit)) {
         self.search(ray, f64::INFINITY, &mut All { visit });
+    }
+
+    /// The first hit of one object, as if it were alone.
+    pub fn closest_of(&self, ray: &Ray, object: u32) -> Option<Hit> {
+        let mut search =
+            ClosestOf { object, object_of_primitive: &self.object_of_primitive, closest: Closest { best: None } };
+        self.search(ray, f64::INFINITY, &mut search);
+        search.closest.best
+    }
+
+    /// Calls `visit` for every primitive that may meet the box from `min` to `max` (local coordinates), in no particular order: those that
+    /// meet it and some that lie near it. Primitives of the object `except` may be left out.
+    pub fn for_each_near_box(&self, min: DVec3, max: DVec3, except: Option<u32>, mut visit: impl FnMut(PrimitiveId)) {
+        let except = except.unwrap_or(u32::MAX);
+        self.triangle_tree.visit_box(min, max, except, |slot| {
+            self.packs[slot as usize].ids.into_iter().filter(|id| *id != NO_PRIMITIVE).for_each(&mut visit);
+        });
+        self.sphere_tree.visit_box(min, max, except, |slot| {
+            visit(self.sphere_slots[slot as usize] + self.triangles.len() as u32);
+        });
     }
 
     /// Every hit, in the order (distance, primitive).
@@ -302,6 +323,15 @@ impl Geometry {
         (primitive as usize).checked_sub(self.triangles.len()).map(|index| &self.spheres[index])
     }
 
+    /// The sphere that an object is, if it is one.
+    #[inline]
+    pub fn sphere_of(&self, object: u32) -> Option<&Sphere> {
+        match self.range(object) {
+            ObjectRange::Sphere(id) => self.sphere(*id),
+            ObjectRange::Triangles(_) => None,
+        }
+    }
+
     /// Corners of a triangle.
     #[inline]
     pub fn corners(&self, triangle: PrimitiveId) -> [DVec3; 3] {
@@ -345,30 +375,42 @@ impl Geometry {
         }
     }
 
+    /// Surface area of a primitive, in scene units squared.
+    pub fn primitive_area(&self, primitive: PrimitiveId) -> f64 {
+        match self.sphere(primitive) {
+            Some(sphere) => 4.0 * std::f64::consts::PI * sphere.radius * sphere.radius,
+            None => 0.5 * triangle::area_vector(self.corners(primitive)).length(),
+        }
+    }
+
     /// A point of an object's surface, uniform by area, for `u` uniform in [0, 1)³. `None` when the object has no area.
     pub fn sample_surface(&self, object: u32, u: [f64; 3]) -> Option<SurfacePoint> {
         match self.range(object) {
-            ObjectRange::Sphere(primitive) => {
-                let sphere = self.sphere(*primitive)?;
-                let normal = uniform_direction([u[0], u[1]]);
-                Some(SurfacePoint { position: sphere.center + normal * sphere.radius, normal, primitive: *primitive })
-            }
+            ObjectRange::Sphere(primitive) => self.sample_primitive(*primitive, [u[0], u[1]]),
             ObjectRange::Triangles(range) => {
                 let areas = &self.areas[range.start as usize..range.end as usize];
                 let total = *areas.last()?;
                 let at = areas.partition_point(|&sum| sum <= u[0] * total).min(areas.len() - 1);
-                let primitive = range.start + at as u32;
-                let corners = self.corners(primitive);
-                // Uniform on the triangle: a square folded along its diagonal.
-                let (mut v, mut w) = (u[1], u[2]);
-                if v + w > 1.0 {
-                    (v, w) = (1.0 - v, 1.0 - w);
-                }
-                let normal = triangle::area_vector(corners).try_normalize()?;
-                let position = corners[0] * (1.0 - v - w) + corners[1] * v + corners[2] * w;
-                Some(SurfacePoint { position, normal, primitive })
+                self.sample_primitive(range.start + at as u32, [u[1], u[2]])
             }
         }
+    }
+
+    /// A point of a triangle or sphere, uniform by area, for `u` uniform in [0, 1)². `None` when it has no area.
+    pub fn sample_primitive(&self, primitive: PrimitiveId, u: [f64; 2]) -> Option<SurfacePoint> {
+        if let Some(sphere) = self.sphere(primitive) {
+            let normal = uniform_direction(u);
+            return Some(SurfacePoint { position: sphere.center + normal * sphere.radius, normal, primitive });
+        }
+        let corners = self.corners(primitive);
+        // A square folded along its diagonal.
+        let [mut v, mut w] = u;
+        if v + w > 1.0 {
+            (v, w) = (1.0 - v, 1.0 - w);
+        }
+        let normal = triangle::area_vector(corners).try_normalize()?;
+        let position = corners[0] * (1.0 - v - w) + corners[1] * v + corners[2] * w;
+        Some(SurfacePoint { position, normal, primitive })
     }
 }
 
@@ -405,6 +447,19 @@ impl Search for Closest {
             *t_max = hit.t;
         }
         false
+    }
+}
+
+struct ClosestOf<'a> {
+    object: u32,
+    object_of_primitive: &'a [u32],
+    closest: Closest,
+}
+
+impl Search for ClosestOf<'_> {
+    #[inline(always)]
+    fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool {
+        self.object_of_primitive[hit.primitive as usize] == self.object && self.closest.found(hit, t_max)
     }
 }
 

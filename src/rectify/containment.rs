@@ -1,10 +1,11 @@
-//! Which refractors contain a point: voting rays, each asked by the facing of its first hit of every refractor.
+//! Which refractors contain a point, or lie on a side of a surface: rays vote, and every refractor is asked in its own way.
 
 use std::cell::RefCell;
 
 use glam::DVec3;
 
-use crate::geometry::{Ray, uniform_direction};
+use super::contact;
+use crate::geometry::{Enclosure, Hit, Ray, SurfacePoint, uniform_direction};
 use crate::rectify::random::Random;
 use crate::scene::World;
 use crate::scene::world::{MediumId, ObjectId, Surface};
@@ -16,6 +17,8 @@ const FIRST_ROUND: u32 = 3;
 const LAST_ROUND: u32 = 15;
 /// Fewer votes than this share make the answer ambiguous.
 const CLEAR_SHARE: f64 = 0.75;
+/// So is a generalised winding number this close to one half.
+const CLEAR_WINDING: f64 = 0.1;
 
 /// An answer.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -26,81 +29,261 @@ pub struct Containment {
     pub is_ambiguous: bool,
 }
 
-/// Per object: votes for inside, and the nearest hit of the current ray.
+/// The votes about one refractor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Vote {
+    pub refractor: ObjectId,
+    /// Rays that found it to contain the start.
+    pub inside: u32,
+    /// Rays that found anything about it.
+    pub asked: u32,
+}
+
+impl Vote {
+    pub fn is_inside(&self) -> bool {
+        2 * self.inside > self.asked
+    }
+
+    /// Share of the votes that the majority has, in [0.5, 1]; 1 if nobody was asked.
+    pub fn share(&self) -> f64 {
+        if self.asked == 0 {
+            return 1.0;
+        }
+        f64::from(self.inside.max(self.asked - self.inside)) / f64::from(self.asked)
+    }
+}
+
+/// What one ray has met of one object.
+#[derive(Clone, Copy)]
+struct Meeting {
+    /// Distance and facing of the first hit.
+    t: f64,
+    is_front: bool,
+    /// Hits from behind less hits from the front.
+    exits: i32,
+}
+
+const NO_MEETING: Meeting = Meeting { t: f64::INFINITY, is_front: false, exits: 0 };
+
+/// Counts votes. Reused from question to question, so that asking allocates nothing.
 #[derive(Default)]
-struct Scratch {
-    inside: Vec<u32>,
-    nearest: Vec<(f64, bool)>,
-    touched: Vec<u32>,
+pub(super) struct Poll {
+    meetings: Vec<Meeting>,
+    met: Vec<u32>,
+    votes: Vec<(u32, u32)>,
+    /// Refractors with an entry in `votes`.
     candidates: Vec<u32>,
+    rays: u32,
 }
 
 thread_local! {
-    static SCRATCH: RefCell<Scratch> = RefCell::default();
+    static POLL: RefCell<Poll> = RefCell::default();
+}
+
+impl Poll {
+    pub(super) fn clear(&mut self, world: &World) {
+        for candidate in self.candidates.drain(..) {
+            self.votes[candidate as usize] = (0, 0);
+        }
+        self.rays = 0;
+        self.meetings.resize(world.objects.len(), NO_MEETING);
+        self.votes.resize(world.objects.len(), (0, 0));
+    }
+
+    /// One ray's votes about every refractor. Hits that `is_ignored` names do not count.
+    pub(super) fn ask(&mut self, world: &World, ray: &Ray, is_ignored: impl Fn(&Hit) -> bool) {
+        self.rays += 1;
+        self.look(world, ray, is_ignored, false);
+    }
+
+    /// One ray's votes about sheets alone: those do not mind through what a ray goes.
+    pub(super) fn ask_sheets(&mut self, world: &World, ray: &Ray, is_ignored: impl Fn(&Hit) -> bool) {
+        self.look(world, ray, is_ignored, true);
+    }
+
+    fn look(&mut self, world: &World, ray: &Ray, is_ignored: impl Fn(&Hit) -> bool, only_sheets: bool) {
+        let mut nearest_opaque = f64::INFINITY;
+        world.geometry.for_each_hit(ray, |hit| {
+            let object = world.geometry.object_of(hit.primitive);
+            if !contact::is_refractor(world, ObjectId(object)) {
+                nearest_opaque = nearest_opaque.min(hit.t);
+                return;
+            }
+            if is_ignored(&hit) {
+                return;
+            }
+            let meeting = &mut self.meetings[object as usize];
+            if meeting.t == f64::INFINITY {
+                self.met.push(object);
+            }
+            if hit.t < meeting.t {
+                (meeting.t, meeting.is_front) = (hit.t, hit.is_front);
+            }
+            meeting.exits += if hit.is_front { -1 } else { 1 };
+        });
+        for object in self.met.drain(..) {
+            let meeting = std::mem::replace(&mut self.meetings[object as usize], NO_MEETING);
+            let enclosure = world.objects[object as usize].enclosure;
+            let is_sheet = enclosure == Enclosure::Sheet;
+            let is_inside = match enclosure {
+                Enclosure::Closed => !meeting.is_front,
+                Enclosure::Union => meeting.exits > 0,
+                // What is opaque may be where the sheet ends.
+                Enclosure::Sheet if nearest_opaque < meeting.t => continue,
+                Enclosure::Sheet => !meeting.is_front,
+                Enclosure::Holed => continue,
+            };
+            if is_sheet || (is_inside && !only_sheets) {
+                let (inside, asked) = &mut self.votes[object as usize];
+                if *asked == 0 {
+                    self.candidates.push(object);
+                }
+                *inside += u32::from(is_inside);
+                *asked += 1;
+            }
+        }
+    }
+
+    /// Votes so far about every refractor that any ray found to contain the start, and about every sheet that was met, in ascending order.
+    pub(super) fn votes(&self, world: &World) -> Vec<Vote> {
+        let mut votes: Vec<Vote> = (self.candidates.iter())
+            .map(|&object| {
+                let (inside, asked) = self.votes[object as usize];
+                // Of a closed refractor every ray knows something.
+                let is_sheet = world.objects[object as usize].enclosure == Enclosure::Sheet;
+                Vote { refractor: ObjectId(object), inside, asked: if is_sheet { asked } else { self.rays } }
+            })
+            .collect();
+        votes.sort_unstable_by_key(|vote| vote.refractor);
+        votes
+    }
+
+    pub(super) fn is_unanimous(&self, world: &World) -> bool {
+        self.candidates.iter().all(|&object| {
+            let (inside, asked) = self.votes[object as usize];
+            let is_sheet = world.objects[object as usize].enclosure == Enclosure::Sheet;
+            inside == if is_sheet { asked } else { self.rays } || inside == 0
+        })
+    }
 }
 
 /// The refractors, other than `except`, that contain `point` (local coordinates). Directions follow from the point alone.
 pub fn containment(world: &World, point: DVec3, except: Option<ObjectId>) -> Containment {
-    SCRATCH.with_borrow_mut(|scratch| {
-        let objects = world.objects.len();
-        scratch.inside.resize(objects, 0);
-        scratch.nearest.resize(objects, (f64::INFINITY, false));
+    let votes = poll(world, point, |random| Ray::new(point, random.direction()), |_| false);
+    settle(world, point, votes, except)
+}
+
+/// The refractors that lie on a side of a surface: the outer one, or the inner one. Faces that coincide with the surface are no hits: which
+/// side they look to is told by the rays that leave on that side. The object itself is asked about on its outer side only if it is a
+/// union, and never on the inner.
+pub fn containment_beside(world: &World, point: &SurfacePoint, is_outer: bool) -> Containment {
+    let own = ObjectId(world.geometry.object_of(point.primitive));
+    let side = SurfacePoint { normal: if is_outer { point.normal } else { -point.normal }, ..*point };
+    let votes = poll(world, point.position, |random| outward_ray(&side, random), |hit| is_at_start(world, point, hit));
+    let may_contain_itself = is_outer && world.object(own).enclosure == Enclosure::Union;
+    settle(world, point.position, votes, (!may_contain_itself).then_some(own))
+}
+
+/// Whether a hit of a ray that leaves `point` is of a face that coincides with that of the point.
+pub(super) fn is_at_start(world: &World, point: &SurfacePoint, hit: &Hit) -> bool {
+    // A coincident face lies within a few roundings; everything farther away is none.
+    const NEAR: f64 = 1e-5;
+    let scale = point.position.abs().max_element() + world.geometry.bounding_sphere().map_or(0.0, |s| s.radius);
+    hit.t < NEAR * scale && contact::coincides(&world.geometry, point.primitive, hit.primitive).is_some()
+}
+
+fn poll(world: &World, point: DVec3, ray: impl Fn(&mut Random) -> Ray, is_ignored: impl Fn(&Hit) -> bool) -> Vec<Vote> {
+    POLL.with_borrow_mut(|poll| {
+        poll.clear(world);
         let mut random = Random::from_point(point);
-        let mut rays = 0;
-        let mut goal = FIRST_ROUND;
-        while rays < goal {
-            let ray = Ray::new(point, uniform_direction([random.next(), random.next()]));
-            scratch.vote(world, &ray, except);
-            rays += 1;
-            if rays == goal && scratch.candidates.iter().any(|&o| scratch.inside[o as usize] != rays) {
-                goal = LAST_ROUND;
+        for _ in 0..FIRST_ROUND {
+            poll.ask(world, &ray(&mut random), &is_ignored);
+        }
+        if !poll.is_unanimous(world) {
+            for _ in FIRST_ROUND..LAST_ROUND {
+                poll.ask(world, &ray(&mut random), &is_ignored);
             }
         }
-        scratch.count(rays)
+        if world.has_sheets {
+            // Rays past a sheet say nothing, so a few are too few; and below a sheet it may be the rays back through the object that meet it.
+            for _ in 0..LAST_ROUND {
+                let ray = ray(&mut random);
+                poll.ask_sheets(world, &ray, &is_ignored);
+                poll.ask_sheets(world, &Ray { direction: -ray.direction, ..ray }, &is_ignored);
+            }
+        }
+        poll.votes(world)
     })
 }
 
-impl Scratch {
-    /// One ray's votes: a refractor whose first hit is from behind contains the ray's start.
-    fn vote(&mut self, world: &World, ray: &Ray, except: Option<ObjectId>) {
-        world.geometry.for_each_hit(ray, |hit| {
-            let object = world.geometry.object_of(hit.primitive);
-            let nearest = &mut self.nearest[object as usize];
-            if nearest.0 == f64::INFINITY {
-                self.touched.push(object);
-            }
-            if hit.t < nearest.0 {
-                *nearest = (hit.t, hit.is_front);
-            }
-        });
-        for object in self.touched.drain(..) {
-            let (_, is_front) = std::mem::replace(&mut self.nearest[object as usize], (f64::INFINITY, false));
-            let is_asked = matches!(world.objects[object as usize].surface, Surface::Refractor { .. })
-                && except != Some(ObjectId(object));
-            if is_asked && !is_front {
-                let votes = &mut self.inside[object as usize];
-                if *votes == 0 {
-                    self.candidates.push(object);
-                }
-                *votes += 1;
-            }
+/// Majorities, and the refractors with holes.
+fn settle(world: &World, point: DVec3, votes: Vec<Vote>, except: Option<ObjectId>) -> Containment {
+    let mut answer = Containment::default();
+    for vote in votes {
+        if Some(vote.refractor) == except {
+            continue;
         }
+        if vote.is_inside() {
+            answer.refractors.push(vote.refractor);
+        }
+        answer.is_ambiguous |= vote.share() < CLEAR_SHARE;
     }
+    for &holed in &world.holed {
+        if Some(holed) == except {
+            continue;
+        }
+        let winding = world.object(holed).winding_at(point);
+        if winding > 0.5 {
+            answer.refractors.push(holed);
+        }
+        answer.is_ambiguous |= (winding - 0.5).abs() < CLEAR_WINDING;
+    }
+    answer.refractors.sort_unstable();
+    answer
+}
 
-    /// Majorities, and everything back to zero.
-    fn count(&mut self, rays: u32) -> Containment {
-        let mut answer = Containment::default();
-        for object in self.candidates.drain(..) {
-            let votes = std::mem::take(&mut self.inside[object as usize]);
-            if 2 * votes > rays {
-                answer.refractors.push(ObjectId(object));
-            }
-            let share = f64::from(votes.max(rays - votes)) / f64::from(rays);
-            answer.is_ambiguous |= share < CLEAR_SHARE;
-        }
-        answer.refractors.sort_unstable();
-        answer
+/// Whether `refractor` contains a point on a face of another object, or the outer side of one of its own: one ray where one is enough.
+/// Faces that coincide with that face must have been dealt with.
+pub fn is_inside(world: &World, refractor: ObjectId, point: &SurfacePoint) -> bool {
+    if let Some(sphere) = world.geometry.sphere_of(refractor.0) {
+        return point.position.distance_squared(sphere.center) < sphere.radius * sphere.radius;
     }
+    if world.object(refractor).enclosure == Enclosure::Closed {
+        let ray = outward_ray(point, &mut Random::from_point(point.position));
+        return world.geometry.closest_of(&ray, refractor.0).is_some_and(|hit| !hit.is_front);
+    }
+    is_inside_by_vote(world, refractor, point)
+}
+
+/// [`is_inside`], decided by several rays.
+pub fn is_inside_by_vote(world: &World, refractor: ObjectId, point: &SurfacePoint) -> bool {
+    if let Some(sphere) = world.geometry.sphere_of(refractor.0) {
+        return point.position.distance_squared(sphere.center) < sphere.radius * sphere.radius;
+    }
+    match world.object(refractor).enclosure {
+        Enclosure::Closed => {
+            let mut random = Random::from_point(point.position);
+            let (mut inside, mut rays) = (0, 0);
+            while rays < FIRST_ROUND || (inside % rays != 0 && rays < LAST_ROUND) {
+                let hit = world.geometry.closest_of(&outward_ray(point, &mut random), refractor.0);
+                inside += u32::from(hit.is_some_and(|hit| !hit.is_front));
+                rays += 1;
+            }
+            2 * inside > rays
+        }
+        Enclosure::Holed => world.object(refractor).winding_at(point.position) > 0.5,
+        Enclosure::Union | Enclosure::Sheet => {
+            let votes = poll(world, point.position, |random| outward_ray(point, random), |_| false);
+            votes.iter().any(|vote| vote.refractor == refractor && vote.is_inside())
+        }
+    }
+}
+
+/// A ray from a surface into its outer side.
+pub(super) fn outward_ray(point: &SurfacePoint, random: &mut Random) -> Ray {
+    let direction = random.direction();
+    let direction = if direction.dot(point.normal) < 0.0 { -direction } else { direction };
+    Ray::leaving(point.position, direction, point.primitive)
 }
 
 /// Volumes that differ by less than this, relatively, count as equal.
@@ -120,7 +303,8 @@ pub fn top(world: &World, refractors: impl IntoIterator<Item = ObjectId>) -> Opt
     })
 }
 
-fn priority(world: &World, object: ObjectId) -> i32 {
+/// The priority of a refractor; the lowest of all for other objects.
+pub fn priority(world: &World, object: ObjectId) -> i32 {
     match world.object(object).surface {
         Surface::Refractor { priority, .. } => priority,
         _ => i32::MIN,
@@ -139,4 +323,11 @@ pub fn medium_of(world: &World, refractor: Option<ObjectId>) -> MediumId {
 pub fn medium_at(world: &World, point: DVec3) -> (MediumId, bool) {
     let found = containment(world, point, None);
     (medium_of(world, top(world, found.refractors)), found.is_ambiguous)
+}
+
+impl Random {
+    /// Uniform on the sphere.
+    pub(super) fn direction(&mut self) -> DVec3 {
+        uniform_direction([self.next(), self.next()])
+    }
 }

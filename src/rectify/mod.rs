@@ -1,9 +1,24 @@
-//! IOR rectification: finding what lies on the other side of every refractor.
+//! IOR rectification: finding what lies on the other side of every refractor's surface, place by place.
+//!
+//! ```text
+//! contact    which faces do other surfaces touch                          ┐
+//! cells      touched faces, divided until each part has one answer         │ geometry alone
+//! layout     the rest, joined into connected patches                      ┘
+//! pretrace   rays from every patch vote about every refractor
+//! surroundings, table   votes, priorities and media come to two media for every place
+//! ```
 
+mod adjacency;
+pub mod cells;
+pub mod contact;
 pub mod containment;
+pub mod encounters;
+pub mod layout;
+pub mod object;
 pub mod pretrace;
 mod random;
+pub mod start;
+pub mod surroundings;
 pub mod table;
 
-pub use pretrace::rectify;
-pub use table::{InterfaceTable, Patch};
+pub use table::{InterfaceTable, Patch, PatchKind};

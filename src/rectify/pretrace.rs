@@ -1,108 +1,113 @@
-//! The pre-trace: rays outward from each refractor. The first dielectric whose *first hit is from behind* contains the surface and is
-//! its exterior; several rays vote, against rare misses.
-
-use std::time::Instant;
+//! The pre-trace: irregular rays outward from area-weighted points of a patch. Each ray says for every refractor, by its *first* hit, whether
+//! the patch lies inside it; votes are counted member by member, and where they disagree more rays are shot.
 
 use rayon::prelude::*;
 
-use super::containment::medium_of;
+use super::contact::is_refractor;
+use super::containment::{Poll, Vote, is_at_start, outward_ray};
+use super::layout::{Layout, Site};
 use super::random::Random;
-use super::table::{InterfaceTable, Patch, RectifySeconds};
-use crate::geometry::{Ray, uniform_direction};
+use super::surroundings::{State, Surroundings};
+use crate::geometry::{Enclosure, Ray};
 use crate::scene::World;
-use crate::scene::world::{MediumId, ObjectId, Surface};
+use crate::scene::world::ObjectId;
 
-/// Rays for each refractor in each pre-trace.
+/// Rays for each site in each pre-trace.
 const RAYS: u32 = 16;
 /// Rays at the most, where those disagree.
 const MOST_RAYS: u32 = 256;
 
-/// Votes for each container, `None` being the global medium.
-type Votes = Vec<(Option<ObjectId>, u32)>;
-
-/// Rectifies `world`. Votes of `previous`, a table of the same geometry, count on: the new rays have fresh directions.
-pub fn rectify(world: &World, previous: Option<&InterfaceTable>) -> InterfaceTable {
-    let start = Instant::now();
-    let refractors: Vec<(ObjectId, MediumId)> = world.refractors().collect();
-    let votes: Vec<Votes> = refractors
-        .par_iter()
-        .enumerate()
-        .map(|(index, &(refractor, _))| {
-            let earlier = previous.and_then(|table| table.patches.get(index)).map(|patch| patch.votes.clone());
-            vote(world, refractor, earlier.unwrap_or_default())
-        })
-        .collect();
-    let pretrace = start.elapsed().as_secs_f64();
-
-    let start = Instant::now();
-    let mut table = InterfaceTable { patch_of_object: vec![u32::MAX; world.objects.len()], ..Default::default() };
-    for (&(refractor, medium), votes) in refractors.iter().zip(votes) {
-        table.patch_of_object[refractor.0 as usize] = table.patches.len() as u32;
-        table.patches.push(resolve(world, refractor, medium, votes));
-    }
-    table.seconds = RectifySeconds { pretrace, resolve: start.elapsed().as_secs_f64(), ..Default::default() };
-    table
+/// The votes about one site, over all pre-traces of its geometry.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SiteVotes {
+    pub rays: u32,
+    /// About every refractor that some ray found to contain the site, in ascending order.
+    pub list: Vec<Vote>,
 }
 
-/// Adds this pre-trace's votes to `votes`, most first.
-fn vote(world: &World, refractor: ObjectId, mut votes: Votes) -> Votes {
+impl SiteVotes {
+    /// What the majorities say, next to what is fixed.
+    pub fn surroundings(&self, site: &Site) -> Surroundings {
+        self.surroundings_but_for(site, None)
+    }
+
+    /// The same with the answer about one refractor reversed.
+    pub fn surroundings_but_for(&self, site: &Site, reversed: Option<ObjectId>) -> Surroundings {
+        let mut surroundings = site.fixed.clone();
+        for vote in &self.list {
+            if !site.settled.contains(&vote.refractor) && vote.is_inside() != (reversed == Some(vote.refractor)) {
+                surroundings.add(vote.refractor, State::In);
+            }
+        }
+        surroundings
+    }
+
+    fn add(&mut self, round: &[Vote], rays: u32) {
+        for vote in round {
+            match self.list.binary_search_by_key(&vote.refractor, |v| v.refractor) {
+                Ok(at) => {
+                    self.list[at].inside += vote.inside;
+                    self.list[at].asked += vote.asked;
+                }
+                // Closed refractors were asked before too, and none of those rays was inside.
+                Err(at) => self
+                    .list
+                    .insert(at, Vote { asked: vote.asked + if vote.asked == rays { self.rays } else { 0 }, ..*vote }),
+            }
+        }
+        // A member that no ray of this round found has as many votes against it.
+        for known in &mut self.list {
+            if !round.iter().any(|vote| vote.refractor == known.refractor) && known.asked == self.rays {
+                known.asked += rays;
+            }
+        }
+        self.rays += rays;
+    }
+}
+
+/// Another pre-trace of all sites, with fresh directions; its votes are added to `votes`.
+pub fn repeat(world: &World, layout: &Layout, votes: &[SiteVotes]) -> Vec<SiteVotes> {
+    layout.sites.par_iter().zip(votes).map(|(site, votes)| vote(world, site, votes.clone())).collect()
+}
+
+/// Adds a pre-trace of one site to its votes.
+pub fn vote(world: &World, site: &Site, mut votes: SiteVotes) -> SiteVotes {
     // With nothing that could contain anything, the answer is known.
-    if !world.needs.nesting {
+    if !world.needs.nesting || site.fixed.is_masked {
         return votes;
     }
-    let earlier: u32 = votes.iter().map(|(_, count)| count).sum();
-    let mut random = Random::new((u64::from(refractor.0) << 32) | u64::from(earlier));
+    let asks_itself = is_refractor(world, site.subject) && world.object(site.subject).enclosure == Enclosure::Union;
+    // Sites of one object have first faces of their own.
+    let first = match &site.faces {
+        super::layout::Faces::Whole => 0,
+        super::layout::Faces::Some { faces, .. } => faces.first().copied().unwrap_or(0),
+    };
+    let seed = (u64::from(site.subject.0) << 32) ^ (u64::from(first) << 12) ^ (u64::from(votes.rays) << 44);
+    let mut random = Random::new(seed);
+    let mut poll = Poll::default();
+    poll.clear(world);
+    let mut holed: Vec<Vote> = world.holed.iter().map(|&refractor| Vote { refractor, inside: 0, asked: 0 }).collect();
     let mut rays = 0;
-    while rays < RAYS || (votes.len() > 1 && rays < MOST_RAYS) {
+    while rays < RAYS || (rays < MOST_RAYS && !poll.is_unanimous(world)) {
         let u = [random.next(), random.next(), random.next()];
-        let Some(point) = world.geometry.sample_surface(refractor.0, u) else { break };
-        let mut direction = uniform_direction([random.next(), random.next()]);
-        if direction.dot(point.normal) < 0.0 {
-            direction = -direction;
+        let Some(point) = site.sample(&world.geometry, u) else { break };
+        let ray = outward_ray(&point, &mut random);
+        // Only settled refractors can coincide with the site.
+        let is_ignored = |hit: &crate::geometry::Hit| !site.settled.is_empty() && is_at_start(world, &point, hit);
+        poll.ask(world, &ray, is_ignored);
+        if world.has_sheets {
+            poll.ask_sheets(world, &Ray { direction: -ray.direction, ..ray }, is_ignored);
         }
-        let container = container_along(world, Ray::leaving(point.position, direction, point.primitive), refractor);
-        match votes.iter_mut().find(|(candidate, _)| *candidate == container) {
-            Some((_, count)) => *count += 1,
-            None => votes.push((container, 1)),
+        for vote in &mut holed {
+            vote.inside += u32::from(world.object(vote.refractor).winding_at(point.position) > 0.5);
+            vote.asked += 1;
         }
         rays += 1;
     }
-    // Ties go to the earlier object, so that the answer does not depend on the order of rays.
-    votes.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
+    let mut round = poll.votes(world);
+    round.extend(holed.into_iter().filter(|vote| vote.inside > 0));
+    round.retain(|vote| vote.refractor != site.subject || asks_itself);
+    round.sort_unstable_by_key(|vote| vote.refractor);
+    votes.add(&round, rays);
     votes
-}
-
-/// The first refractor along `ray` whose first hit is from behind. Opaque objects are looked through, and `own` never counts.
-fn container_along(world: &World, mut ray: Ray, own: ObjectId) -> Option<ObjectId> {
-    let mut met_from_outside: Vec<ObjectId> = Vec::new();
-    while let Some(hit) = world.geometry.closest(&ray) {
-        let object = ObjectId(world.geometry.object_of(hit.primitive));
-        let is_candidate = object != own && matches!(world.object(object).surface, Surface::Refractor { .. });
-        if is_candidate && !met_from_outside.contains(&object) {
-            if !hit.is_front {
-                return Some(object);
-            }
-            met_from_outside.push(object);
-        }
-        ray = ray.beyond(&hit);
-    }
-    None
-}
-
-/// From votes to media.
-fn resolve(world: &World, refractor: ObjectId, inside: MediumId, votes: Votes) -> Patch {
-    let rays: u32 = votes.iter().map(|(_, count)| count).sum();
-    let (container, agreeing) = votes.first().copied().unwrap_or((None, 0));
-    Patch {
-        refractor,
-        index: 0,
-        faces: world.geometry.face_count(refractor.0),
-        area: world.geometry.area(refractor.0),
-        outside: medium_of(world, container),
-        inside,
-        outside_refractor: container,
-        rays,
-        confidence: if rays == 0 { 1.0 } else { f64::from(agreeing) / f64::from(rays) },
-        votes,
-    }
 }

@@ -1,45 +1,87 @@
-//! What rectification stores: for each patch of each refractor, the media on its two sides.
+//! What rectification stores: for every place on a refractor's surface, the media on its two sides.
 
+use std::sync::{Arc, OnceLock};
+use std::time::Instant;
+
+use super::cells::{self, Node};
+use super::containment::Vote;
+use super::encounters::{self, Encounter};
+use super::layout::{BY_FACE, DIVIDED, Layout, Place, Site, lay_out};
+use super::object::ObjectTable;
+use super::pretrace::{self, SiteVotes};
+use super::surroundings::Answer;
+use crate::geometry::{Geometry, PrimitiveId, SurfacePoint};
+use crate::rectify::contact::is_refractor;
+use crate::scene::World;
 use crate::scene::world::{MediumId, ObjectId};
 
-/// A part of a refractor's surface with the same surroundings everywhere: for now the whole refractor.
+/// What kind of interface a patch is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PatchKind {
+    /// One medium outside, another inside.
+    Clear,
+    /// The same medium on both sides, by identity and not by value: nothing is to be seen there.
+    Null,
+    /// Other surfaces cross it: the answer differs from place to place.
+    Mixed,
+    /// It coincides with another surface, which stands for both.
+    Masked,
+}
+
+impl PatchKind {
+    pub const ALL: [Self; 4] = [Self::Clear, Self::Null, Self::Mixed, Self::Masked];
+
+    /// The word used in JSON, tables and legends.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clear => "clear",
+            Self::Null => "null",
+            Self::Mixed => "mixed",
+            Self::Masked => "masked",
+        }
+    }
+}
+
+/// A part of a refractor's surface with the same surroundings everywhere, or the faces of it that the same refractors cross.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Patch {
+    /// The refractor; in [`InterfaceTable::lights`] the light.
     pub refractor: ObjectId,
     /// Index among the refractor's patches.
     pub index: u32,
+    pub kind: PatchKind,
     /// Number of primitives.
     pub faces: u32,
     /// Scene units squared.
     pub area: f64,
-    pub outside: MediumId,
-    pub inside: MediumId,
-    /// The container that was found; `None` is the global medium.
+    /// `None` where it differs from place to place, or is not asked: mixed and masked patches.
+    pub outside: Option<MediumId>,
+    pub inside: Option<MediumId>,
+    /// The refractor that fills the outer side; `None` is the global medium, or a mixed or masked patch.
     pub outside_refractor: Option<ObjectId>,
+    /// The refractor that fills the inner side: itself, unless another has precedence there.
+    pub inside_refractor: Option<ObjectId>,
+    /// The refractors that cross a mixed patch.
+    pub crossed_by: Vec<ObjectId>,
     /// Rays shot so far, over all pre-traces of this geometry.
     pub rays: u32,
-    /// Share of the votes that the answer got, in [0, 1].
+    /// Least share of the votes, in [0.5, 1], among those members whose containment could change the answer.
     pub confidence: f64,
-    /// Votes for each container, most first.
-    pub votes: Vec<(Option<ObjectId>, u32)>,
-}
-
-/// The answer of rectification, looked up at every crossing.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct InterfaceTable {
-    /// Sorted by refractor.
-    pub patches: Vec<Patch>,
-    /// Patch of each object; `u32::MAX` for solids and lights.
-    pub patch_of_object: Vec<u32>,
-    pub seconds: RectifySeconds,
+    /// Votes about every refractor that some ray found to contain the patch.
+    pub votes: Vec<Vote>,
 }
 
 /// Time spent on each part, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct RectifySeconds {
+    /// Analysis of the meshes.
     pub topology: f64,
+    /// Contacts, cells, patches.
     pub patches: f64,
+    /// Rays and their votes.
     pub pretrace: f64,
+    /// From votes to media.
     pub resolve: f64,
 }
 
@@ -49,10 +91,254 @@ impl RectifySeconds {
     }
 }
 
+/// The answer of rectification, looked up at every crossing.
+#[derive(Debug, Clone, Default)]
+pub struct InterfaceTable {
+    layout: Arc<Layout>,
+    votes: Arc<Vec<SiteVotes>>,
+    /// Of sites, then of the surroundings of cells, then of cells that are asked: those in blocks, one answer for each combination.
+    answers: Vec<Answer>,
+    /// The block of each cell that is asked, by its first answer.
+    blocks: Vec<u32>,
+    /// Sorted by refractor; within one, patches proper first, then mixed ones.
+    pub patches: Vec<Patch>,
+    /// The same for lights, whose inner side is not asked.
+    pub lights: Vec<Patch>,
+    /// Where the patches of sites and of groups of divided faces stand in `patches` or `lights`.
+    patch_of_site: Vec<u32>,
+    patch_of_group: Vec<u32>,
+    /// Whether some crossing is to be passed over.
+    has_masked: bool,
+    per_object: Arc<OnceLock<ObjectTable>>,
+    pub seconds: RectifySeconds,
+}
+
 impl InterfaceTable {
-    /// The patch that a point of `object`, a refractor, belongs to.
+    /// Rectifies `world`. With `previous`, a table of the same geometry, only media and priorities are resolved anew.
+    pub fn new(world: &World, previous: Option<&Self>) -> Self {
+        match previous {
+            Some(previous) => {
+                let (layout, votes) = (Arc::clone(&previous.layout), Arc::clone(&previous.votes));
+                Self::resolve(world, layout, votes, Arc::clone(&previous.per_object), RectifySeconds::default())
+            }
+            None => {
+                let (layout, votes, seconds) = lay_out(world);
+                Self::resolve(world, Arc::new(layout), Arc::new(votes), Arc::default(), seconds)
+            }
+        }
+    }
+
+    /// The same with another pre-trace, of fresh directions, whose votes are added.
+    pub fn repeated(&self, world: &World) -> Self {
+        let start = Instant::now();
+        let votes = pretrace::repeat(world, &self.layout, &self.votes);
+        let seconds = RectifySeconds { pretrace: start.elapsed().as_secs_f64(), ..self.seconds };
+        Self::resolve(world, Arc::clone(&self.layout), Arc::new(votes), Arc::clone(&self.per_object), seconds)
+    }
+
+    /// Whether two tables say the same everywhere.
+    pub fn says_the_same(&self, other: &Self) -> bool {
+        self.answers == other.answers
+    }
+
+    fn resolve(
+        world: &World,
+        layout: Arc<Layout>,
+        votes: Arc<Vec<SiteVotes>>,
+        per_object: Arc<OnceLock<ObjectTable>>,
+        seconds: RectifySeconds,
+    ) -> Self {
+        let start = Instant::now();
+        let mut answers: Vec<Answer> =
+            layout.sites.iter().zip(&*votes).map(|(site, votes)| votes.surroundings(site).resolve(world)).collect();
+        answers.extend(layout.surroundings.iter().map(|surroundings| surroundings.resolve(world)));
+        let mut has_masked = answers.iter().any(|answer| answer.is_masked());
+        let mut blocks = Vec::with_capacity(layout.asks.len());
+        for ask in &layout.asks {
+            blocks.push(answers.len() as u32);
+            answers.extend(ask.answers(world));
+            has_masked |= !ask.opaque.is_empty() || ask.members.iter().any(|member| !member.coincident.is_empty());
+        }
+        let mut table = Self {
+            answers,
+            blocks,
+            has_masked,
+            patches: Vec::new(),
+            lights: Vec::new(),
+            patch_of_site: Vec::new(),
+            patch_of_group: Vec::new(),
+            per_object,
+            seconds,
+            layout,
+            votes,
+        };
+        table.list_patches(world);
+        table.seconds.resolve = start.elapsed().as_secs_f64();
+        table
+    }
+
+    /// The answer at a point of a refractor's surface; [`Answer::MASKED`] where the crossing is to be passed over.
     #[inline]
-    pub fn patch(&self, object: ObjectId) -> &Patch {
-        &self.patches[self.patch_of_object[object.0 as usize] as usize]
+    pub fn look(&self, world: &World, refractor: ObjectId, point: &SurfacePoint, barycentric: [f64; 2]) -> Answer {
+        let place = self.place(refractor, point.primitive);
+        if place & DIVIDED == 0 {
+            self.answers[place as usize]
+        } else {
+            self.look_closely(world, place, point, barycentric)
+        }
+    }
+
+    /// In a divided face.
+    #[inline(never)]
+    fn look_closely(&self, world: &World, place: Place, point: &SurfacePoint, barycentric: [f64; 2]) -> Answer {
+        let layout = &*self.layout;
+        let divided = layout.divided[(place & !DIVIDED) as usize];
+        let (offset, weights) = cells::locate(world, point, barycentric);
+        match *cells::descend(&layout.nodes, divided.root + offset, weights) {
+            Node::Known(answer) => self.answers[answer as usize],
+            Node::Asked(ask) => match layout.asks[ask as usize].look(world, point) {
+                Some(combination) => self.answers[self.blocks[ask as usize] as usize + combination],
+                None => Answer::MASKED,
+            },
+            // Leaves only.
+            Node::Halves { .. } => Answer::MASKED,
+        }
+    }
+
+    #[inline]
+    fn place(&self, object: ObjectId, primitive: PrimitiveId) -> Place {
+        match self.layout.place_of_object[object.0 as usize] {
+            BY_FACE => self.layout.place_of_primitive[primitive as usize],
+            place => place,
+        }
+    }
+
+    /// Whether some crossings are to be passed over.
+    pub fn has_masked(&self) -> bool {
+        self.has_masked
+    }
+
+    /// The patch that a primitive of a refractor or light belongs to.
+    pub fn patch_of(&self, geometry: &Geometry, primitive: PrimitiveId) -> Option<&Patch> {
+        let object = geometry.object_of(primitive);
+        let place = match *self.layout.place_of_object.get(object as usize)? {
+            BY_FACE => *self.layout.place_of_primitive.get(primitive as usize)?,
+            place => place,
+        };
+        if place == BY_FACE {
+            return None;
+        }
+        let number = if place & DIVIDED == 0 {
+            self.patch_of_site[place as usize]
+        } else {
+            self.patch_of_group[self.layout.divided[(place & !DIVIDED) as usize].group as usize]
+        };
+        // Lights are numbered after the refractors' patches.
+        match (number as usize).checked_sub(self.patches.len()) {
+            None => self.patches.get(number as usize),
+            Some(light) => self.lights.get(light),
+        }
+    }
+
+    /// The patches of one refractor.
+    pub fn patches_of(&self, refractor: ObjectId) -> &[Patch] {
+        let first = self.patches.partition_point(|patch| patch.refractor < refractor);
+        let last = self.patches.partition_point(|patch| patch.refractor <= refractor);
+        &self.patches[first..last]
+    }
+
+    /// The largest patch of a refractor that has an answer: where it is to be found, for most of it.
+    pub fn main_patch(&self, refractor: ObjectId) -> Option<&Patch> {
+        let has_answer = |patch: &&Patch| patch.outside.is_some();
+        self.patches_of(refractor).iter().filter(has_answer).max_by(|a, b| a.area.total_cmp(&b.area))
+    }
+
+    /// The source's method, one exterior for each object. Worked out when it is first asked for.
+    pub fn per_object(&self, world: &World) -> &ObjectTable {
+        self.per_object.get_or_init(|| ObjectTable::new(world))
+    }
+
+    /// The refractors that meet each other, and how.
+    pub fn encounters(&self, world: &World) -> Vec<Encounter> {
+        encounters::encounters(world, &self.layout, &self.votes)
+    }
+
+    /// Rays shot so far.
+    pub fn rays(&self) -> u64 {
+        self.votes.iter().map(|votes| u64::from(votes.rays)).sum()
+    }
+
+    fn list_patches(&mut self, world: &World) {
+        let layout = Arc::clone(&self.layout);
+        let votes = Arc::clone(&self.votes);
+        // (subject, patches proper first, number of the site or group)
+        let mut order: Vec<(ObjectId, bool, usize)> = (layout.sites.iter().enumerate())
+            .map(|(number, site)| (site.subject, false, number))
+            .chain(layout.groups.iter().enumerate().map(|(number, group)| (group.subject, true, number)))
+            .collect();
+        order.sort_unstable();
+        self.patch_of_site = vec![0; layout.sites.len()];
+        self.patch_of_group = vec![0; layout.groups.len()];
+        let (mut patches, mut lights): (Vec<Patch>, Vec<Patch>) = (Vec::new(), Vec::new());
+        for (subject, is_mixed, number) in order {
+            // Lights come after all refractors in the order of object ids, so this numbers patches first, then lights.
+            let list = if is_refractor(world, subject) { &mut patches } else { &mut lights };
+            let index = list.last().filter(|last| last.refractor == subject).map_or(0, |last| last.index + 1);
+            let patch = if is_mixed {
+                let group = &layout.groups[number];
+                Patch {
+                    refractor: subject,
+                    index,
+                    kind: PatchKind::Mixed,
+                    faces: group.faces,
+                    area: group.area,
+                    outside: None,
+                    inside: None,
+                    outside_refractor: None,
+                    inside_refractor: None,
+                    crossed_by: group.members.clone(),
+                    rays: 0,
+                    confidence: 1.0,
+                    votes: Vec::new(),
+                }
+            } else {
+                patch_of_site(world, &layout.sites[number], &votes[number], index)
+            };
+            list.push(patch);
+            let place = (patches.len() + lights.len() - 1) as u32;
+            if is_mixed { self.patch_of_group[number] = place } else { self.patch_of_site[number] = place }
+        }
+        (self.patches, self.lights) = (patches, lights);
+    }
+}
+
+fn patch_of_site(world: &World, site: &Site, votes: &SiteVotes, index: u32) -> Patch {
+    let surroundings = votes.surroundings(site);
+    let answer = surroundings.resolve(world);
+    let kind = match answer {
+        Answer::MASKED => PatchKind::Masked,
+        Answer { outside, inside } if outside == inside => PatchKind::Null,
+        _ => PatchKind::Clear,
+    };
+    let is_masked = kind == PatchKind::Masked;
+    let matters = |vote: &&Vote| {
+        vote.share() < 1.0 && votes.surroundings_but_for(site, Some(vote.refractor)).resolve(world) != answer
+    };
+    let confidence = votes.list.iter().filter(matters).map(Vote::share).fold(1.0, f64::min);
+    Patch {
+        refractor: site.subject,
+        index,
+        kind,
+        faces: site.face_count(&world.geometry),
+        area: site.area(&world.geometry),
+        outside: (!is_masked).then_some(answer.outside),
+        inside: (!is_masked && is_refractor(world, site.subject)).then_some(answer.inside),
+        outside_refractor: surroundings.outer_refractor(world).filter(|_| !is_masked),
+        inside_refractor: (surroundings.inner_refractor(world))
+            .filter(|_| !is_masked && is_refractor(world, site.subject)),
+        crossed_by: Vec::new(),
+        rays: votes.rays,
+        confidence,
+        votes: votes.list.clone(),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use rayon::prelude::*;
 
 use super::events::Events;
@@ -10,14 +10,12 @@ use super::film::Film;
 use super::prepare::Prepared;
 use crate::estimator::path::{PathTracer, Scratch, dimension};
 use crate::estimator::sampler::Sampler;
-use crate::geometry::Ray;
-use crate::rectify::containment::medium_at;
-use crate::scene::World;
+use crate::rectify::start::StartRegion;
 use crate::scene::camera::Camera;
 use crate::scene::needs::SceneNeeds;
-use crate::scene::world::MediumId;
 use crate::tracking::naive::Naive;
-use crate::tracking::rectified::Rectified;
+use crate::tracking::priority::Priority;
+use crate::tracking::rectified::{Rectified, RectifiedObject};
 use crate::tracking::reference::Reference;
 use crate::tracking::stack::Stack;
 use crate::tracking::{Mode, Tracker};
@@ -49,7 +47,9 @@ pub fn accumulate(
     match settings.mode {
         Mode::Naive => pass.run(&Naive, film),
         Mode::Stack => pass.run(&Stack, film),
-        Mode::Rectified => pass.run(&Rectified { table: &prepared.table }, film),
+        Mode::Priority => pass.run(&Priority { world: &prepared.world }, film),
+        Mode::RectifiedObject => pass.run(&RectifiedObject::new(&prepared.world, &prepared.table), film),
+        Mode::Rectified => pass.run(&Rectified { world: &prepared.world, table: &prepared.table }, film),
         Mode::Reference => pass.run(&Reference { world: &prepared.world }, film),
     }
 }
@@ -72,7 +72,7 @@ impl Pass<'_> {
             max_depth: self.settings.max_depth.unwrap_or(u32::MAX),
         };
         let camera = Camera { position: self.camera.position - world.geometry.origin, ..*self.camera };
-        let start = CameraMedium::of(world, &camera);
+        let lens = StartRegion::new(world, camera.position, camera.aperture_radius);
         let width = film.width;
         let size = DVec2::new(f64::from(film.width), f64::from(film.height));
         let first = film.samples;
@@ -92,7 +92,9 @@ impl Pass<'_> {
                         let [x, y] = sampler.get_2d(dimension::PIXEL);
                         let at = DVec2::new(column as f64 + x, row as f64 + y);
                         let ray = camera.ray(at, size, lens_point(&camera, &sampler));
-                        let radiance = tracer.radiance(ray, start.at(world, &ray), &sampler, scratch);
+                        let start = lens.start(world, ray);
+                        scratch.events.ambiguous += u64::from(start.is_ambiguous);
+                        let radiance = tracer.radiance(start.ray, start.medium, &sampler, scratch);
                         if radiance.is_finite() {
                             *sum += radiance;
                             *count += 1;
@@ -111,7 +113,6 @@ impl Pass<'_> {
             return false;
         }
         film.events += events;
-        film.events.ambiguous += u64::from(start.is_ambiguous && first == 0);
         film.samples += self.samples;
         true
     }
@@ -130,30 +131,4 @@ fn lens_point(camera: &Camera, sampler: &Sampler) -> DVec2 {
     let (r, angle) =
         if u.x.abs() > u.y.abs() { (u.x, quarter * u.y / u.x) } else { (u.y, 2.0 * quarter - quarter * u.x / u.y) };
     DVec2::from_angle(angle) * r
-}
-
-/// The medium that camera paths start in.
-struct CameraMedium {
-    medium: MediumId,
-    /// Whether the lens straddles a surface, so that every sample must ask for itself.
-    is_split: bool,
-    is_ambiguous: bool,
-}
-
-impl CameraMedium {
-    fn of(world: &World, camera: &Camera) -> Self {
-        let (medium, is_ambiguous) = medium_at(world, camera.position);
-        let rim = (0..8).map(|k| DVec2::from_angle(f64::from(k) * std::f64::consts::FRAC_PI_4));
-        let is_split = camera.aperture_radius > 0.0
-            && rim.into_iter().any(|lens| {
-                let offset: DVec3 = (camera.right * lens.x + camera.up * lens.y) * camera.aperture_radius;
-                medium_at(world, camera.position + offset).0 != medium
-            });
-        Self { medium, is_split, is_ambiguous }
-    }
-
-    #[inline]
-    fn at(&self, world: &World, ray: &Ray) -> MediumId {
-        if self.is_split { medium_at(world, ray.origin).0 } else { self.medium }
-    }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::rectify::{InterfaceTable, rectify};
+use crate::rectify::InterfaceTable;
 use crate::scene::compile::compile;
 use crate::scene::{Description, SceneError, World};
 
@@ -36,7 +36,7 @@ pub fn prepare(description: Arc<Description>, previous: Option<&Prepared>) -> Re
     let bvh = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let kept = previous.filter(|p| Arc::ptr_eq(&p.world.geometry, &world.geometry)).map(|p| &*p.table);
-    let table = rectify(&world, kept);
+    let table = InterfaceTable::new(&world, kept);
     let seconds = PrepareSeconds { bvh, rectify: start.elapsed().as_secs_f64() };
     Ok(Prepared { description, world: Arc::new(world), table: Arc::new(table), seconds })
 }

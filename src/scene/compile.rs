@@ -11,7 +11,7 @@ use super::light::Emitters;
 use super::needs::SceneNeeds;
 use super::shapes;
 use super::world::{MediumId, Object, ObjectId, Paint, Surface, World, WorldMedium};
-use crate::geometry::{Geometry, Mesh, Part};
+use crate::geometry::{Enclosure, Geometry, Mesh, Part};
 use crate::optics::dispersion::{IOR_RANGE, WAVELENGTH_D_UM};
 use crate::optics::{IorModel, medium};
 
@@ -47,7 +47,14 @@ pub fn compile(description: &Description, previous: Option<(&Description, &World
     );
     let needs = SceneNeeds::of(&geometry, &objects, &media, &emitters, &environment);
     let world_is_vacuum = media[0].ior_minus_one == 0.0 && media[0].absorption == DVec3::ZERO;
-    Ok(World { geometry, objects, media, emitters, environment, needs, world_is_vacuum })
+    let refractors_that = |enclosure: Enclosure| {
+        (objects.iter().enumerate())
+            .filter(|(_, o)| o.enclosure == enclosure && matches!(o.surface, Surface::Refractor { .. }))
+            .map(|(index, _)| ObjectId(index as u32))
+            .collect::<Vec<_>>()
+    };
+    let (holed, has_sheets) = (refractors_that(Enclosure::Holed), !refractors_that(Enclosure::Sheet).is_empty());
+    Ok(World { geometry, objects, media, emitters, environment, needs, holed, has_sheets, world_is_vacuum })
 }
 
 fn compile_media(description: &Description) -> Result<Vec<WorldMedium>, SceneError> {
@@ -165,7 +172,8 @@ fn objects(description: &Description, origin: DVec3, volumes: &[f64]) -> Result<
     let mut objects = Vec::with_capacity(volumes.len());
     let mut add = |name: &str, surface| {
         let volume = volumes[objects.len()];
-        objects.push(Object { name: name.into(), surface, volume });
+        let enclosure = if volume.is_infinite() { Enclosure::Sheet } else { Enclosure::Closed };
+        objects.push(Object { name: name.into(), surface, volume, enclosure });
     };
     for r in &description.refractors {
         let index = description.media.iter().position(|m| m.name == r.medium).ok_or_else(|| {

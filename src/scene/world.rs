@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::environment::EnvironmentLight;
 use super::light::Emitters;
 use super::needs::SceneNeeds;
-use crate::geometry::Geometry;
+use crate::geometry::{Enclosure, Geometry};
 
 /// Index into [`World::media`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -71,6 +71,20 @@ pub struct Object {
     pub surface: Surface,
     /// Enclosed volume, ≥ 0; infinite for a surface that encloses none, such as a quad.
     pub volume: f64,
+    /// How membership in it is asked.
+    pub enclosure: Enclosure,
+}
+
+impl Object {
+    /// Generalised winding number of the surface around a point (local coordinates).
+    pub fn winding_at(&self, _point: DVec3) -> f64 {
+        0.0
+    }
+
+    /// Whether the surface falls into components.
+    pub fn has_several_components(&self) -> bool {
+        false
+    }
 }
 
 /// A compiled scene. Coordinates inside are relative to [`Geometry::origin`].
@@ -82,6 +96,10 @@ pub struct World {
     pub emitters: Emitters,
     pub environment: EnvironmentLight,
     pub needs: SceneNeeds,
+    /// The refractors whose enclosure has holes.
+    pub holed: Vec<ObjectId>,
+    /// Whether some refractor is an open sheet.
+    pub has_sheets: bool,
     /// Whether the global medium is indistinguishable from the reserved vacuum.
     pub world_is_vacuum: bool,
 }

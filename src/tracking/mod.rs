@@ -1,6 +1,7 @@
 //! The modes: ways to know, at a crossing of a refractor's surface, which medium is left and which is entered.
 
 pub mod naive;
+pub mod priority;
 pub mod rectified;
 pub mod reference;
 pub mod stack;
@@ -21,6 +22,8 @@ pub struct Crossing {
     /// Whether the ray comes from outside.
     pub is_entering: bool,
     pub point: SurfacePoint,
+    /// As in [`crate::geometry::Hit`].
+    pub barycentric: [f64; 2],
 }
 
 /// The media on both sides of a crossing, seen along the ray.
@@ -50,21 +53,34 @@ pub trait Tracker: Sync {
     /// Makes `state` that of a fresh path.
     fn start(&self, state: &mut Self::State);
 
-    /// Which media the crossing lies between. Reflection there leaves the state as it is.
-    fn sides(&self, state: &Self::State, crossing: &Crossing, events: &mut Events) -> Sides;
+    /// Whether [`Tracker::sides`] may answer `None`: shadow rays must then look at every refractor in their way.
+    #[inline]
+    fn can_skip(&self) -> bool {
+        false
+    }
 
-    /// Records that the path went through.
+    /// Which media the crossing lies between. Reflection there leaves the state as it is.
+    ///
+    /// `None`: there is no interface here. The path goes straight on in the medium it is in, and [`Tracker::transmit`] is told all the
+    /// same, because the path did go through this surface.
+    fn sides(&self, state: &Self::State, crossing: &Crossing, events: &mut Events) -> Option<Sides>;
+
+    /// Records that the path went through, bent or not.
     fn transmit(&self, state: &mut Self::State, crossing: &Crossing);
 }
 
-/// A way of tracking media.
+/// A way of tracking media. Declared in the order in which they deserve trust.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum Mode {
     /// The exterior is always vacuum.
     Naive,
     /// A stack of the media entered so far.
     Stack,
+    /// A list of the refractors entered so far, ordered by their priorities.
+    Priority,
+    /// IOR rectification with one stored exterior per object; no state per path.
+    RectifiedObject,
     /// The stored answer of IOR rectification; no state per path.
     Rectified,
     /// Containment asked anew on both sides of every hit: slow, the truth that the others are measured against.
@@ -72,13 +88,16 @@ pub enum Mode {
 }
 
 impl Mode {
-    pub const ALL: [Self; 4] = [Self::Naive, Self::Stack, Self::Rectified, Self::Reference];
+    pub const ALL: [Self; 6] =
+        [Self::Naive, Self::Stack, Self::Priority, Self::RectifiedObject, Self::Rectified, Self::Reference];
 
     /// The name used on the command line, in JSON and on labels.
     pub fn name(self) -> &'static str {
         match self {
             Self::Naive => "naive",
             Self::Stack => "stack",
+            Self::Priority => "priority",
+            Self::RectifiedObject => "rectified-object",
             Self::Rectified => "rectified",
             Self::Reference => "reference",
         }
@@ -92,6 +111,12 @@ impl Mode {
             }
             Self::Stack => {
                 "Carries the media entered so far along each path: wrong when the path starts inside a dielectric."
+            }
+            Self::Priority => {
+                "Carries the refractors entered so far and lets the highest priority win: right where volumes overlap, wrong when the path starts inside a dielectric."
+            }
+            Self::RectifiedObject => {
+                "Looks up one exterior per object: no state per path, wrong where an object has different surroundings in different places."
             }
             Self::Rectified => {
                 "Looks up what rectification found outside each refractor: no state per path, right wherever it starts."
@@ -113,11 +138,6 @@ impl FromStr for Mode {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        if text == "priority" {
-            return Err(
-                "the mode `priority` is not yet supported; valid modes: naive, stack, rectified, reference".into()
-            );
-        }
         Self::ALL
             .into_iter()
             .find(|mode| mode.name() == text)

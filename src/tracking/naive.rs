@@ -14,8 +14,8 @@ impl Tracker for Naive {
     fn start(&self, (): &mut ()) {}
 
     #[inline]
-    fn sides(&self, (): &(), crossing: &Crossing, _: &mut Events) -> Sides {
-        crossing.sides(MediumId::VACUUM)
+    fn sides(&self, (): &(), crossing: &Crossing, _: &mut Events) -> Option<Sides> {
+        Some(crossing.sides(MediumId::VACUUM))
     }
 
     #[inline]

@@ -1,11 +1,15 @@
-//! `rectified`: the exterior is looked up in what rectification stored. No state per path.
+//! `rectified` and `rectified-object`: the media are looked up in what rectification stored. No state per path.
 
 use super::{Crossing, Sides, Tracker};
 use crate::rectify::InterfaceTable;
 use crate::render::Events;
+use crate::scene::World;
+use crate::scene::world::MediumId;
 
+/// An answer for every place on every refractor.
 #[derive(Debug, Clone, Copy)]
 pub struct Rectified<'a> {
+    pub world: &'a World,
     pub table: &'a InterfaceTable,
 }
 
@@ -16,8 +20,46 @@ impl Tracker for Rectified<'_> {
     fn start(&self, (): &mut ()) {}
 
     #[inline]
-    fn sides(&self, (): &(), crossing: &Crossing, _: &mut Events) -> Sides {
-        crossing.sides(self.table.patch(crossing.refractor).outside)
+    fn sides(&self, (): &(), crossing: &Crossing, _: &mut Events) -> Option<Sides> {
+        let answer = self.table.look(self.world, crossing.refractor, &crossing.point, crossing.barycentric);
+        if answer.is_masked() {
+            return None;
+        }
+        let (outside, inside) = (answer.outside, answer.inside);
+        let (from, to) = if crossing.is_entering { (outside, inside) } else { (inside, outside) };
+        Some(Sides { from, to })
+    }
+
+    #[inline]
+    fn transmit(&self, (): &mut (), _: &Crossing) {}
+
+    fn can_skip(&self) -> bool {
+        self.table.has_masked()
+    }
+}
+
+/// One exterior for the whole of each object: right wherever an object lies wholly inside another, or inside none.
+#[derive(Debug, Clone)]
+pub struct RectifiedObject {
+    /// By object id.
+    outsides: Vec<MediumId>,
+}
+
+impl RectifiedObject {
+    pub fn new(world: &World, table: &InterfaceTable) -> Self {
+        Self { outsides: table.per_object(world).outsides(world) }
+    }
+}
+
+impl Tracker for RectifiedObject {
+    type State = ();
+
+    #[inline]
+    fn start(&self, (): &mut ()) {}
+
+    #[inline]
+    fn sides(&self, (): &(), crossing: &Crossing, _: &mut Events) -> Option<Sides> {
+        Some(crossing.sides(self.outsides[crossing.refractor.0 as usize]))
     }
 
     #[inline]

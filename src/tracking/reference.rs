@@ -1,7 +1,9 @@
-//! `reference`: containment asked anew at every hit, by voting rays. Slow; the truth that the other modes are measured against.
+//! `reference`: containment asked anew on both sides of every hit, by voting rays. Slow; the truth that the other modes are measured
+//! against.
 
 use super::{Crossing, Sides, Tracker};
-use crate::rectify::containment::{containment, medium_of, top};
+use crate::rectify::contact::is_stood_for;
+use crate::rectify::containment::{containment_beside, medium_of, top};
 use crate::render::Events;
 use crate::scene::World;
 
@@ -16,15 +18,24 @@ impl Tracker for Reference<'_> {
     #[inline]
     fn start(&self, (): &mut ()) {}
 
-    fn sides(&self, (): &(), crossing: &Crossing, events: &mut Events) -> Sides {
+    fn sides(&self, (): &(), crossing: &Crossing, events: &mut Events) -> Option<Sides> {
         let world = self.world;
-        let others = containment(world, crossing.point.position, Some(crossing.refractor));
-        events.ambiguous += u64::from(others.is_ambiguous);
-        let outside = medium_of(world, top(world, others.refractors.iter().copied()));
-        let inside = medium_of(world, top(world, others.refractors.into_iter().chain([crossing.refractor])));
-        if crossing.is_entering { Sides { from: outside, to: inside } } else { Sides { from: inside, to: outside } }
+        if is_stood_for(world, &crossing.point) {
+            return None;
+        }
+        let (outer, inner) =
+            (containment_beside(world, &crossing.point, true), containment_beside(world, &crossing.point, false));
+        events.ambiguous += u64::from(outer.is_ambiguous || inner.is_ambiguous);
+        let outside = medium_of(world, top(world, outer.refractors));
+        let inside = medium_of(world, top(world, inner.refractors.into_iter().chain([crossing.refractor])));
+        let (from, to) = if crossing.is_entering { (outside, inside) } else { (inside, outside) };
+        Some(Sides { from, to })
     }
 
     #[inline]
     fn transmit(&self, (): &mut (), _: &Crossing) {}
+
+    fn can_skip(&self) -> bool {
+        true
+    }
 }

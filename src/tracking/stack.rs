@@ -17,20 +17,20 @@ impl Tracker for Stack {
     }
 
     #[inline]
-    fn sides(&self, state: &Self::State, crossing: &Crossing, events: &mut Events) -> Sides {
+    fn sides(&self, state: &Self::State, crossing: &Crossing, events: &mut Events) -> Option<Sides> {
         let below = |depth: usize| state.len().checked_sub(depth).map_or(MediumId::WORLD, |index| state[index]);
         if crossing.is_entering {
-            return Sides { from: below(1), to: crossing.interior };
+            return Some(Sides { from: below(1), to: crossing.interior });
         }
         if state.is_empty() {
             events.stack_underflow += 1;
-            return Sides { from: crossing.interior, to: MediumId::WORLD };
+            return Some(Sides { from: crossing.interior, to: MediumId::WORLD });
         }
         // What is popped should be what this refractor holds; where it is not, volumes overlap or an entry was missed.
         if below(1) != crossing.interior {
             events.inconsistent += 1;
         }
-        Sides { from: below(1), to: below(2) }
+        Some(Sides { from: below(1), to: below(2) })
     }
 
     #[inline]
@@ -53,12 +53,18 @@ mod tests {
 
     fn crossing(interior: u32, is_entering: bool) -> Crossing {
         let point = SurfacePoint { position: DVec3::ZERO, normal: DVec3::Y, primitive: 0 };
-        Crossing { refractor: ObjectId(interior), interior: MediumId(interior), is_entering, point }
+        Crossing {
+            refractor: ObjectId(interior),
+            interior: MediumId(interior),
+            is_entering,
+            point,
+            barycentric: [0.0; 2],
+        }
     }
 
     fn cross(state: &mut Vec<MediumId>, events: &mut Events, interior: u32, is_entering: bool) -> (u32, u32) {
         let crossing = crossing(interior, is_entering);
-        let sides = Stack.sides(state, &crossing, events);
+        let sides = Stack.sides(state, &crossing, events).expect("a stack skips nothing");
         Stack.transmit(state, &crossing);
         (sides.from.0, sides.to.0)
     }

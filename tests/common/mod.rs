@@ -1,12 +1,14 @@
 //! Scenes made in memory, and ways to ask them, shared by the whole-system tests.
 #![allow(dead_code)]
 
+pub mod truth;
+
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 use iorect::estimator::trace::{Follow, TracedPath, trace};
-use iorect::geometry::Ray;
+use iorect::geometry::{Ray, uniform_direction};
 use iorect::optics::{IorModel, Medium};
 use iorect::render::{Film, Prepared, RenderSettings, accumulate, prepare};
 use iorect::scene::camera::Camera;
@@ -96,4 +98,36 @@ pub fn mean(film: &Film) -> (f64, f64) {
     let mean = values.iter().sum::<f64>() / count;
     let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
     (mean, (variance / count).sqrt())
+}
+
+/// A small generator, so that the tests use the same numbers everywhere (Knuth's MMIX constants).
+pub struct Numbers(pub u64);
+
+impl Numbers {
+    /// Uniform in [0, 1).
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        ((self.0 >> 33) as f64) / (1u64 << 31) as f64
+    }
+
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
+    }
+
+    /// Uniform in 0..count.
+    pub fn index(&mut self, count: usize) -> usize {
+        (self.next() * count as f64) as usize
+    }
+
+    /// Uniform on the sphere.
+    pub fn direction(&mut self) -> DVec3 {
+        let u = [self.next(), self.next()];
+        uniform_direction(u)
+    }
+
+    /// Uniform in the box from `min` to `max`.
+    pub fn point(&mut self, min: DVec3, max: DVec3) -> DVec3 {
+        let u = DVec3::new(self.next(), self.next(), self.next());
+        min + (max - min) * u
+    }
 }

@@ -70,7 +70,6 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 fn patch_ui(ui: &mut Ui, state: &State, world: &World, patch: &Patch, commands: &mut Vec<Command>) {
     let palette = Palette::of(ui);
     let name = &world.object(patch.refractor).name;
-    let (outside, inside) = (world.medium(patch.outside), world.medium(patch.inside));
     let is_selected = state.selected.as_deref() == Some(name);
     let fill = if is_selected { ui.visuals().selection.bg_fill } else { ui.visuals().faint_bg_color };
     let frame = egui::Frame::new().fill(fill).corner_radius(4).inner_margin(egui::Margin::symmetric(8, 4));
@@ -87,7 +86,13 @@ fn patch_ui(ui: &mut Ui, state: &State, world: &World, patch: &Patch, commands: 
                     });
                 });
             });
-            let text = format!("{} {:.4} | {} {:.4}", outside.name, outside.ior(), inside.name, inside.ior());
+            let text = match (patch.outside, patch.inside) {
+                (Some(outside), Some(inside)) => {
+                    let (outside, inside) = (world.medium(outside), world.medium(inside));
+                    format!("{} {:.4} | {} {:.4}", outside.name, outside.ior(), inside.name, inside.ior())
+                }
+                _ => patch.kind.name().to_owned(),
+            };
             ui.add(Label::new(value(text)).truncate());
         })
         .response
@@ -95,9 +100,8 @@ fn patch_ui(ui: &mut Ui, state: &State, world: &World, patch: &Patch, commands: 
     let response = response.on_hover_ui(|ui| {
         ui.strong(name);
         ui.label(format!("{} rays, {} faces", thousands(u64::from(patch.rays)), thousands(u64::from(patch.faces))));
-        for (container, votes) in &patch.votes {
-            let container = container.map_or("nothing: the world", |id| world.object(id).name.as_str());
-            ui.label(format!("{votes} votes: inside {container}"));
+        for vote in &patch.votes {
+            ui.label(format!("{} of {} votes: inside {}", vote.inside, vote.asked, world.object(vote.refractor).name));
         }
     });
     if response.clicked() {

@@ -110,8 +110,7 @@ fn list(children: &[Vec<usize>], of: usize, continues: &mut Vec<bool>, rows: &mu
 fn patch_of<'a>(report: &'a SceneReport, refractor: &str) -> Option<&'a Patch> {
     let world = &report.prepared.world;
     let (id, _) = world.refractors().find(|(id, _)| world.object(*id).name == refractor)?;
-    let index = *report.prepared.table.patch_of_object.get(id.0 as usize)?;
-    report.prepared.table.patches.get(index as usize)
+    report.prepared.table.main_patch(id)
 }
 
 /// Makes a row of the panel's width that can be selected. Returns it and the part of it at the left of the controls.
@@ -251,7 +250,8 @@ fn outside(state: &State, refractor: &str) -> String {
     let Some(report) = state.report.as_deref() else { return "…".to_owned() };
     let Some(patch) = patch_of(report, refractor) else { return "…".to_owned() };
     let world = &report.prepared.world;
-    let medium = &world.medium(patch.outside).name;
+    let Some(outside) = patch.outside else { return "…".to_owned() };
+    let medium = &world.medium(outside).name;
     match patch.outside_refractor {
         Some(container) if world.object(container).name != *medium => {
             format!("{medium} ({})", world.object(container).name)

@@ -1,0 +1,538 @@
+//! Where surfaces meet: which faces of refractors and lights other surfaces touch, and how.
+//!
+//! Every test here is closed and errs towards a contact: a face that is taken to be touched and is not costs a little time, the other
+//! way round would cost the right answer. Tolerances cover the rounding of vertices to f32, eight units in the last place along the
+//! direction that matters; surfaces that are farther apart than that are apart.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::geometry::sphere::Sphere;
+use crate::geometry::{Enclosure, Geometry, ObjectRange, PrimitiveId, SurfacePoint, closest_point};
+use crate::scene::World;
+use crate::scene::world::{ObjectId, Surface};
+
+/// Share of a coordinate by which the rounding of vertices to f32 may move a surface: eight units in the last place.
+const ROUNDING: f64 = 8.0 / (1u32 << 24) as f64;
+/// Share of the scene's size that is always allowed for, so that a coordinate which should be zero may be off by f64's own rounding.
+const LEAST: f64 = 1e-12;
+/// Normals of coincident faces differ by less than the angle of this cosine.
+const PARALLEL: f64 = 0.9;
+
+/// How another primitive meets a face.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Relation {
+    /// It may reach into the face's interior; `through` if it certainly goes through it.
+    Crosses { through: bool },
+    /// It meets the face at the face's own edges and corners only.
+    Touches,
+    /// It lies in the face's plane (or is the same sphere) and shares a part of it; whether with the same normal.
+    Coincides { same: bool },
+}
+
+/// Another primitive that meets a face.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Contact {
+    pub primitive: PrimitiveId,
+    pub relation: Relation,
+}
+
+/// The touched faces of all refractors and lights, in ascending order, each with what touches it.
+#[derive(Debug, Clone, Default)]
+pub struct Contacts {
+    faces: Vec<PrimitiveId>,
+    /// End of each face's contacts.
+    ends: Vec<u32>,
+    contacts: Vec<Contact>,
+    /// Refractors whose surfaces certainly go through each other, the earlier first; each pair once.
+    pub crossing: Vec<(ObjectId, ObjectId)>,
+}
+
+impl Contacts {
+    pub fn is_empty(&self) -> bool {
+        self.faces.is_empty()
+    }
+
+    pub fn len(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// The touched faces among `primitives`, with their contacts.
+    pub fn of_range(
+        &self,
+        primitives: std::ops::Range<PrimitiveId>,
+    ) -> impl Iterator<Item = (PrimitiveId, &[Contact])> {
+        let first = self.faces.partition_point(|&face| face < primitives.start);
+        let last = self.faces.partition_point(|&face| face < primitives.end);
+        (first..last).map(|index| {
+            let start = if index == 0 { 0 } else { self.ends[index - 1] };
+            (self.faces[index], &self.contacts[start as usize..self.ends[index] as usize])
+        })
+    }
+}
+
+/// Finds all contacts. O(N log N) for surfaces that meet along curves.
+pub fn find(world: &World) -> Contacts {
+    /// Faces that one task looks at.
+    const CHUNK: u32 = 2048;
+    let geometry = &*world.geometry;
+    let boxes: Vec<(DVec3, DVec3)> = (0..world.objects.len()).map(|o| geometry.bounds_of(o as u32)).collect();
+    let mut tasks = Vec::new();
+    for subject in subjects(world).filter(|subject| may_be_touched(world, &boxes, *subject)) {
+        let range = primitives_of(geometry, subject);
+        tasks.extend(
+            (range.clone()).step_by(CHUNK as usize).map(|first| (subject, first..range.end.min(first + CHUNK))),
+        );
+    }
+    tasks.sort_by_key(|(_, range)| range.start);
+    let found: Vec<Contacts> = tasks
+        .into_par_iter()
+        .map(|(subject, range)| {
+            let mut contacts = Contacts::default();
+            let seeker = Seeker { world, subject, is_refractor: is_refractor(world, subject) };
+            range.for_each(|face| seeker.look(face, &mut contacts));
+            contacts
+        })
+        .collect();
+    let mut all = Contacts::default();
+    for part in found {
+        let offset = all.contacts.len() as u32;
+        all.faces.extend(part.faces);
+        all.ends.extend(part.ends.iter().map(|end| end + offset));
+        all.contacts.extend(part.contacts);
+        all.crossing.extend(part.crossing);
+    }
+    all.crossing.sort_unstable();
+    all.crossing.dedup();
+    all
+}
+
+/// The objects whose surroundings are asked for.
+pub fn subjects(world: &World) -> impl Iterator<Item = ObjectId> {
+    (0..world.objects.len() as u32).map(ObjectId).filter(|&id| {
+        matches!(world.object(id).surface, Surface::Refractor { .. } | Surface::Light { .. })
+            && world.geometry.face_count(id.0) > 0
+    })
+}
+
+pub fn is_refractor(world: &World, object: ObjectId) -> bool {
+    matches!(world.object(object).surface, Surface::Refractor { .. })
+}
+
+/// The primitives of an object.
+pub fn primitives_of(geometry: &Geometry, object: ObjectId) -> std::ops::Range<PrimitiveId> {
+    match geometry.range(object.0) {
+        ObjectRange::Triangles(range) => range.clone(),
+        ObjectRange::Sphere(id) => *id..*id + 1,
+    }
+}
+
+/// Whether another object's box reaches the subject's, or its own surface may meet itself.
+fn may_be_touched(world: &World, boxes: &[(DVec3, DVec3)], subject: ObjectId) -> bool {
+    let margin =
+        DVec3::splat(world.geometry.bounding_sphere().map_or(0.0, |s| (s.radius + s.center.length()) * ROUNDING));
+    let (min, max) = boxes[subject.0 as usize];
+    world.object(subject).enclosure == Enclosure::Union
+        || boxes.iter().enumerate().any(|(other, (other_min, other_max))| {
+            other != subject.0 as usize
+                && (min - margin).cmple(*other_max + margin).all()
+                && (*other_min - margin).cmple(max + margin).all()
+        })
+}
+
+struct Seeker<'a> {
+    world: &'a World,
+    subject: ObjectId,
+    is_refractor: bool,
+}
+
+impl Seeker<'_> {
+    /// Adds `face` and what touches it, if anything does.
+    fn look(&self, face: PrimitiveId, to: &mut Contacts) {
+        let geometry = &*self.world.geometry;
+        let this = Face::of(geometry, face);
+        let (min, max) = this.bounds();
+        let margin = DVec3::splat(this.reach().max_element() * ROUNDING + least(geometry));
+        let asks_itself = self.world.object(self.subject).enclosure == Enclosure::Union;
+        let except = (!asks_itself).then_some(self.subject.0);
+        let before = to.contacts.len();
+        geometry.for_each_near_box(min - margin, max + margin, except, |primitive| {
+            let object = ObjectId(geometry.object_of(primitive));
+            let is_own = object == self.subject;
+            if primitive == face || (is_own && !asks_itself) {
+                return;
+            }
+            let other = Face::of(geometry, primitive);
+            if is_own && this.shares_a_corner(&other) {
+                return;
+            }
+            let Some(relation) = this.relation(&other, least(geometry)) else { return };
+            // Opaque surfaces contain nothing: only where they lie on a refractor do they matter.
+            let matters = is_refractor(self.world, object)
+                || (self.is_refractor && matches!(relation, Relation::Coincides { .. }));
+            if matters {
+                let pair = (self.subject.min(object), self.subject.max(object));
+                let goes_through = relation == Relation::Crosses { through: true };
+                if self.is_refractor && goes_through && !is_own && to.crossing.last() != Some(&pair) {
+                    to.crossing.push(pair);
+                }
+                to.contacts.push(Contact { primitive, relation });
+            }
+        });
+        if to.contacts.len() > before {
+            to.contacts[before..].sort_unstable_by_key(|contact| contact.primitive);
+            to.faces.push(face);
+            to.ends.push(to.contacts.len() as u32);
+        }
+    }
+}
+
+/// What is always allowed for, in scene units.
+pub fn least(geometry: &Geometry) -> f64 {
+    geometry.bounding_sphere().map_or(0.0, |s| s.radius * LEAST)
+}
+
+/// A primitive, ready to be compared with others.
+#[derive(Debug, Clone, Copy)]
+pub enum Face {
+    Triangle {
+        corners: [DVec3; 3],
+        /// Unit, outward; zero for a triangle without area.
+        normal: DVec3,
+    },
+    Sphere(Sphere),
+}
+
+impl Face {
+    pub fn of(geometry: &Geometry, primitive: PrimitiveId) -> Self {
+        match geometry.sphere(primitive) {
+            Some(sphere) => Self::Sphere(*sphere),
+            None => {
+                let corners = geometry.corners(primitive);
+                let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+                Self::Triangle { corners, normal }
+            }
+        }
+    }
+
+    fn bounds(&self) -> (DVec3, DVec3) {
+        match self {
+            Self::Triangle { corners: [a, b, c], .. } => (a.min(*b).min(*c), a.max(*b).max(*c)),
+            Self::Sphere(s) => (s.center - s.radius, s.center + s.radius),
+        }
+    }
+
+    /// Largest magnitude of each coordinate.
+    fn reach(&self) -> DVec3 {
+        let (min, max) = self.bounds();
+        min.abs().max(max.abs())
+    }
+
+    fn shares_a_corner(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Triangle { corners: a, .. }, Self::Triangle { corners: b, .. }) => a.iter().any(|p| b.contains(p)),
+            _ => false,
+        }
+    }
+
+    /// How `other` meets this face; `None` where it does not. `least` is the least tolerance.
+    pub fn relation(&self, other: &Self, least: f64) -> Option<Relation> {
+        match (self, other) {
+            (Self::Triangle { corners: f, normal: nf }, Self::Triangle { corners: t, normal: nt }) => {
+                Pair { f, nf: *nf, t, nt: *nt, reach: self.reach().max(other.reach()), least }.relation()
+            }
+            (Self::Triangle { corners, .. }, Self::Sphere(sphere))
+            | (Self::Sphere(sphere), Self::Triangle { corners, .. }) => {
+                let near = closest_point(*corners, sphere.center).distance(sphere.center);
+                let far = corners.iter().map(|c| c.distance(sphere.center)).fold(0.0, f64::max);
+                let through = near < sphere.radius - least && far > sphere.radius + least;
+                (near <= sphere.radius + least && far >= sphere.radius - least).then_some(Relation::Crosses { through })
+            }
+            (Self::Sphere(a), Self::Sphere(b)) => {
+                let (distance, difference) = (a.center.distance(b.center), (a.radius - b.radius).abs());
+                if distance <= least && difference <= least {
+                    return Some(Relation::Coincides { same: true });
+                }
+                let through = difference + least < distance && distance < a.radius + b.radius - least;
+                (difference - least <= distance && distance <= a.radius + b.radius + least)
+                    .then_some(Relation::Crosses { through })
+            }
+        }
+    }
+
+    /// Distance from a point to the surface.
+    pub fn distance(&self, point: DVec3) -> f64 {
+        match self {
+            Self::Triangle { corners, .. } => closest_point(*corners, point).distance(point),
+            Self::Sphere(s) => (s.center.distance(point) - s.radius).abs(),
+        }
+    }
+
+    /// Whether this face, which coincides with the one that `cell` is a part of, covers that cell. Its edges count as wider by the tolerance.
+    pub fn cover(&self, cell: &[DVec3], least: f64) -> Cover {
+        let Self::Triangle { corners, normal } = self else { return Cover::All };
+        let reach = self.reach();
+        let mut covers_all = true;
+        for k in 0..3 {
+            let inward = normal.cross(corners[(k + 1) % 3] - corners[k]).normalize_or_zero();
+            let margin = 2.0 * tolerance(inward, reach, least);
+            let depth = |p: &DVec3| inward.dot(*p - corners[k]) + margin;
+            if cell.iter().all(|p| depth(p) < 0.0) {
+                return Cover::Nothing;
+            }
+            covers_all &= cell.iter().all(|p| depth(p) >= 0.0);
+        }
+        if covers_all {
+            return Cover::All;
+        }
+        // Apart along an edge of the cell, for cells that are triangles.
+        if let [a, b, c] = *cell {
+            let up = (b - a).cross(c - a);
+            for (start, end) in [(a, b), (b, c), (c, a)] {
+                let inward = up.cross(end - start).normalize_or_zero();
+                let margin = 2.0 * tolerance(inward, reach, least);
+                if corners.iter().all(|p| inward.dot(*p - start) < -margin) {
+                    return Cover::Nothing;
+                }
+            }
+        }
+        Cover::Part
+    }
+}
+
+/// How much of a cell a coincident face covers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cover {
+    Nothing,
+    /// Some of it, or it cannot be told.
+    Part,
+    All,
+}
+
+/// How far rounding may move a surface of that `reach` along the unit vector `axis`.
+fn tolerance(axis: DVec3, reach: DVec3, least: f64) -> f64 {
+    axis.abs().dot(reach) * ROUNDING + least
+}
+
+/// Two triangles.
+struct Pair<'a> {
+    f: &'a [DVec3; 3],
+    nf: DVec3,
+    t: &'a [DVec3; 3],
+    nt: DVec3,
+    reach: DVec3,
+    least: f64,
+}
+
+impl Pair<'_> {
+    fn tolerance(&self, axis: DVec3) -> f64 {
+        tolerance(axis, self.reach, self.least)
+    }
+
+    fn relation(&self) -> Option<Relation> {
+        let heights = self.t.map(|p| self.nf.dot(p - self.f[0]));
+        let tolerance = self.tolerance(self.nf);
+        if heights.iter().all(|h| *h > tolerance) || heights.iter().all(|h| *h < -tolerance) {
+            return None;
+        }
+        let heights_of_f = self.f.map(|p| self.nt.dot(p - self.t[0]));
+        let tolerance_t = self.tolerance(self.nt);
+        if heights_of_f.iter().all(|h| *h > tolerance_t) || heights_of_f.iter().all(|h| *h < -tolerance_t) {
+            return None;
+        }
+        let edges = |p: &[DVec3; 3]| [p[1] - p[0], p[2] - p[1], p[0] - p[2]];
+        let (edges_f, edges_t) = (edges(self.f), edges(self.t));
+        for a in edges_f {
+            if edges_t.iter().any(|b| self.gap_along(a.cross(*b), a.length() * b.length()) > 0.0) {
+                return None;
+            }
+        }
+        // In one plane the axes above are all normal to it; there the edges' own normals tell.
+        let is_flat = |heights: &[f64; 3], tolerance: f64| heights.iter().all(|h| h.abs() <= tolerance);
+        let larger = |a: &[DVec3; 3], b: &[DVec3; 3]| {
+            let size = |p: &[DVec3; 3]| edges(p).iter().map(|e| e.length_squared()).fold(0.0, f64::max);
+            size(a) >= size(b)
+        };
+        let cos = self.nf.dot(self.nt);
+        let coplanar =
+            if larger(self.f, self.t) { is_flat(&heights, tolerance) } else { is_flat(&heights_of_f, tolerance_t) };
+        if coplanar && cos.abs() > PARALLEL {
+            let (mut shares_area, mut is_apart) = (true, false);
+            for axis in edges_f.map(|e| e.cross(self.nf)).into_iter().chain(edges_t.map(|e| e.cross(self.nt))) {
+                let gap = self.gap_along(axis, 1.0);
+                is_apart |= gap > 0.0;
+                shares_area &= gap < -3.0 * self.tolerance(axis.normalize_or_zero());
+            }
+            return if is_apart {
+                None
+            } else if shares_area {
+                Some(Relation::Coincides { same: cos > 0.0 })
+            } else {
+                Some(Relation::Touches)
+            };
+        }
+        let is_on_both_sides =
+            |h: &[f64; 3], tolerance: f64| h.iter().any(|h| *h > tolerance) && h.iter().any(|h| *h < -tolerance);
+        let through = is_on_both_sides(&heights, tolerance) && is_on_both_sides(&heights_of_f, tolerance_t);
+        Some(if self.reaches_interior(&heights, tolerance) { Relation::Crosses { through } } else { Relation::Touches })
+    }
+
+    /// Distance of the two triangles' shadows on an axis beyond the tolerance: positive where the axis separates them. An axis too short
+    /// for its `size` says nothing.
+    fn gap_along(&self, axis: DVec3, size: f64) -> f64 {
+        let length = axis.length();
+        if length <= 1e-9 * size || length == 0.0 {
+            return f64::NEG_INFINITY;
+        }
+        let axis = axis / length;
+        let shadow = |p: &[DVec3; 3]| {
+            let [a, b, c] = p.map(|p| axis.dot(p - self.f[0]));
+            (a.min(b).min(c), a.max(b).max(c))
+        };
+        let ((f_min, f_max), (t_min, t_max)) = (shadow(self.f), shadow(self.t));
+        (t_min - f_max).max(f_min - t_max) - self.tolerance(axis)
+    }
+
+    /// Whether `t` meets the plane of `f` within `f`, farther than the tolerance from the edges of `f`.
+    fn reaches_interior(&self, heights: &[f64; 3], tolerance: f64) -> bool {
+        // Where t meets the plane: corners in it, and points where edges go through.
+        let mut points: Vec<DVec3> = Vec::with_capacity(4);
+        for k in 0..3 {
+            let (a, b) = (heights[k], heights[(k + 1) % 3]);
+            let (p, q) = (self.t[k], self.t[(k + 1) % 3]);
+            if a.abs() <= tolerance {
+                points.push(p);
+            }
+            if (a < -tolerance && b > tolerance) || (a > tolerance && b < -tolerance) {
+                points.push(p + (q - p) * (a / (a - b)));
+            }
+        }
+        let inward: [(DVec3, DVec3); 3] = std::array::from_fn(|k| {
+            let inward = self.nf.cross(self.f[(k + 1) % 3] - self.f[k]).normalize_or_zero();
+            (self.f[k] + inward * (2.0 * self.tolerance(inward)), inward)
+        });
+        let reaches = |p: DVec3, q: DVec3| {
+            let (mut from, mut to) = (0.0f64, 1.0f64);
+            for (start, inward) in inward {
+                let (a, b) = (inward.dot(p - start), inward.dot(q - start));
+                if a < 0.0 && b < 0.0 {
+                    return false;
+                } else if a < 0.0 {
+                    from = from.max(a / (a - b));
+                } else if b < 0.0 {
+                    to = to.min(a / (a - b));
+                }
+            }
+            from <= to
+        };
+        match points[..] {
+            [] => false,
+            [p] => reaches(p, p),
+            _ => (0..points.len()).any(|i| (i + 1..points.len()).any(|j| reaches(points[i], points[j]))),
+        }
+    }
+}
+
+/// Whether `other` coincides with `face`; if so, whether with the same normal.
+pub fn coincides(geometry: &Geometry, face: PrimitiveId, other: PrimitiveId) -> Option<bool> {
+    match Face::of(geometry, face).relation(&Face::of(geometry, other), least(geometry)) {
+        Some(Relation::Coincides { same }) => Some(same),
+        _ => None,
+    }
+}
+
+/// Whether a coincident face stands for the one at `point`: that of something opaque, or the first of the refractors'.
+pub fn is_stood_for(world: &World, point: &SurfacePoint) -> bool {
+    let geometry = &*world.geometry;
+    let (own, least) = (ObjectId(geometry.object_of(point.primitive)), least(geometry));
+    let this = Face::of(geometry, point.primitive);
+    let except = (world.object(own).enclosure != Enclosure::Union).then_some(own.0);
+    let margin = DVec3::splat(point.position.abs().max_element() * ROUNDING + least);
+    let mut is_stood_for = false;
+    geometry.for_each_near_box(point.position - margin, point.position + margin, except, |primitive| {
+        let object = ObjectId(geometry.object_of(primitive));
+        let goes_first = primitive < point.primitive || !is_refractor(world, object);
+        if is_stood_for || primitive == point.primitive || !goes_first || (except.is_some() && object == own) {
+            return;
+        }
+        let other = Face::of(geometry, primitive);
+        is_stood_for = matches!(this.relation(&other, least), Some(Relation::Coincides { .. }))
+            && other.cover(&[point.position], least) == Cover::All;
+    });
+    is_stood_for
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn face(corners: [[f64; 3]; 3]) -> Face {
+        let corners = corners.map(DVec3::from);
+        Face::Triangle { corners, normal: (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero() }
+    }
+
+    fn flat() -> Face {
+        face([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    }
+
+    fn relation(other: [[f64; 3]; 3]) -> Option<Relation> {
+        flat().relation(&face(other), 1e-12)
+    }
+
+    #[test]
+    fn triangles_that_cross_touch_and_miss() {
+        let [through, resting] = [true, false].map(|through| Some(Relation::Crosses { through }));
+        // Through the middle, wholly inside the outline: a small object pokes through a large face.
+        assert_eq!(relation([[0.2, 0.2, -1.0], [0.3, 0.2, 1.0], [0.2, 0.3, 1.0]]), through);
+        // With a corner, and with an edge, resting on the inside.
+        assert_eq!(relation([[0.2, 0.2, 0.0], [0.3, 0.2, 1.0], [0.2, 0.3, 1.0]]), resting);
+        assert_eq!(relation([[0.2, 0.2, 0.0], [0.3, 0.2, 0.0], [0.2, 0.3, 1.0]]), resting);
+        // At a corner, along an edge, across an edge from outside.
+        assert_eq!(relation([[0.0, 0.0, 0.0], [-1.0, 0.0, 1.0], [0.0, -1.0, 1.0]]), Some(Relation::Touches));
+        assert_eq!(relation([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.0, 1.0]]), Some(Relation::Touches));
+        // Beside it and above it.
+        assert_eq!(relation([[1.2, 0.2, -1.0], [1.3, 0.2, 1.0], [1.2, 0.3, 1.0]]), None);
+        assert_eq!(relation([[0.2, 0.2, 1e-6], [0.3, 0.2, 1.0], [0.2, 0.3, 1.0]]), None);
+        assert_eq!(relation([[0.0, 0.0, 1e-6], [1.0, 0.0, 1e-6], [0.0, 1.0, 1e-6]]), None);
+    }
+
+    #[test]
+    fn triangles_in_one_plane() {
+        let same = Some(Relation::Coincides { same: true });
+        let opposed = Some(Relation::Coincides { same: false });
+        assert_eq!(relation([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), same);
+        assert_eq!(relation([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]), opposed);
+        assert_eq!(relation([[-5.0, -5.0, 0.0], [5.0, -5.0, 0.0], [0.0, 5.0, 0.0]]), same);
+        assert_eq!(relation([[0.1, 0.1, 0.0], [0.2, 0.1, 0.0], [0.1, 0.2, 0.0]]), same);
+        // Neighbours that share an edge or a corner, and one farther away.
+        assert_eq!(relation([[0.0, 0.0, 0.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]]), Some(Relation::Touches));
+        assert_eq!(relation([[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]), Some(Relation::Touches));
+        assert_eq!(relation([[2.0, 0.0, 0.0], [3.0, 0.0, 0.0], [2.0, 1.0, 0.0]]), None);
+    }
+
+    #[test]
+    fn spheres_and_triangles() {
+        let ball = |x: f64, z: f64, radius: f64| Face::Sphere(Sphere { center: DVec3::new(x, 0.2, z), radius });
+        assert_eq!(flat().relation(&ball(0.2, 0.5, 0.6), 1e-12), Some(Relation::Crosses { through: true }));
+        assert_eq!(flat().relation(&ball(0.2, 0.5, 0.4), 1e-12), None);
+        assert_eq!(flat().relation(&ball(0.2, 0.0, 5.0), 1e-12), None);
+        assert_eq!(ball(0.0, 0.0, 1.0).relation(&ball(0.0, 0.0, 1.0), 1e-12), Some(Relation::Coincides { same: true }));
+        assert_eq!(ball(0.0, 0.0, 1.0).relation(&ball(0.0, 0.0, 1.0 + 1e-6), 1e-12), None);
+        assert_eq!(
+            ball(0.0, 0.0, 1.0).relation(&ball(1.5, 0.0, 1.0), 1e-12),
+            Some(Relation::Crosses { through: true })
+        );
+        assert_eq!(ball(0.0, 0.0, 1.0).relation(&ball(2.5, 0.0, 1.0), 1e-12), None);
+    }
+
+    #[test]
+    fn how_much_is_covered() {
+        let cell = |size: f64, x: f64| {
+            [DVec3::new(x, 0.1, 0.0), DVec3::new(x + size, 0.1, 0.0), DVec3::new(x, 0.1 + size, 0.0)]
+        };
+        assert_eq!(flat().cover(&cell(0.1, 0.1), 1e-12), Cover::All);
+        assert_eq!(flat().cover(&cell(3.0, 0.1), 1e-12), Cover::Part);
+        assert_eq!(flat().cover(&cell(0.1, 2.0), 1e-12), Cover::Nothing);
+        assert_eq!(flat().cover(&[DVec3::new(1.0, 0.0, 0.0)], 1e-12), Cover::All);
+    }
+}

@@ -1,0 +1,104 @@
+//! One exterior for each object: the source's method, kept to be compared with. Rays go outward from area-weighted points; the first
+//! dielectric whose *first hit is from behind* contains the object and is its exterior; several rays vote, against rare misses.
+
+use rayon::prelude::*;
+
+use super::contact::is_refractor;
+use super::containment::medium_of;
+use super::random::Random;
+use crate::geometry::{Ray, uniform_direction};
+use crate::scene::World;
+use crate::scene::world::{MediumId, ObjectId};
+
+/// Rays for each refractor.
+const RAYS: u32 = 16;
+/// Rays at the most, where those disagree.
+const MOST_RAYS: u32 = 256;
+
+/// The answer for one refractor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObjectAnswer {
+    pub refractor: ObjectId,
+    /// Votes for each container, `None` being the global medium, most first.
+    pub votes: Vec<(Option<ObjectId>, u32)>,
+}
+
+impl ObjectAnswer {
+    /// The container that was found; `None` is the global medium.
+    pub fn outside_refractor(&self) -> Option<ObjectId> {
+        self.votes.first().and_then(|(container, _)| *container)
+    }
+
+    pub fn rays(&self) -> u32 {
+        self.votes.iter().map(|(_, count)| count).sum()
+    }
+
+    /// Share of the votes that the answer got, in [0, 1]; 1 where none were needed.
+    pub fn confidence(&self) -> f64 {
+        self.votes.first().map_or(1.0, |(_, agreeing)| f64::from(*agreeing) / f64::from(self.rays()))
+    }
+}
+
+/// One answer for each refractor.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ObjectTable {
+    /// In the order of object ids, with which refractors begin.
+    pub answers: Vec<ObjectAnswer>,
+}
+
+impl ObjectTable {
+    /// Asks about every refractor.
+    pub fn new(world: &World) -> Self {
+        let refractors: Vec<ObjectId> = world.refractors().map(|(id, _)| id).collect();
+        let vote = |refractor: ObjectId| ObjectAnswer { refractor, votes: vote(world, refractor) };
+        Self { answers: refractors.into_par_iter().map(vote).collect() }
+    }
+
+    /// The medium outside each refractor, by object id.
+    pub fn outsides(&self, world: &World) -> Vec<MediumId> {
+        self.answers.iter().map(|answer| medium_of(world, answer.outside_refractor())).collect()
+    }
+}
+
+fn vote(world: &World, refractor: ObjectId) -> Vec<(Option<ObjectId>, u32)> {
+    let mut votes: Vec<(Option<ObjectId>, u32)> = Vec::new();
+    // With nothing that could contain anything, the answer is known.
+    if !world.needs.nesting {
+        return votes;
+    }
+    let mut random = Random::new(u64::from(refractor.0) << 32);
+    let mut rays = 0;
+    while rays < RAYS || (votes.len() > 1 && rays < MOST_RAYS) {
+        let u = [random.next(), random.next(), random.next()];
+        let Some(point) = world.geometry.sample_surface(refractor.0, u) else { break };
+        let mut direction = uniform_direction([random.next(), random.next()]);
+        if direction.dot(point.normal) < 0.0 {
+            direction = -direction;
+        }
+        let container = container_along(world, Ray::leaving(point.position, direction, point.primitive), refractor);
+        match votes.iter_mut().find(|(candidate, _)| *candidate == container) {
+            Some((_, count)) => *count += 1,
+            None => votes.push((container, 1)),
+        }
+        rays += 1;
+    }
+    // Ties go to the earlier object, so that the answer does not depend on the order of rays.
+    votes.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
+    votes
+}
+
+/// The first refractor along `ray` whose first hit is from behind. Opaque objects are looked through, and `own` never counts.
+fn container_along(world: &World, mut ray: Ray, own: ObjectId) -> Option<ObjectId> {
+    let mut met_from_outside: Vec<ObjectId> = Vec::new();
+    while let Some(hit) = world.geometry.closest(&ray) {
+        let object = ObjectId(world.geometry.object_of(hit.primitive));
+        if object != own && is_refractor(world, object) && !met_from_outside.contains(&object) {
+            if !hit.is_front {
+                return Some(object);
+            }
+            met_from_outside.push(object);
+        }
+        ray = ray.beyond(&hit);
+    }
+    None
+}

@@ -1,0 +1,102 @@
+//! The medium that a path starts in. Near a surface, and exactly on one, each ray is asked: it starts in the medium on the side that it
+//! goes to.
+
+use glam::DVec3;
+
+use super::containment::medium_at;
+use crate::geometry::{PrimitiveId, Ray};
+use crate::scene::World;
+use crate::scene::world::{MediumId, ObjectId, Surface};
+
+/// A ray starts on a surface where the surface lies this many of its roundings away or less.
+const ON_SURFACE: f64 = 4.0;
+/// A hit of that surface is the start itself, seen again, unless it lies farther along the ray than this many times the tolerance: then the
+/// ray grazes the surface, and meets it.
+const GRAZING: f64 = 1e4;
+
+/// How a path starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Start {
+    /// The ray, behind the surfaces that it starts on.
+    pub ray: Ray,
+    pub medium: MediumId,
+    /// Whether the voting rays did not agree about the medium.
+    pub is_ambiguous: bool,
+}
+
+/// The media that rays from a small region, such as a lens, start in.
+#[derive(Debug, Clone)]
+pub struct StartRegion {
+    /// The refractors' primitives that rays may start on.
+    near: Vec<PrimitiveId>,
+    /// The one answer for the whole region, and whether it is ambiguous; `None` where a refractor's surface reaches into the region.
+    whole: Option<(MediumId, bool)>,
+}
+
+impl StartRegion {
+    /// The region within `radius` ≥ 0 of `center` (local coordinates).
+    pub fn new(world: &World, center: DVec3, radius: f64) -> Self {
+        let geometry = &world.geometry;
+        let is_refractor = |primitive| {
+            let object = ObjectId(geometry.object_of(primitive));
+            matches!(world.object(object).surface, Surface::Refractor { .. })
+        };
+        // Of large surfaces that reach far the box is asked with far more room than any of them needs.
+        let scale = geometry.bounding_sphere().map_or(0.0, |s| s.radius + s.center.abs().max_element());
+        let reach = DVec3::splat(radius + 8.0 * ON_SURFACE * f64::from(f32::EPSILON) * scale);
+        let mut near = Vec::new();
+        geometry.for_each_near_box(center - reach, center + reach, None, |primitive| {
+            let distance = geometry.distance(primitive, center);
+            if is_refractor(primitive) && distance <= radius + tolerance(world, primitive, center) {
+                near.push(primitive);
+            }
+        });
+        near.sort_unstable();
+        let whole = near.is_empty().then(|| medium_at(world, center));
+        Self { near, whole }
+    }
+
+    /// How a ray (local coordinates) starts whose origin lies in the region.
+    #[inline]
+    pub fn start(&self, world: &World, ray: Ray) -> Start {
+        match self.whole {
+            Some((medium, is_ambiguous)) => Start { ray, medium, is_ambiguous },
+            None => self.start_near_surface(world, ray),
+        }
+    }
+
+    fn start_near_surface(&self, world: &World, mut ray: Ray) -> Start {
+        let geometry = &world.geometry;
+        let starts_on = |primitive: &PrimitiveId| {
+            geometry.distance(*primitive, ray.origin) <= tolerance(world, *primitive, ray.origin)
+        };
+        let on: Vec<PrimitiveId> = self.near.iter().copied().filter(starts_on).collect();
+        if on.is_empty() {
+            let (medium, is_ambiguous) = medium_at(world, ray.origin);
+            return Start { ray, medium, is_ambiguous };
+        }
+        let mut next = geometry.closest(&ray);
+        while let Some(hit) = next
+            && on.contains(&hit.primitive)
+            && hit.t <= GRAZING * tolerance(world, hit.primitive, ray.origin)
+        {
+            ray = ray.beyond(&hit);
+            next = geometry.closest(&ray);
+        }
+        // Up to the next surface there is one medium. Halfway there it can be asked with room on all sides.
+        let length = next.map_or_else(|| geometry.bounding_sphere().map_or(1.0, |s| s.radius), |hit| hit.t - ray.t_min);
+        let (medium, is_ambiguous) = medium_at(world, ray.at(ray.t_min + 0.5 * length));
+        Start { ray, medium, is_ambiguous }
+    }
+}
+
+/// How near a ray must start to a surface to start on it.
+fn tolerance(world: &World, primitive: PrimitiveId, point: DVec3) -> f64 {
+    let of_point = 16.0 * f64::EPSILON * point.abs().max_element();
+    ON_SURFACE * (world.geometry.rounding(primitive) + of_point)
+}
+
+/// How `ray` (local coordinates) starts.
+pub fn start(world: &World, ray: Ray) -> Start {
+    StartRegion::new(world, ray.origin, 0.0).start(world, ray)
+}

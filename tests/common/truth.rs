@@ -1,0 +1,500 @@
+//! What a path must meet, worked out apart from the program: every triangle and sphere is tried in turn, in f64; a point lies inside a mesh
+//! where the solid angles of all its triangles say so; overlaps are resolved here once more; Snell's law is written in vectors. Of the
+//! program it uses nothing but the shapes' tessellation and their transforms. Slow and simple.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use iorect::estimator::trace::{Follow, TracedPath, VertexEvent, trace};
+use iorect::geometry::Ray;
+use iorect::optics::IorModel;
+use iorect::render::Prepared;
+use iorect::scene::description::{Description, Shape, Transform};
+use iorect::scene::shapes::tessellate;
+use iorect::tracking::Mode;
+
+use super::Numbers;
+
+enum Surface {
+    Ball { center: DVec3, radius: f64 },
+    Mesh(Vec<[DVec3; 3]>),
+}
+
+struct Body {
+    surface: Surface,
+    /// Index into `Truth::media`; `None` for what is opaque.
+    medium: Option<usize>,
+    priority: i32,
+    volume: f64,
+    min: DVec3,
+    max: DVec3,
+}
+
+pub struct Truth {
+    bodies: Vec<Body>,
+    /// Names and indices of refraction; first the global medium.
+    media: Vec<(String, f64)>,
+    /// Size of the scene: the largest extent of its bounding box.
+    pub size: f64,
+    /// Surfaces nearer than this along a ray are one.
+    pub together: f64,
+    /// A path is followed no farther than a hit that lies nearer than this to an edge, a crossing curve or another surface, or one that is
+    /// met at a cosine below `grazing`.
+    pub margin: f64,
+    pub grazing: f64,
+    /// How overlaps are resolved. Made wrong on purpose by tests of the tests.
+    top: fn(Candidate, Candidate) -> bool,
+}
+
+/// A refractor that contains a point.
+#[derive(Debug, Clone, Copy)]
+pub struct Candidate {
+    pub index: usize,
+    pub priority: i32,
+    pub volume: f64,
+}
+
+/// Whether `b` fills a point that both contain: higher priority, then smaller volume, then later.
+pub fn is_above(a: Candidate, b: Candidate) -> bool {
+    let later = b.index > a.index;
+    let are_same = (a.volume - b.volume).abs() <= 1e-6 * a.volume.min(b.volume);
+    match (a.priority == b.priority, are_same) {
+        (false, _) => b.priority > a.priority,
+        (true, false) => b.volume < a.volume,
+        (true, true) => later,
+    }
+}
+
+/// One meeting with a surface.
+#[derive(Clone, Copy)]
+struct Meeting {
+    t: f64,
+    /// Unit, outward.
+    normal: DVec3,
+    /// Distance to the nearest edge; infinite on spheres.
+    edge: f64,
+    body: usize,
+}
+
+/// The next thing on a ray that is more than a surface between equals.
+struct Next {
+    position: DVec3,
+    /// Unit, outward.
+    normal: DVec3,
+    from: usize,
+    /// `None`: opaque.
+    to: Option<usize>,
+}
+
+enum Found {
+    Nothing,
+    Next(Next),
+    /// Too close to an edge, another surface, or grazing.
+    IllConditioned,
+}
+
+impl Truth {
+    pub fn new(description: &Description) -> Self {
+        let index_of = |ior: &IorModel| match ior {
+            IorModel::Constant(value) => *value,
+            _ => panic!("tests use constants"),
+        };
+        let mut media = vec![("world".to_owned(), index_of(&description.world.ior))];
+        media.extend(description.media.iter().map(|m| (m.name.clone(), index_of(&m.ior))));
+        let medium_named = |name: &str| media.iter().position(|m| m.0 == name).unwrap();
+        let refractors = (description.refractors.iter())
+            .map(|r| body(&r.shape, &r.transform, Some(medium_named(&r.medium)), r.priority));
+        let solids = description.solids.iter().map(|s| body(&s.shape, &s.transform, None, 0));
+        let lights = description.lights.iter().map(|l| body(&l.shape, &l.transform, None, 0));
+        let bodies: Vec<Body> = refractors.chain(solids).chain(lights).collect();
+        let min = bodies.iter().fold(DVec3::INFINITY, |m, b| m.min(b.min));
+        let max = bodies.iter().fold(DVec3::NEG_INFINITY, |m, b| m.max(b.max));
+        let size = (max - min).max_element();
+        Self { bodies, media, size, together: 1e-7 * size, margin: 1e-5 * size, grazing: 0.02, top: is_above }
+    }
+
+    /// The refractors that contain a point, by index.
+    pub fn containers(&self, point: DVec3) -> Vec<usize> {
+        let contains = |body: &Body| match &body.surface {
+            Surface::Ball { center, radius } => point.distance(*center) < *radius,
+            Surface::Mesh(triangles) => {
+                point.cmpge(body.min).all() && point.cmple(body.max).all() && winding_number(triangles, point) > 0.5
+            }
+        };
+        (0..self.bodies.len()).filter(|&b| self.bodies[b].medium.is_some() && contains(&self.bodies[b])).collect()
+    }
+
+    fn medium_index_at(&self, point: DVec3) -> usize {
+        let candidate = |index: usize| {
+            let body = &self.bodies[index];
+            Candidate { index, priority: body.priority, volume: body.volume }
+        };
+        let mut best: Option<Candidate> = None;
+        for index in self.containers(point) {
+            let new = candidate(index);
+            if best.is_none_or(|best| (self.top)(best, new)) {
+                best = Some(new);
+            }
+        }
+        best.and_then(|best| self.bodies[best.index].medium).unwrap_or(0)
+    }
+
+    /// Name of the medium at a point.
+    pub fn medium_at(&self, point: DVec3) -> &str {
+        &self.media[self.medium_index_at(point)].0
+    }
+
+    /// The same with another rule for overlaps.
+    pub fn with_top(self, top: fn(Candidate, Candidate) -> bool) -> Self {
+        Self { top, ..self }
+    }
+
+    /// The media along a straight line, each different from the one before, up to the first opaque thing. `None` where the line runs along a
+    /// surface.
+    pub fn straight_through(&self, ray: &Ray) -> Option<Vec<String>> {
+        let mut meetings = self.meetings(ray, 0.0);
+        if let Some(end) = meetings.iter().position(|m| self.bodies[m.body].medium.is_none()) {
+            meetings.truncate(end + 1);
+        }
+        let mut names: Vec<String> = Vec::new();
+        let mut start = 0.0;
+        let mut stops: Vec<f64> = meetings.iter().map(|m| m.t).collect();
+        if meetings.last().is_none_or(|m| self.bodies[m.body].medium.is_some()) {
+            stops.push(stops.last().copied().unwrap_or(0.0) + self.size);
+        }
+        for stop in stops {
+            if stop - start > self.together {
+                let middle = ray.at(0.5 * (start + stop));
+                if self.clearance(middle, &[]) < self.together {
+                    return None;
+                }
+                let name = self.medium_at(middle);
+                if names.last().is_none_or(|last| last != name) {
+                    names.push(name.to_owned());
+                }
+            }
+            start = stop;
+        }
+        Some(names)
+    }
+
+    /// Every meeting of a ray with anything, beyond `t_min`, nearest first.
+    fn meetings(&self, ray: &Ray, t_min: f64) -> Vec<Meeting> {
+        let mut meetings = Vec::new();
+        for (index, body) in self.bodies.iter().enumerate() {
+            match &body.surface {
+                Surface::Ball { center, radius } => {
+                    let to_center = *center - ray.origin;
+                    let along = to_center.dot(ray.direction);
+                    let off = (to_center - ray.direction * along).length_squared();
+                    let half_chord = (radius * radius - off).sqrt();
+                    for t in [along - half_chord, along + half_chord] {
+                        if t > t_min {
+                            let normal = (ray.at(t) - *center) / *radius;
+                            meetings.push(Meeting { t, normal, edge: f64::INFINITY, body: index });
+                        }
+                    }
+                }
+                Surface::Mesh(triangles) => {
+                    if !line_meets_box(ray, body.min, body.max) {
+                        continue;
+                    }
+                    for &triangle in triangles {
+                        if let Some(meeting) = meet_triangle(ray, triangle).filter(|m| m.t > t_min) {
+                            meetings.push(Meeting { body: index, ..meeting });
+                        }
+                    }
+                }
+            }
+        }
+        meetings.sort_by(|a, b| a.t.total_cmp(&b.t));
+        meetings
+    }
+
+    /// Distance from a point to the nearest surface of any body but those of `except`.
+    fn clearance(&self, point: DVec3, except: &[usize]) -> f64 {
+        let mut nearest = f64::INFINITY;
+        for (index, body) in self.bodies.iter().enumerate().filter(|(index, _)| !except.contains(index)) {
+            let outside = (body.min - point).max(point - body.max).max(DVec3::ZERO).length();
+            if outside >= nearest || outside > 10.0 * self.margin {
+                continue;
+            }
+            let distance = match &self.bodies[index].surface {
+                Surface::Ball { center, radius } => (point.distance(*center) - radius).abs(),
+                Surface::Mesh(triangles) => {
+                    triangles.iter().map(|t| distance_to_triangle(*t, point)).fold(f64::INFINITY, f64::min)
+                }
+            };
+            nearest = nearest.min(distance);
+        }
+        nearest
+    }
+
+    /// The next interface or opaque surface on a ray that starts on a surface, or anywhere.
+    fn next(&self, ray: &Ray) -> Found {
+        let meetings = self.meetings(ray, self.together);
+        let mut before = None;
+        let mut first = 0;
+        while first < meetings.len() {
+            let mut last = first;
+            while last + 1 < meetings.len() && meetings[last + 1].t - meetings[last].t <= self.together {
+                last += 1;
+            }
+            let group = &meetings[first..=last];
+            let nearest = &group[0];
+            let position = ray.at(nearest.t);
+            let here: Vec<usize> = group.iter().map(|m| m.body).collect();
+            let is_clear =
+                group.iter().all(|m| m.normal.dot(ray.direction).abs() >= self.grazing && m.edge >= self.margin)
+                    && self.clearance(position, &here) >= self.margin;
+            let previous = if first == 0 { 0.0 } else { meetings[first - 1].t };
+            let until = meetings.get(last + 1).map_or(group[group.len() - 1].t + self.size, |m| m.t);
+            if !is_clear || nearest.t - previous < self.margin || until - group[group.len() - 1].t < self.margin {
+                return Found::IllConditioned;
+            }
+            let from = *before.get_or_insert_with(|| self.medium_index_at(ray.at(0.5 * (previous + nearest.t))));
+            if group.iter().any(|m| self.bodies[m.body].medium.is_none()) {
+                return Found::Next(Next { position, normal: nearest.normal, from, to: None });
+            }
+            let to = self.medium_index_at(ray.at(0.5 * (group[group.len() - 1].t + until)));
+            if from != to {
+                return Found::Next(Next { position, normal: nearest.normal, from, to: Some(to) });
+            }
+            first = last + 1;
+        }
+        Found::Nothing
+    }
+
+    /// Goes along a traced path and checks every vertex: that it is the next place at which the medium changes, which media it names, what
+    /// happened there and where the path went on. Stops where the path is badly conditioned. Returns the number of vertices checked, the
+    /// end of the path counting as one.
+    ///
+    /// # Errors
+    /// The first difference, in words.
+    pub fn check(&self, ray: &Ray, path: &TracedPath) -> Result<usize, String> {
+        let tolerance = 1e-6 * self.size;
+        let mut ray = Ray::new(ray.origin, ray.direction.normalize());
+        if self.clearance(ray.origin, &[]) < self.margin {
+            return Ok(0);
+        }
+        let here = self.medium_at(ray.origin);
+        if path.camera_medium != here {
+            return Err(format!("it starts in {}, not in {here}", path.camera_medium));
+        }
+        // Surfaces with one medium on both sides are none.
+        let vertices: Vec<_> =
+            path.vertices.iter().filter(|v| v.event != VertexEvent::Skip || v.from != v.to).collect();
+        for (k, vertex) in vertices.iter().enumerate() {
+            let position = DVec3::from(vertex.position);
+            let next = match self.next(&ray) {
+                Found::IllConditioned => return Ok(k),
+                Found::Nothing => return Err(format!("vertex {k} at {position}: nothing is there")),
+                Found::Next(next) => next,
+            };
+            if next.position.distance(position) > tolerance {
+                return Err(format!("vertex {k} at {position}: the next one is at {}", next.position));
+            }
+            let Some(to) = next.to else {
+                let is_opaque = vertex.refractor.is_none();
+                return if is_opaque { Ok(k + 1) } else { Err(format!("vertex {k} at {position}: it is opaque")) };
+            };
+            let ((from, ior_from), (to, ior_to)) = (&self.media[next.from], &self.media[to]);
+            let seen = (vertex.from.as_deref().unwrap_or("nothing"), vertex.to.as_deref().unwrap_or("nothing"));
+            if seen != (from, to) {
+                return Err(format!("vertex {k} at {position}: {} to {}, not {from} to {to}", seen.0, seen.1));
+            }
+            let onward = match vertices.get(k + 1) {
+                Some(next) => (DVec3::from(next.position) - position).normalize(),
+                None if path.escaped => DVec3::from(path.final_direction),
+                // The cap on depth.
+                None => return Ok(k + 1),
+            };
+            let expected = direction_after(vertex.event, ray.direction, next.normal, ior_to / ior_from)
+                .ok_or_else(|| format!("vertex {k} at {position}: {:?} cannot be", vertex.event))?;
+            if expected.distance(onward) > 1e-5 {
+                return Err(format!("vertex {k} at {position}: it goes on along {onward}, not along {expected}"));
+            }
+            // The next surface may be near, but the direction to it must be known.
+            ray = Ray::new(position, if k + 1 < vertices.len() { expected } else { onward });
+        }
+        match self.next(&ray) {
+            Found::Nothing if path.escaped => Ok(vertices.len() + 1),
+            Found::Next(next) if path.escaped => Err(format!("it misses what is at {}", next.position)),
+            _ => Ok(vertices.len()),
+        }
+    }
+}
+
+/// Snell's law and the law of reflection. `None` where the event is impossible. `ratio` is n_to/n_from.
+fn direction_after(event: VertexEvent, d: DVec3, outward: DVec3, ratio: f64) -> Option<DVec3> {
+    let n = if d.dot(outward) < 0.0 { outward } else { -outward };
+    let cos = -d.dot(n);
+    let sin_squared = (1.0 - cos * cos) / (ratio * ratio);
+    let is_total = sin_squared > 1.0;
+    match event {
+        VertexEvent::Transmit if sin_squared < 1.0 + 1e-9 => {
+            Some(((d + n * cos) / ratio - n * (1.0 - sin_squared).max(0.0).sqrt()).normalize())
+        }
+        VertexEvent::Skip if ratio == 1.0 => Some(d),
+        VertexEvent::Reflect => Some((d + n * (2.0 * cos)).normalize()),
+        VertexEvent::TotalReflection if is_total || sin_squared > 1.0 - 1e-9 => Some((d + n * (2.0 * cos)).normalize()),
+        _ => None,
+    }
+}
+
+fn body(shape: &Shape, transform: &Transform, medium: Option<usize>, priority: i32) -> Body {
+    let matrix = transform.matrix();
+    if let Shape::Sphere { center, radius } = shape {
+        let (center, radius) = (matrix.transform_point3(*center), radius * transform.scale.x.abs());
+        let volume = 4.0 / 3.0 * PI * radius.powi(3);
+        let surface = Surface::Ball { center, radius };
+        return Body { surface, medium, priority, volume, min: center - radius, max: center + radius };
+    }
+    let mesh = tessellate(shape).unwrap().unwrap();
+    let is_mirrored = matrix.matrix3.determinant() < 0.0;
+    let corner = |i: u32| matrix.transform_point3(mesh.positions[i as usize]).as_vec3().as_dvec3();
+    let triangles: Vec<[DVec3; 3]> =
+        (mesh.triangles.iter()).map(|&[a, b, c]| if is_mirrored { [a, c, b] } else { [a, b, c] }.map(corner)).collect();
+    let middle = triangles.iter().flatten().sum::<DVec3>() / (3 * triangles.len()) as f64;
+    let volume: f64 = triangles.iter().map(|t| (t[0] - middle).dot((t[1] - middle).cross(t[2] - middle)) / 6.0).sum();
+    let min = triangles.iter().flatten().fold(DVec3::INFINITY, |m, p| m.min(*p));
+    let max = triangles.iter().flatten().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
+    Body { surface: Surface::Mesh(triangles), medium, priority, volume: volume.abs(), min, max }
+}
+
+/// Times that the triangles enclose `point`: the sum of their solid angles over 4π (Van Oosterom and Strackee 1983).
+pub fn winding_number(triangles: &[[DVec3; 3]], point: DVec3) -> f64 {
+    let solid_angle = |t: &[DVec3; 3]| {
+        let [a, b, c] = t.map(|p| p - point);
+        let (la, lb, lc) = (a.length(), b.length(), c.length());
+        let denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+        2.0 * a.dot(b.cross(c)).atan2(denominator)
+    };
+    triangles.iter().map(solid_angle).sum::<f64>() / (4.0 * PI)
+}
+
+/// Whether the whole line passes a box, or nearly so.
+fn line_meets_box(ray: &Ray, min: DVec3, max: DVec3) -> bool {
+    let radius = (max - min).length() / 2.0 * 1.001;
+    let to_center = (min + max) / 2.0 - ray.origin;
+    to_center.cross(ray.direction).length() <= radius
+}
+
+/// Möller and Trumbore 1997, edges included.
+fn meet_triangle(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<Meeting> {
+    let (ab, ac) = (b - a, c - a);
+    let p = ray.direction.cross(ac);
+    let determinant = ab.dot(p);
+    if determinant == 0.0 {
+        return None;
+    }
+    let s = ray.origin - a;
+    let u = s.dot(p) / determinant;
+    let q = s.cross(ab);
+    let v = ray.direction.dot(q) / determinant;
+    let w = 1.0 - u - v;
+    if u < 0.0 || v < 0.0 || w < 0.0 {
+        return None;
+    }
+    let area_vector = ab.cross(ac);
+    let double_area = area_vector.length();
+    // Heights over the three edges.
+    let edge =
+        (w * double_area / (c - b).length()).min(u * double_area / ac.length()).min(v * double_area / ab.length());
+    Some(Meeting { t: ac.dot(q) / determinant, normal: area_vector / double_area, edge, body: 0 })
+}
+
+/// The least of the distances to the plane, where the foot lies in the triangle, and to the three edges.
+fn distance_to_triangle([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
+    let to_segment = |a: DVec3, b: DVec3| {
+        let along = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+        p.distance(a + (b - a) * along)
+    };
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let is_over = [(a, b), (b, c), (c, a)].into_iter().all(|(a, b)| (b - a).cross(p - a).dot(normal) >= 0.0);
+    let to_plane = if is_over && normal != DVec3::ZERO { (p - a).dot(normal).abs() } else { f64::INFINITY };
+    to_plane.min(to_segment(a, b)).min(to_segment(b, c)).min(to_segment(c, a))
+}
+
+/// What came of following many rays.
+#[derive(Debug, Default)]
+pub struct Survey {
+    /// Vertices and ends of paths that were compared.
+    pub checked: usize,
+    pub faults: Vec<String>,
+    /// Of paths that were well-conditioned from end to end.
+    pub events: u64,
+}
+
+/// Traces rays in a mode and compares every vertex with the truth.
+pub fn survey(scene: &Prepared, truth: &Truth, mode: Mode, rays: &[Ray]) -> Survey {
+    let mut survey = Survey::default();
+    for (index, ray) in rays.iter().enumerate() {
+        let follow = if index % 3 == 0 { Follow::Transmit } else { Follow::Sample };
+        let path = trace(scene, mode, *ray, follow, index as u64, Some(14));
+        match truth.check(ray, &path) {
+            Ok(checked) => {
+                survey.checked += checked;
+                let vertices = path.vertices.iter().filter(|v| v.event != VertexEvent::Skip || v.from != v.to).count();
+                if checked >= vertices && path.events.total() > 0 {
+                    survey.events += 1;
+                    survey.faults.push(format!("ray {index}, {mode}: {:?}", path.events));
+                }
+            }
+            Err(fault) => {
+                survey.faults.push(format!("ray {index} from {} along {}, {mode}: {fault}", ray.origin, ray.direction))
+            }
+        }
+    }
+    survey
+}
+
+/// Rays into the box from `min` to `max` from outside, and rays that start in it, by turns.
+pub fn rays(count: usize, seed: u64, min: DVec3, max: DVec3) -> Vec<Ray> {
+    let mut numbers = Numbers(seed);
+    let (center, radius) = ((min + max) / 2.0, (max - min).length() / 2.0);
+    (0..count)
+        .map(|k| {
+            let point = numbers.point(min, max);
+            let direction = numbers.direction();
+            if k % 2 == 0 {
+                let origin = center + direction * (1.5 * radius);
+                Ray::new(origin, (point - origin).normalize())
+            } else {
+                Ray::new(point, direction)
+            }
+        })
+        .collect()
+}
+
+impl Truth {
+    /// Rays into and within the bounding box of everything.
+    pub fn rays(&self, count: usize, seed: u64) -> Vec<Ray> {
+        let min = self.bodies.iter().fold(DVec3::INFINITY, |m, b| m.min(b.min));
+        let max = self.bodies.iter().fold(DVec3::NEG_INFINITY, |m, b| m.max(b.max));
+        rays(count, seed, min, max)
+    }
+}
+
+/// The media that a path goes through, each different from the one before. Stretches no longer than `together`, between faces that meet
+/// in an edge or a vertex, do not count.
+///
+/// # Panics
+/// When the path leaves another medium than the one it was in.
+pub fn media_along(path: &TracedPath, together: f64) -> Vec<String> {
+    let mut names = vec![path.camera_medium.clone()];
+    let mut last = None;
+    for vertex in path.vertices.iter().filter(|v| v.from != v.to) {
+        let (from, to) = (vertex.from.as_ref().unwrap(), vertex.to.as_ref().unwrap());
+        let position = DVec3::from(vertex.position);
+        assert_eq!(names.last(), Some(from), "{path:#?}");
+        if last.is_some_and(|last| position.distance(last) <= together) {
+            names.pop();
+        }
+        if names.last() != Some(to) {
+            names.push(to.clone());
+        }
+        last = Some(position);
+    }
+    names
+}
