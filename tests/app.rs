@@ -10,6 +10,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use glam::DVec3;
 use iorect::app::{App, Arrangement, Command, ExportKind, PaneContent, Settings, Tab, Theme};
+use iorect::render::surfaces::SurfaceQuantity;
 use iorect::scene::camera::Camera;
 use iorect::scene::description::{Shape, Transform};
 use iorect::tracking::Mode;
@@ -657,6 +658,49 @@ fn a_click_on_a_problem_shows_its_place_and_a_tie_is_fixed() {
     until(&mut harness, "the tie is no problem any more", move |app| !has_tie(app));
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     until(&mut harness, "it is one again", move |app| has_tie(app));
+}
+
+#[test]
+fn surfaces_are_painted_with_a_legend_and_exported_with_it() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let settings = Settings { pane_count: 1, ..quick() };
+    let mut harness = window_of("half-submerged", settings, [1280.0, 720.0]);
+    until(&mut harness, "there are images", every_pane_has_an_image);
+    let epoch = harness.state().state().epoch();
+    harness.get_by_label("Pane 1: stack").click();
+    harness.run_steps(3);
+    harness.get_by_label("surfaces").hover();
+    harness.run_steps(10);
+    harness.get_by_label("outside medium").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().state().settings.panes[0], PaneContent::Surfaces(SurfaceQuantity::Outside));
+    until(&mut harness, "the surfaces are painted", every_pane_has_an_image);
+    assert!(harness.state().state().epoch() > epoch, "the film that was there is not needed any more");
+    let film = harness.state().state().film_size();
+    for (kind, name) in [(ExportKind::PanePng, "pane.png"), (ExportKind::AllPanesPng, "all.png")] {
+        let path = folder.path().join(name);
+        apply(&mut harness, Command::Export(kind, path.clone()));
+        until(&mut harness, "the export is reported", |app| app.state().notices.iter().any(|n| n.text.contains(name)));
+        let picture = image::open(&path).expect("a picture that can be read").to_rgb8();
+        assert!(picture.width() > film[0] && picture.height() > film[1], "the legend is there");
+        // The colours of water and of the world, in the picture or in its legend, as they are.
+        for color in [iorect::render::surfaces::COLORS[0], iorect::render::surfaces::WORLD_COLOR] {
+            assert!(picture.pixels().any(|pixel| pixel.0 == color), "{name} lacks {color:?}");
+        }
+    }
+    let exr = folder.path().join("pane.exr");
+    apply(&mut harness, Command::Export(ExportKind::PaneExr, exr.clone()));
+    until(&mut harness, "the refusal is said", |app| {
+        app.state().notices.iter().any(|n| n.text.contains("no radiance"))
+    });
+    assert!(!exr.exists());
+    // Beside a film, choosing another quantity leaves the film as it is.
+    apply(&mut harness, Command::SetPaneCount(2));
+    until(&mut harness, "both panes have images", every_pane_has_an_image);
+    let epoch = harness.state().state().epoch();
+    apply(&mut harness, Command::SetPaneContent(0, PaneContent::Surfaces(SurfaceQuantity::Class)));
+    until(&mut harness, "classes are painted", every_pane_has_an_image);
+    assert_eq!(harness.state().state().epoch(), epoch);
 }
 
 #[test]

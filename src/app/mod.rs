@@ -245,8 +245,11 @@ impl App {
             Purpose::SaveAs => format!("{stem}.toml"),
             Purpose::Export(ExportKind::AllPanesPng) => format!("{stem}-comparison.png"),
             Purpose::Export(_) => {
-                let content = self.state.settings.panes[self.state.view.active_pane];
-                format!("{stem}-{}.{}", content.inspected_mode(), files::extension_of(purpose))
+                let content = match self.state.settings.panes[self.state.view.active_pane] {
+                    PaneContent::Surfaces(quantity) => quantity.name().replace(' ', "-"),
+                    content => content.inspected_mode().to_string(),
+                };
+                format!("{stem}-{content}.{}", files::extension_of(purpose))
             }
         };
         self.files.ask(purpose, &folder.join(name));
@@ -267,7 +270,7 @@ impl App {
             prepared: report.prepared.clone(),
             display: self.state.settings.display,
             seed: 0,
-            panes: panes.iter().map(|content| (*content, self.viewport.films(*content))).collect(),
+            panes: panes.iter().map(|content| (*content, self.viewport.source(*content))).collect(),
         };
         self.files.export(job);
     }

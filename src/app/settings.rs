@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::objects::Manipulation;
 use crate::render::Display;
+use crate::render::surfaces::SurfaceQuantity;
 use crate::tracking::Mode;
 
 /// Most panes that can be shown.
@@ -19,22 +20,27 @@ pub enum PaneContent {
     Mode(Mode),
     /// The first less the second, in false colour.
     Difference(Mode, Mode),
+    /// Surfaces in the colours of what rectification found about them.
+    Surfaces(SurfaceQuantity),
 }
 
 impl PaneContent {
     /// The modes that must be rendered for it.
     pub fn modes(self) -> impl Iterator<Item = Mode> {
-        let (first, second) = match self {
-            Self::Mode(mode) => (mode, None),
-            Self::Difference(a, b) => (a, Some(b)),
+        let modes = match self {
+            Self::Mode(mode) => [Some(mode), None],
+            Self::Difference(a, b) => [Some(a), Some(b)],
+            Self::Surfaces(_) => [None, None],
         };
-        std::iter::once(first).chain(second)
+        modes.into_iter().flatten()
     }
 
     /// The mode whose paths the inspector shows.
     pub fn inspected_mode(self) -> Mode {
         match self {
             Self::Mode(mode) | Self::Difference(mode, _) => mode,
+            // What is painted is what this mode looks up.
+            Self::Surfaces(_) => Mode::Rectified,
         }
     }
 
@@ -50,6 +56,7 @@ impl fmt::Display for PaneContent {
         match self {
             Self::Mode(mode) => write!(f, "{mode}"),
             Self::Difference(a, b) => write!(f, "{a} − {b}"),
+            Self::Surfaces(quantity) => write!(f, "{}", quantity.name()),
         }
     }
 }
@@ -179,6 +186,12 @@ impl Settings {
     pub fn modes(&self) -> Vec<Mode> {
         let needed: Vec<Mode> = self.shown_panes().iter().flat_map(|content| content.modes()).collect();
         Mode::ALL.into_iter().filter(|mode| needed.contains(mode)).collect()
+    }
+
+    /// The distinct quantities by which the panes need surfaces painted.
+    pub fn surfaces(&self) -> Vec<SurfaceQuantity> {
+        let is_shown = |quantity| self.shown_panes().contains(&PaneContent::Surfaces(quantity));
+        SurfaceQuantity::ALL.into_iter().filter(|quantity| is_shown(*quantity)).collect()
     }
 
     /// Puts a file at the head of the recent ones.

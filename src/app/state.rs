@@ -184,6 +184,7 @@ impl State {
             description: Arc::clone(self.document.description()),
             camera: self.film_camera(),
             modes: self.settings.modes(),
+            surfaces: self.settings.surfaces(),
             size: self.film_size,
             seed: 0,
             max_depth: self.settings.max_depth,
@@ -453,11 +454,14 @@ impl State {
 
     /// Changes what the panes show; images are kept when the modes stay the same.
     fn change_panes(&mut self, change: impl FnOnce(&mut Settings)) {
-        let before = self.settings.modes();
+        let (before, surfaces) = (self.settings.modes(), self.settings.surfaces());
         change(&mut self.settings);
         self.view.active_pane = self.view.active_pane.min(self.settings.pane_count - 1);
         if self.settings.modes() != before {
             self.invalidate();
+        } else if self.settings.surfaces() != surfaces {
+            // The films go on.
+            self.has_news = true;
         }
     }
 

@@ -50,7 +50,7 @@ fn panes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         row_ui(ui, &name, "What this pane shows.", |ui| {
             let text = match content {
                 PaneContent::Mode(mode) => RichText::new(format!("{DOT} {mode}")).color(palette.mode(*mode)),
-                PaneContent::Difference(..) => RichText::new(content.to_string()),
+                PaneContent::Difference(..) | PaneContent::Surfaces(_) => RichText::new(content.to_string()),
             };
             ComboBox::from_id_salt(("pane", index)).selected_text(text).width(ui.available_width()).truncate().show_ui(
                 ui,
