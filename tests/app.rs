@@ -9,7 +9,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use glam::DVec3;
-use iorect::app::{App, Arrangement, Command, ExportKind, PaneContent, Settings, Tab, Theme};
+use iorect::app::{App, Arrangement, Command, ExportKind, Manipulation, PaneContent, Preset, Settings, Tab, Theme};
 use iorect::render::surfaces::SurfaceQuantity;
 use iorect::scene::camera::Camera;
 use iorect::scene::description::{Shape, Transform};
@@ -658,6 +658,98 @@ fn a_click_on_a_problem_shows_its_place_and_a_tie_is_fixed() {
     until(&mut harness, "the tie is no problem any more", move |app| !has_tie(app));
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     until(&mut harness, "it is one again", move |app| has_tie(app));
+}
+
+/// A ball of glass over a pool.
+const POOL: &str = r#"
+name = "Pool"
+[camera]
+position = [0.3, 2.2, 12]
+target = [0, -0.3, 0]
+vertical_fov = 34
+[environment]
+gradient = { zenith = [0.4, 0.6, 1.0], horizon = [1.0, 0.9, 0.8], nadir = [0.5, 0.3, 0.2] }
+[[medium]]
+name = "water"
+ior = 1.333
+absorption = [0.1, 0.04, 0.02]
+[[medium]]
+name = "glass"
+ior = 1.5
+[[refractor]]
+name = "pool"
+medium = "water"
+shape = { box = { min = [-3, -3, -3], max = [3, 0, 3] } }
+[[refractor]]
+name = "ball"
+medium = "glass"
+priority = 1
+shape = { sphere = { center = [0, 0, 0], radius = 1 } }
+[[solid]]
+name = "floor"
+shape = { quad = { center = [0, -3.5, 0], edge_u = [0, 0, 40], edge_v = [40, 0, 0] } }
+checker = { a = [0.8, 0.8, 0.8], b = [0.2, 0.2, 0.3], size = 1.0 }
+"#;
+
+/// One drag from the air through the surface to the bottom, looked at on the way: the patches are right at every place, and one exterior
+/// per object is wrong as long as the ball is in two media at once, and only then.
+#[test]
+fn a_ball_dragged_through_the_surface_of_water_stays_right() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("pool.toml");
+    std::fs::write(&path, POOL).unwrap();
+    let mut settings = quick();
+    settings.panes = Preset::PatchAgainstObject.panes();
+    settings.panes[2] = PaneContent::Mode(Mode::Reference);
+    let mut harness = window_of(path.to_str().expect("a plain path"), settings, [1280.0, 720.0]);
+    // One sample of every mode, taken with the same random numbers.
+    apply(&mut harness, Command::TogglePause);
+    apply(&mut harness, Command::SelectObject(Some("ball".into())));
+    apply(&mut harness, Command::BeginDrag);
+    // (height of the ball's middle, whether it is in water and air at once)
+    let steps = [
+        (1.5, false),
+        (0.9, true),
+        (0.4, true),
+        (0.0, true),
+        (-0.5, true),
+        (-0.95, true),
+        (-1.2, false),
+        (-1.95, false),
+    ];
+    for (y, is_halfway) in steps {
+        let transform = Transform { translate: DVec3::Y * y, ..Transform::IDENTITY };
+        apply(&mut harness, Command::Drag("ball".into(), Manipulation::Move, transform));
+        let modes = [Mode::RectifiedObject, Mode::Rectified, Mode::Reference];
+        until(&mut harness, "the dragged ball is shown", |app| {
+            modes
+                .into_iter()
+                .all(|mode| app.film(mode).is_some_and(|film| film.epoch == app.state().epoch() && !film.is_preview()))
+        });
+        let [object, patch, reference] = modes.map(|mode| harness.state().film(mode).expect("it has just been there"));
+        let differing = |film: &iorect::render::worker::Snapshot| {
+            film.rgb.iter().zip(&reference.rgb).filter(|(a, b)| a != b).count()
+        };
+        let pixels = reference.rgb.len();
+        assert_eq!([object.samples, patch.samples, reference.samples], [1; 3]);
+        // Rays within rounding of where the surfaces cross may go either way.
+        assert!(differing(&patch) * 1000 <= pixels, "at {y}: {} of {pixels} pixels differ", differing(&patch));
+        assert_eq!(patch.events.inconsistent, 0, "at {y}");
+        let share = differing(&object) as f64 / pixels as f64;
+        if is_halfway {
+            assert!(
+                share > 2e-4 && object.events.inconsistent > 0,
+                "at {y} one exterior per object cannot be right: {share}"
+            );
+        } else {
+            assert!(share == 0.0 && object.events.inconsistent == 0, "at {y} one exterior is enough: {share}");
+        }
+    }
+    apply(&mut harness, Command::EndDrag);
+    // All of it was one step.
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(3);
+    assert!(!harness.state().state().document.is_dirty());
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use super::objects::Manipulation;
-use super::settings::{Arrangement, InterfaceScale, PaneContent, Tab, Theme};
+use super::settings::{Arrangement, InterfaceScale, PaneContent, Preset, Tab, Theme};
 use crate::check::Spot;
 use crate::estimator::trace::Follow;
 use crate::optics::IorModel;
@@ -67,6 +67,8 @@ pub enum Command {
     EarlierView,
     SetPaneCount(usize),
     SetPaneContent(usize, PaneContent),
+    /// Four panes that answer one question.
+    SetPreset(Preset),
     SetActivePane(usize),
     SetArrangement(Arrangement),
     SetDivider([f32; 2]),

@@ -25,7 +25,7 @@ use std::time::Instant;
 
 pub use command::{Command, ExportKind, MediumRef};
 pub use objects::Manipulation;
-pub use settings::{Arrangement, InterfaceScale, PaneContent, Settings, Tab, Theme};
+pub use settings::{Arrangement, InterfaceScale, PaneContent, Preset, Settings, Tab, Theme};
 pub use state::State;
 
 use self::develop::{Bell, Developer, Recipe};
@@ -33,8 +33,9 @@ use self::files::{ExportJob, Files, Outcome, Purpose};
 use self::panels::dialogs::{Dialogs, Leaving, PathPrompt};
 use self::screenshot::Camera as WindowCamera;
 use self::viewport::Viewport;
-use crate::render::worker::{News, Worker};
+use crate::render::worker::{News, Snapshot, Worker};
 use crate::scene;
+use crate::tracking::Mode;
 
 /// Key of the settings in the storage.
 const SETTINGS_KEY: &str = "settings";
@@ -203,6 +204,11 @@ impl App {
     /// Samples per pixel of the image that pane `index` shows, at full resolution; 0 before.
     pub fn samples_shown(&self, index: usize) -> u32 {
         self.viewport.samples(self.state.settings.panes[index], &self.state)
+    }
+
+    /// The latest film of a mode.
+    pub fn film(&self, mode: Mode) -> Option<Arc<Snapshot>> {
+        self.worker.board().snapshots().remove(&mode)
     }
 
     /// Does what a command says.

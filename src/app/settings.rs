@@ -14,6 +14,75 @@ pub const MAX_PANES: usize = 4;
 /// Recent files that are remembered.
 const MAX_RECENT: usize = 10;
 
+/// A mode's name on the screen.
+pub fn mode_title(mode: Mode) -> &'static str {
+    match mode {
+        Mode::RectifiedObject => "rectified, per object",
+        other => other.name(),
+    }
+}
+
+/// Panes that answer one question together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Preset {
+    StackAgainstRectified,
+    PatchAgainstObject,
+    AgainstReference,
+    Surfaces,
+}
+
+impl Preset {
+    pub const ALL: [Self; 4] =
+        [Self::StackAgainstRectified, Self::PatchAgainstObject, Self::AgainstReference, Self::Surfaces];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::StackAgainstRectified => "Stack against rectified",
+            Self::PatchAgainstObject => "Patch against object",
+            Self::AgainstReference => "Against the reference",
+            Self::Surfaces => "Surfaces",
+        }
+    }
+
+    /// One sentence for tooltips.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::StackAgainstRectified => {
+                "What most renderers do, rectification, naive, and how far the first two are apart."
+            }
+            Self::PatchAgainstObject => {
+                "One exterior for each object, one for each place on it, how far they are apart, and the surfaces by the medium outside."
+            }
+            Self::AgainstReference => {
+                "Rectification and the slow truth, and how far rectification and priority are from it."
+            }
+            Self::Surfaces => "Everything that rectification found out about surfaces.",
+        }
+    }
+
+    pub fn panes(self) -> [PaneContent; MAX_PANES] {
+        use PaneContent::{Difference, Mode as Film, Surfaces};
+        match self {
+            Self::StackAgainstRectified => {
+                [Film(Mode::Stack), Film(Mode::Rectified), Film(Mode::Naive), Difference(Mode::Stack, Mode::Rectified)]
+            }
+            Self::PatchAgainstObject => [
+                Film(Mode::RectifiedObject),
+                Film(Mode::Rectified),
+                Surfaces(SurfaceQuantity::Outside),
+                Difference(Mode::RectifiedObject, Mode::Rectified),
+            ],
+            Self::AgainstReference => [
+                Film(Mode::Rectified),
+                Film(Mode::Reference),
+                Difference(Mode::Priority, Mode::Reference),
+                Difference(Mode::Rectified, Mode::Reference),
+            ],
+            Self::Surfaces => SurfaceQuantity::ALL.map(Surfaces),
+        }
+    }
+}
+
 /// What a pane shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum PaneContent {
@@ -54,8 +123,8 @@ impl PaneContent {
 impl fmt::Display for PaneContent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Mode(mode) => write!(f, "{mode}"),
-            Self::Difference(a, b) => write!(f, "{a} − {b}"),
+            Self::Mode(mode) => f.write_str(mode_title(*mode)),
+            Self::Difference(a, b) => write!(f, "{} − {}", mode_title(*a), mode_title(*b)),
             Self::Surfaces(quantity) => write!(f, "{}", quantity.name()),
         }
     }
@@ -129,12 +198,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             pane_count: 4,
-            panes: [
-                PaneContent::Mode(Mode::Stack),
-                PaneContent::Mode(Mode::Rectified),
-                PaneContent::Mode(Mode::Naive),
-                PaneContent::Difference(Mode::Stack, Mode::Rectified),
-            ],
+            panes: Preset::StackAgainstRectified.panes(),
             arrangement: Arrangement::Tiles,
             display: Display::default(),
             signed_difference: false,

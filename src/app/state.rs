@@ -369,6 +369,10 @@ impl State {
             Command::SetPaneContent(pane, content) if pane < MAX_PANES => {
                 self.change_panes(|settings| settings.panes[pane] = content);
             }
+            Command::SetPreset(preset) => self.change_panes(|settings| {
+                settings.pane_count = MAX_PANES;
+                settings.panes = preset.panes();
+            }),
             Command::SetActivePane(pane) => self.view.active_pane = pane.min(self.settings.pane_count - 1),
             Command::SetArrangement(arrangement) => self.settings.arrangement = arrangement,
             Command::SetDivider(divider) => self.view.divider = divider.map(|x| x.clamp(0.02, 0.98)),

@@ -70,7 +70,7 @@ const LEAST_CONFIDENCE: f64 = 0.9;
 /// Everything doubtful that can be found in a scene that could be prepared, worst first. Takes milliseconds, or some tenths of a second
 /// where meshes have a million triangles.
 pub fn check(prepared: &Prepared) -> Vec<Problem> {
-    let mut problems = mesh::problems(&prepared.description);
+    let mut problems = mesh::problems(prepared);
     problems.extend(overlap::problems(prepared));
     problems.extend(confidence(prepared));
     problems.extend(media(prepared));

@@ -7,6 +7,7 @@
 use glam::DVec3;
 
 use super::sampler::Sampler;
+use crate::geometry::ray::NO_PRIMITIVE;
 use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::optics::Interface;
 use crate::rectify::containment::medium_of;
@@ -21,6 +22,9 @@ use crate::tracking::{Crossing, Sides, Tracker};
 const ROULETTE_FROM: u32 = 4;
 /// Segments after which every path may be ended whatever its throughput, or trapped lossless paths would never end.
 const LONG_PATH: u32 = 64;
+
+/// Roundings of f64, at the scene's size, that two hits of one place differ by at the most.
+const ROUNDINGS: f64 = 64.0;
 
 /// Probability of going on from a segment beyond [`LONG_PATH`]. It starts at 0.95 and rises, so that the chance of lasting k segments
 /// more falls as 1/k and the weight of those that do grows no faster than k. With a constant 0.95 that weight grows exponentially: the
@@ -114,10 +118,14 @@ impl<T: Tracker> PathTracer<'_, T> {
 
             let mut met = None;
             if let Surface::Refractor { smooth, .. } = *surface {
-                let Met { crossing, interface } = self.meet(&ray, &hit, &scratch.state, &mut scratch.events);
-                if let Some((sides, _)) = interface {
-                    scratch.events.inconsistent += u64::from(!world.is_consistent(medium, sides.from));
-                }
+                let Met { crossing, interface } =
+                    match self.meet(&ray, &hit, &scratch.state, medium, &mut scratch.events) {
+                        Ok(met) => met,
+                        Err(behind) => {
+                            ray = behind;
+                            continue;
+                        }
+                    };
                 match interface {
                     Some((sides, interface)) if !interface.is_matched() => {
                         met = Some((crossing, sides, interface, smooth));
@@ -288,7 +296,13 @@ impl<T: Tracker> PathTracer<'_, T> {
                 has_state = true;
             }
             // Events are counted along camera paths only.
-            let met = self.meet(&ray, &hit, &scratch.shadow, &mut Events::default());
+            let met = match self.meet(&ray, &hit, &scratch.shadow, medium, &mut Events::default()) {
+                Ok(met) => met,
+                Err(behind) => {
+                    ray = behind;
+                    continue;
+                }
+            };
             if let Some((sides, interface)) = met.interface {
                 if !interface.is_matched() {
                     return None;
@@ -300,19 +314,66 @@ impl<T: Tracker> PathTracer<'_, T> {
         }
     }
 
-    /// Asks the tracker about a hit of a refractor.
+    /// Asks the tracker about a hit of a refractor by a path in `medium`, and counts a crossing that leaves another one. An error is the ray
+    /// with which the path goes straight on: what it met is no crossing, and the tracker must not hear of it.
     #[inline]
-    pub(super) fn meet(&self, ray: &Ray, hit: &Hit, state: &T::State, events: &mut Events) -> Met {
+    pub(super) fn meet(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        state: &T::State,
+        medium: MediumId,
+        events: &mut Events,
+    ) -> Result<Met, Ray> {
+        let (crossing, sides) = self.ask(ray, hit, state, events);
+        if let Some(sides) = sides
+            && !self.world.is_consistent(medium, sides.from)
+        {
+            if let Some(behind) = self.behind_edge(ray, hit, medium, sides, state) {
+                return Err(behind);
+            }
+            events.inconsistent += 1;
+        }
+        let ior_minus_one = |medium| self.world.medium(medium).ior_minus_one;
+        let interface = sides.map(|s| (s, Interface::new(ior_minus_one(s.from), ior_minus_one(s.to))));
+        Ok(Met { crossing, interface })
+    }
+
+    /// What the tracker says about a hit of a refractor.
+    #[inline]
+    fn ask(&self, ray: &Ray, hit: &Hit, state: &T::State, events: &mut Events) -> (Crossing, Option<Sides>) {
         let world = self.world;
         let refractor = ObjectId(world.geometry.object_of(hit.primitive));
         let interior = medium_of(world, Some(refractor));
         let point = world.geometry.surface(ray, hit);
         let crossing = Crossing { refractor, interior, is_entering: hit.is_front, point, barycentric: hit.barycentric };
-        let interface = self.tracker.sides(state, &crossing, events).map(|sides| {
-            let ior_minus_one = |medium| world.medium(medium).ior_minus_one;
-            (sides, Interface::new(ior_minus_one(sides.from), ior_minus_one(sides.to)))
-        });
-        Met { crossing, interface }
+        let sides = self.tracker.sides(state, &crossing, events);
+        (crossing, sides)
+    }
+
+    /// At an edge or a corner a ray may meet several faces in one place. A crossing there that does not leave the `medium` that the path is in
+    /// is none if the path has just come from that surface in that place, or if the next one does leave that medium, in the same place,
+    /// and the two undo each other: the ray grazes the edge, and rounding shows the leaving first. Then gives the ray behind them.
+    #[cold]
+    fn behind_edge(&self, ray: &Ray, hit: &Hit, medium: MediumId, sides: Sides, state: &T::State) -> Option<Ray> {
+        let geometry = &self.world.geometry;
+        let scale = geometry.bounding_sphere().map_or(0.0, |s| s.radius) + ray.origin.abs().max_element();
+        let is_same_place = |from: f64, to: f64| to - from <= ROUNDINGS * f64::EPSILON * scale;
+        let last = if ray.after == NO_PRIMITIVE { ray.from } else { ray.after };
+        if last != NO_PRIMITIVE
+            && geometry.object_of(last) == geometry.object_of(hit.primitive)
+            && is_same_place(ray.t_min, hit.t)
+        {
+            return Some(ray.beyond(hit));
+        }
+        let next = geometry.closest(&ray.beyond(hit)).filter(|next| is_same_place(hit.t, next.t))?;
+        let object = ObjectId(geometry.object_of(next.primitive));
+        if !matches!(self.world.object(object).surface, Surface::Refractor { .. }) {
+            return None;
+        }
+        let (_, next_sides) = self.ask(ray, &next, state, &mut Events::default());
+        let undone = Sides { from: medium, to: sides.from };
+        (next_sides == Some(undone) && sides.to == medium).then(|| ray.beyond(&next))
     }
 
     /// What is left of light after the part of `ray` from its start to `t`.

@@ -164,13 +164,18 @@ impl Tracing<'_> {
                     Some(Ray::leaving(point.position, direction, hit.primitive))
                 }
                 Surface::Refractor { smooth, .. } => {
-                    let Met { crossing, interface } = tracer.meet(&ray, &hit, &state, &mut path.events);
+                    let Met { crossing, interface } = match tracer.meet(&ray, &hit, &state, medium, &mut path.events) {
+                        Ok(met) => met,
+                        Err(behind) => {
+                            ray = behind;
+                            continue;
+                        }
+                    };
                     vertex.refractor = Some(name.clone());
                     vertex.patch =
                         self.prepared.table.patch_of(&world.geometry, hit.primitive).map(|patch| patch.index);
                     if let Some((sides, _)) = interface {
                         vertex.is_consistent = world.is_consistent(medium, sides.from);
-                        path.events.inconsistent += u64::from(!vertex.is_consistent);
                         let (from, to) = (world.medium(sides.from), world.medium(sides.to));
                         vertex.from = Some(from.name.clone());
                         vertex.to = Some(to.name.clone());

@@ -250,7 +250,7 @@ impl Geometry {
             let sheared = ShearedRay::new(ray);
             self.triangle_tree.walk::<K>(ray, &mut t_max, |slot, t_max| {
                 let pack = &self.packs[slot as usize];
-                K::meet_triangles(&sheared, pack).for_each(pack, |primitive, hit| {
+                K::meet_triangles(&sheared, pack).for_each(&sheared, pack, |primitive, hit| {
                     if primitive != ray.from && is_behind(ray, hit.t, primitive) && hit.t <= *t_max {
                         let TriangleHit { t, barycentric, is_front } = hit;
                         done |= search.found(Hit { t, primitive, barycentric, is_front }, t_max);

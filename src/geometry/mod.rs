@@ -2,16 +2,19 @@
 
 mod bvh;
 mod distance;
-mod enclosure;
 mod geometry;
+mod hierarchy;
 mod kernel;
 mod mesh;
 pub mod ray;
 pub mod sphere;
+pub mod topology;
 mod triangle;
+mod winding;
 
 pub use distance::closest_point;
-pub use enclosure::Enclosure;
 pub use geometry::{Geometry, ObjectRange, Part, SurfacePoint, uniform_direction};
 pub use mesh::Mesh;
 pub use ray::{Hit, PrimitiveId, Ray};
+pub use topology::{Enclosure, Topology};
+pub use winding::WindingTree;

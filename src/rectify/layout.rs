@@ -3,6 +3,7 @@
 //! Faces that no other surface touches are joined with their neighbours: between them nothing can change. Touched faces are
 //! divided into cells, which settles them one by one; those that turn out to be the same all over join their neighbours again.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::time::Instant;
@@ -249,10 +250,10 @@ impl Splitter<'_> {
     /// The sites of all faces that are not divided.
     fn classes(&self, range: &Range<PrimitiveId>, fates: &mut [Fate]) -> Vec<(Site, SiteVotes)> {
         let geometry = &*self.world.geometry;
-        let neighbours = if geometry.sphere_of(self.subject.0).is_some() {
-            vec![[u32::MAX; 3]]
-        } else {
-            neighbours(geometry, range)
+        let neighbours: Cow<'_, [[u32; 3]]> = match &self.world.object(self.subject).topology {
+            Some(topology) => Cow::Borrowed(&topology.neighbours),
+            None if geometry.sphere_of(self.subject.0).is_some() => Cow::Owned(vec![[u32::MAX; 3]]),
+            None => Cow::Owned(neighbours(geometry, range)),
         };
         let is_untouched: Vec<bool> = fates.iter().map(|fate| matches!(fate, Fate::Untouched)).collect();
         let mut sets = Sets::new(fates.len());

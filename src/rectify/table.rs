@@ -107,8 +107,8 @@ pub struct InterfaceTable {
     /// Where the patches of sites and of groups of divided faces stand in `patches` or `lights`.
     patch_of_site: Vec<u32>,
     patch_of_group: Vec<u32>,
-    /// Whether some crossing is to be passed over.
-    has_masked: bool,
+    /// Whether some crossing is to be passed over, or has the same medium on both sides.
+    has_passable: bool,
     per_object: Arc<OnceLock<ObjectTable>>,
     pub seconds: RectifySeconds,
 }
@@ -122,7 +122,8 @@ impl InterfaceTable {
                 Self::resolve(world, layout, votes, Arc::clone(&previous.per_object), RectifySeconds::default())
             }
             None => {
-                let (layout, votes, seconds) = lay_out(world);
+                let (layout, votes, mut seconds) = lay_out(world);
+                seconds.topology = world.topology_secs;
                 Self::resolve(world, Arc::new(layout), Arc::new(votes), Arc::default(), seconds)
             }
         }
@@ -152,17 +153,19 @@ impl InterfaceTable {
         let mut answers: Vec<Answer> =
             layout.sites.iter().zip(&*votes).map(|(site, votes)| votes.surroundings(site).resolve(world)).collect();
         answers.extend(layout.surroundings.iter().map(|surroundings| surroundings.resolve(world)));
-        let mut has_masked = answers.iter().any(|answer| answer.is_masked());
+        let mut has_coincident = false;
         let mut blocks = Vec::with_capacity(layout.asks.len());
         for ask in &layout.asks {
             blocks.push(answers.len() as u32);
             answers.extend(ask.answers(world));
-            has_masked |= !ask.opaque.is_empty() || ask.members.iter().any(|member| !member.coincident.is_empty());
+            has_coincident |= !ask.opaque.is_empty() || ask.members.iter().any(|member| !member.coincident.is_empty());
         }
+        let has_passable =
+            has_coincident || answers.iter().any(|answer| answer.is_masked() || answer.outside == answer.inside);
         let mut table = Self {
             answers,
             blocks,
-            has_masked,
+            has_passable,
             patches: Vec::new(),
             lights: Vec::new(),
             patch_of_site: Vec::new(),
@@ -213,9 +216,9 @@ impl InterfaceTable {
         }
     }
 
-    /// Whether some crossings are to be passed over.
-    pub fn has_masked(&self) -> bool {
-        self.has_masked
+    /// Whether some crossings are to be passed over, or have the same medium on both sides.
+    pub fn has_passable(&self) -> bool {
+        self.has_passable
     }
 
     /// The patch that a primitive of a refractor or light belongs to.

@@ -1,6 +1,8 @@
 //! From a description to a [`World`].
 
+use std::collections::HashMap;
 use std::sync::Arc;
+use std::time::Instant;
 
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -11,7 +13,8 @@ use super::light::Emitters;
 use super::needs::SceneNeeds;
 use super::shapes;
 use super::world::{MediumId, Object, ObjectId, Paint, Surface, World, WorldMedium};
-use crate::geometry::{Enclosure, Geometry, Mesh, Part};
+use crate::geometry::topology::MAX_FACES;
+use crate::geometry::{Enclosure, Geometry, Mesh, ObjectRange, Part, Topology, WindingTree};
 use crate::optics::dispersion::{IOR_RANGE, WAVELENGTH_D_UM};
 use crate::optics::{IorModel, medium};
 
@@ -23,14 +26,18 @@ use crate::optics::{IorModel, medium};
 pub fn compile(description: &Description, previous: Option<(&Description, &World)>) -> Result<World, SceneError> {
     let media = compile_media(description)?;
     let kept = previous.filter(|(before, _)| has_same_geometry(before, description)).map(|(_, world)| world);
-    let (geometry, volumes) = match kept {
-        Some(world) => (Arc::clone(&world.geometry), world.objects.iter().map(|o| o.volume).collect()),
+    let (geometry, bodies, topology_secs) = match kept {
+        Some(world) => (Arc::clone(&world.geometry), world.objects.iter().map(Body::of_object).collect(), 0.0),
         None => {
-            let parts = parts(description)?;
-            (Arc::new(Geometry::build(&parts)), parts.iter().map(volume).collect::<Vec<f64>>())
+            let start = Instant::now();
+            let analyses = analyse(description, previous)?;
+            let topology_secs = start.elapsed().as_secs_f64();
+            let parts = parts(description, &analyses)?;
+            let geometry = Arc::new(Geometry::build(&parts));
+            (Arc::clone(&geometry), bodies(description, &parts, &geometry, analyses), topology_secs)
         }
     };
-    let objects = objects(description, geometry.origin, &volumes)?;
+    let objects = objects(description, geometry.origin, bodies)?;
     let environment = match kept.zip(previous) {
         // An image's sampling tables are worth keeping.
         Some((world, (before, _))) if is_same_environment(&before.environment, &description.environment) => {
@@ -54,7 +61,18 @@ pub fn compile(description: &Description, previous: Option<(&Description, &World
             .collect::<Vec<_>>()
     };
     let (holed, has_sheets) = (refractors_that(Enclosure::Holed), !refractors_that(Enclosure::Sheet).is_empty());
-    Ok(World { geometry, objects, media, emitters, environment, needs, holed, has_sheets, world_is_vacuum })
+    Ok(World {
+        geometry,
+        objects,
+        media,
+        emitters,
+        environment,
+        needs,
+        holed,
+        has_sheets,
+        world_is_vacuum,
+        topology_secs,
+    })
 }
 
 fn compile_media(description: &Description) -> Result<Vec<WorldMedium>, SceneError> {
@@ -86,25 +104,108 @@ fn compile_medium(name: &str, ior: &IorModel, absorption: [f64; 3]) -> Result<Wo
     Ok(WorldMedium { name: name.into(), ior_minus_one, absorption: absorption.into() })
 }
 
-/// Every object's surface in scene coordinates, in the order of object ids.
-fn parts(description: &Description) -> Result<Vec<Part>, SceneError> {
-    let refractors = description.refractors.iter().map(|r| (&r.name, &r.shape, &r.transform, r.smooth, r.visible));
-    let solids = description.solids.iter().map(|s| (&s.name, &s.shape, &s.transform, s.smooth, s.visible));
-    let lights = description.lights.iter().map(|l| (&l.name, &l.shape, &l.transform, false, l.visible));
-    refractors
-        .chain(solids)
-        .chain(lights)
-        .map(|(name, shape, transform, smooth, visible)| {
-            if !visible {
-                // It keeps its id and has no primitives.
-                return Ok(Part::Mesh { mesh: Mesh::default(), smooth: false });
+/// A refractor's mesh, and what is known of it; `None` for an analytic sphere.
+type Analysis = Option<Arc<Topology>>;
+
+/// The topology of every refractor. A shape that has been analysed, for this description or for the previous one, is not again.
+fn analyse(description: &Description, previous: Option<(&Description, &World)>) -> Result<Vec<Analysis>, SceneError> {
+    let mut known = Known::default();
+    if let Some((before, world)) = previous {
+        for (refractor, object) in before.refractors.iter().zip(&world.objects) {
+            if let Some(topology) = &object.topology {
+                known.add(&refractor.name, &refractor.shape, topology);
             }
-            part(shape, transform, smooth).map_err(|e| SceneError { message: format!("`{name}`: {}", e.message), ..e })
+        }
+    }
+    (description.refractors.iter())
+        .map(|refractor| {
+            if !refractor.visible {
+                return Ok(None);
+            }
+            if let Some(topology) = known.find(&refractor.name, &refractor.shape) {
+                return Ok(Some(topology));
+            }
+            let topology = match &refractor.shape {
+                Shape::Sphere { .. } => None,
+                Shape::Mesh { mesh, .. } => {
+                    shapes::validate(&refractor.shape)
+                        .map_err(|e| of_object(&refractor.name, SceneError::new(e.message)))?;
+                    Some(Topology::of_mesh(mesh))
+                }
+                shape => {
+                    let mesh = shapes::tessellate(shape).map_err(|error| of_object(&refractor.name, error))?;
+                    Some(Topology::of_shape(&mesh.unwrap_or_default()))
+                }
+            };
+            let topology = topology.map(Arc::new);
+            if let Some(topology) = &topology {
+                known.add(&refractor.name, &refractor.shape, topology);
+            }
+            Ok(topology)
         })
         .collect()
 }
 
-fn part(shape: &Shape, transform: &Transform, smooth: bool) -> Result<Part, SceneError> {
+/// Shapes that have been analysed. Meshes are known by their identity, whoever uses them; other shapes by the name of their object.
+#[derive(Default)]
+struct Known<'a> {
+    meshes: HashMap<*const Mesh, Arc<Topology>>,
+    shapes: HashMap<&'a str, (&'a Shape, Arc<Topology>)>,
+}
+
+impl<'a> Known<'a> {
+    fn add(&mut self, name: &'a str, shape: &'a Shape, topology: &Arc<Topology>) {
+        match shape {
+            Shape::Mesh { mesh, .. } => _ = self.meshes.insert(Arc::as_ptr(mesh), Arc::clone(topology)),
+            _ => _ = self.shapes.insert(name, (shape, Arc::clone(topology))),
+        }
+    }
+
+    fn find(&self, name: &str, shape: &Shape) -> Option<Arc<Topology>> {
+        match shape {
+            Shape::Mesh { mesh, .. } => self.meshes.get(&Arc::as_ptr(mesh)).cloned(),
+            _ => self.shapes.get(name).filter(|(known, _)| *known == shape).map(|(_, topology)| Arc::clone(topology)),
+        }
+    }
+}
+
+/// Every object's surface in scene coordinates, in the order of object ids.
+fn parts(description: &Description, analyses: &[Analysis]) -> Result<Vec<Part>, SceneError> {
+    let refractors = (description.refractors.iter().zip(analyses)).map(|(r, analysis)| {
+        let repaired = analysis.as_ref().and_then(|topology| topology.repaired.as_deref());
+        (&r.name, &r.shape, repaired, &r.transform, r.smooth, r.visible)
+    });
+    let solids = description.solids.iter().map(|s| (&s.name, &s.shape, None, &s.transform, s.smooth, s.visible));
+    let lights = description.lights.iter().map(|l| (&l.name, &l.shape, None, &l.transform, false, l.visible));
+    let mut triangles = 0;
+    refractors
+        .chain(solids)
+        .chain(lights)
+        .map(|(name, shape, repaired, transform, smooth, visible)| {
+            if !visible {
+                // It keeps its id and has no primitives.
+                return Ok(Part::Mesh { mesh: Mesh::default(), smooth: false });
+            }
+            let part = part(shape, repaired, transform, smooth).map_err(|error| of_object(name, error))?;
+            if let Part::Mesh { mesh, .. } = &part {
+                triangles += mesh.triangles.len().max(mesh.positions.len());
+                if triangles > MAX_FACES {
+                    return Err(SceneError::new(format!(
+                        "up to `{name}` the objects have {triangles} triangles or vertices; at most {MAX_FACES} are allowed in a scene"
+                    )));
+                }
+            }
+            Ok(part)
+        })
+        .collect()
+}
+
+fn of_object(name: &str, error: SceneError) -> SceneError {
+    SceneError { message: format!("`{name}`: {}", error.message), ..error }
+}
+
+/// The surface of one object; `repaired` stands for the shape's own mesh.
+fn part(shape: &Shape, repaired: Option<&Mesh>, transform: &Transform, smooth: bool) -> Result<Part, SceneError> {
     let matrix = transform.matrix();
     if let Shape::Sphere { center, radius } = shape {
         let scale = transform.scale.abs();
@@ -121,13 +222,11 @@ fn part(shape: &Shape, transform: &Transform, smooth: bool) -> Result<Part, Scen
         }
         return Ok(Part::Sphere { center, radius });
     }
-    let mut mesh = match shape {
-        Shape::Mesh { mesh, .. } => (**mesh).clone(),
-        _ => shapes::tessellate(shape)?.unwrap_or_default(),
+    // What is left of a mesh after its repair may be nothing; what is given may not.
+    let mut mesh = match repaired {
+        Some(mesh) => mesh.clone(),
+        None => shapes::tessellate(shape)?.unwrap_or_default(),
     };
-    if mesh.triangles.is_empty() {
-        return Err(SceneError::new("the shape has no triangles"));
-    }
     if smooth {
         mesh.ensure_normals();
     }
@@ -157,26 +256,72 @@ fn transform_mesh(mesh: &mut Mesh, matrix: &DAffine3) {
     }
 }
 
-/// Enclosed volume; infinite for what encloses none.
-fn volume(part: &Part) -> f64 {
-    match part {
+/// What is kept of an object as long as the geometry is.
+struct Body {
+    volume: f64,
+    enclosure: Enclosure,
+    topology: Option<Arc<Topology>>,
+    winding: Option<Arc<WindingTree>>,
+}
+
+impl Body {
+    fn of_object(object: &Object) -> Self {
+        let (topology, winding) = (object.topology.clone(), object.winding.clone());
+        Self { volume: object.volume, enclosure: object.enclosure, topology, winding }
+    }
+}
+
+/// The body of each object, in the order of object ids.
+fn bodies(description: &Description, parts: &[Part], geometry: &Geometry, analyses: Vec<Analysis>) -> Vec<Body> {
+    let refractors = description.refractors.iter().zip(analyses);
+    let refractors = refractors.zip(parts).enumerate().map(|(index, ((refractor, topology), part))| {
+        let Some(topology) = topology else { return unanalysed(part) };
+        let volume = topology.volume * refractor.transform.matrix().matrix3.determinant().abs();
+        let winding = (topology.enclosure == Enclosure::Holed).then(|| {
+            let triangles: Vec<[DVec3; 3]> = match geometry.range(index as u32) {
+                ObjectRange::Triangles(range) => range.clone().map(|triangle| geometry.corners(triangle)).collect(),
+                ObjectRange::Sphere(_) => Vec::new(),
+            };
+            Arc::new(WindingTree::build(&triangles))
+        });
+        Body {
+            volume: if volume > 0.0 { volume } else { f64::INFINITY },
+            enclosure: topology.enclosure,
+            topology: Some(topology),
+            winding,
+        }
+    });
+    refractors.chain(parts[description.refractors.len()..].iter().map(unanalysed)).collect()
+}
+
+/// The body of a sphere, or of an object whose inside nothing asks for.
+fn unanalysed(part: &Part) -> Body {
+    let volume = match part {
         Part::Sphere { radius, .. } => 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3),
         Part::Mesh { mesh, .. } => {
             let volume = mesh.signed_volume().abs();
             if volume > 0.0 { volume } else { f64::INFINITY }
         }
-    }
+    };
+    Body { volume, enclosure: Enclosure::Closed, topology: None, winding: None }
 }
 
-fn objects(description: &Description, origin: DVec3, volumes: &[f64]) -> Result<Vec<Object>, SceneError> {
-    let mut objects = Vec::with_capacity(volumes.len());
+fn objects(description: &Description, origin: DVec3, bodies: Vec<Body>) -> Result<Vec<Object>, SceneError> {
+    let mut objects = Vec::with_capacity(bodies.len());
+    let mut bodies = bodies.into_iter();
     let mut add = |name: &str, surface| {
-        let volume = volumes[objects.len()];
-        let enclosure = if volume.is_infinite() { Enclosure::Sheet } else { Enclosure::Closed };
-        objects.push(Object { name: name.into(), surface, volume, enclosure });
+        // There is a body for each object.
+        if let Some(Body { volume, enclosure, topology, winding }) = bodies.next() {
+            objects.push(Object { name: name.into(), surface, volume, enclosure, topology, winding });
+        }
     };
+    // Of media of one name, which the loader refuses, the first.
+    let mut media: HashMap<&str, u32> = HashMap::with_capacity(description.media.len());
+    for (medium, index) in description.media.iter().zip(2..) {
+        media.entry(&medium.name).or_insert(index);
+    }
     for r in &description.refractors {
-        let index = description.media.iter().position(|m| m.name == r.medium).ok_or_else(|| {
+        let medium = *media.get(r.medium.as_str()).ok_or_else(|| {
             let valid: Vec<&str> = description.media.iter().map(|m| m.name.as_str()).collect();
             SceneError::new(format!(
                 "refractor `{}`: unknown medium `{}`; valid: {}",
@@ -185,8 +330,7 @@ fn objects(description: &Description, origin: DVec3, volumes: &[f64]) -> Result<
                 valid.join(", ")
             ))
         })?;
-        let medium = MediumId(index as u32 + 2);
-        add(&r.name, Surface::Refractor { medium, priority: r.priority, smooth: r.smooth });
+        add(&r.name, Surface::Refractor { medium: MediumId(medium), priority: r.priority, smooth: r.smooth });
     }
     for s in &description.solids {
         let paint = paint(&s.paint, &s.shape, &s.transform, origin);

@@ -5,12 +5,12 @@ use glam::DVec3;
 use super::environment::EnvironmentLight;
 use super::light::Emitters;
 use super::world::{Object, Surface, World, WorldMedium};
-use crate::geometry::Geometry;
+use crate::geometry::{Enclosure, Geometry};
 
 /// Worked out once per compile. Each `false` removes work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SceneNeeds {
-    /// Some refractor may lie in another, or the world's IOR is not that of vacuum: without this all modes agree.
+    /// Some refractor may lie in another or overlap itself, or the world's IOR is not that of vacuum: without this all modes agree.
     pub nesting: bool,
     /// Some medium absorbs.
     pub absorption: bool,
@@ -71,7 +71,9 @@ impl SceneNeeds {
             )
         };
         Self {
-            nesting: media[0].ior_minus_one != 0.0 || boxes_overlap(geometry, refractors.iter().map(|r| r.0)),
+            nesting: media[0].ior_minus_one != 0.0
+                || refractors.iter().any(|r| objects[r.0].enclosure == Enclosure::Union)
+                || boxes_overlap(geometry, refractors.iter().map(|r| r.0)),
             absorption: refractors.iter().map(|r| r.1).chain([0]).any(|medium| media[medium].absorption != DVec3::ZERO),
             index_matching: indices.windows(2).any(|pair| pair[0] == pair[1]),
             smooth_normals: objects.iter().any(is_smooth),

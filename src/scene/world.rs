@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::environment::EnvironmentLight;
 use super::light::Emitters;
 use super::needs::SceneNeeds;
-use crate::geometry::{Enclosure, Geometry};
+use crate::geometry::{Enclosure, Geometry, Topology, WindingTree};
 
 /// Index into [`World::media`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -71,19 +71,24 @@ pub struct Object {
     pub surface: Surface,
     /// Enclosed volume, ≥ 0; infinite for a surface that encloses none, such as a quad.
     pub volume: f64,
-    /// How membership in it is asked.
+    /// How membership is asked. Of refractors only: nothing asks what is in a solid or a light, and theirs is [`Enclosure::Closed`].
     pub enclosure: Enclosure,
+    /// Analysis of a refractor's mesh, in object space; its faces are the object's primitives, in their order. `None` for an analytic
+    /// sphere, a solid or a light.
+    pub topology: Option<Arc<Topology>>,
+    /// Of a refractor with holes, to be asked at local coordinates.
+    pub winding: Option<Arc<WindingTree>>,
 }
 
 impl Object {
-    /// Generalised winding number of the surface around a point (local coordinates).
-    pub fn winding_at(&self, _point: DVec3) -> f64 {
-        0.0
+    /// Generalised winding number of a surface with holes around a point (local coordinates); 0 for others.
+    pub fn winding_at(&self, point: DVec3) -> f64 {
+        self.winding.as_ref().map_or(0.0, |tree| tree.winding(point))
     }
 
     /// Whether the surface falls into components.
     pub fn has_several_components(&self) -> bool {
-        false
+        self.topology.as_ref().is_some_and(|topology| topology.components > 1)
     }
 }
 
@@ -102,6 +107,8 @@ pub struct World {
     pub has_sheets: bool,
     /// Whether the global medium is indistinguishable from the reserved vacuum.
     pub world_is_vacuum: bool,
+    /// Time that analysing meshes took in this compile, in seconds; 0 where all was known.
+    pub topology_secs: f64,
 }
 
 impl World {

@@ -34,7 +34,7 @@ impl Tracker for Rectified<'_> {
     fn transmit(&self, (): &mut (), _: &Crossing) {}
 
     fn can_skip(&self) -> bool {
-        self.table.has_masked()
+        self.table.has_passable()
     }
 }
 

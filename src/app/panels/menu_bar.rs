@@ -6,7 +6,7 @@ use egui::{Align, Atom, Button, KeyboardShortcut, Layout, MenuBar, Response, Ric
 use crate::app::command::{Command, ExportKind};
 use crate::app::keys;
 use crate::app::objects::Manipulation;
-use crate::app::settings::{Arrangement, InterfaceScale, Tab, Theme};
+use crate::app::settings::{Arrangement, InterfaceScale, MAX_PANES, Preset, Tab, Theme};
 use crate::app::state::State;
 use crate::app::theme::{CHECK_MARK, Palette};
 
@@ -176,6 +176,12 @@ fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let keys = KeyboardShortcut::new(egui::Modifiers::NONE, key);
         choice(ui, settings.pane_count == count, name, Some(&keys), commands, Command::SetPaneCount(count));
     }
+    submenu_ui(ui, "Preset of panes", |ui| {
+        for preset in Preset::ALL {
+            let is_on = settings.pane_count == MAX_PANES && settings.panes == preset.panes();
+            choice(ui, is_on, preset.name(), None, commands, Command::SetPreset(preset));
+        }
+    });
     let is_wipe = settings.arrangement == Arrangement::Wipe;
     let next = if is_wipe { Arrangement::Tiles } else { Arrangement::Wipe };
     choice(ui, is_wipe, "Wipe", Some(&keys::WIPE), commands, Command::SetArrangement(next));

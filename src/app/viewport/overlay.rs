@@ -8,7 +8,7 @@ use super::legend;
 use crate::app::command::Command;
 use crate::app::develop::{Source, difference_color};
 use crate::app::files::total_events;
-use crate::app::settings::{Arrangement, PaneContent};
+use crate::app::settings::{Arrangement, PaneContent, mode_title};
 use crate::app::state::State;
 use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
 use crate::app::widgets::short_count;
@@ -79,7 +79,10 @@ fn label_ui(ui: &mut Ui, state: &State, shot: &Shot<'_>, index: usize, commands:
     });
     let hint = match content {
         PaneContent::Mode(mode) => mode.about().to_owned(),
-        PaneContent::Difference(a, b) => format!("The luminance of {a} less that of {b}, at the display's exposure."),
+        PaneContent::Difference(a, b) => {
+            let [a, b] = [a, b].map(mode_title);
+            format!("The luminance of {a} less that of {b}, at the display's exposure.")
+        }
         PaneContent::Surfaces(quantity) => quantity.about().to_owned(),
     };
     response.accessible_name(name).on_hover_text(format!("{hint}\nClick to show something else in this pane."));
@@ -120,7 +123,7 @@ fn label_text(ui: &Ui, source: &Source, content: PaneContent) -> LayoutJob {
     let mut job = LayoutJob::default();
     let mut dot = |mode: Mode, space: f32| {
         job.append(DOT, space, TextFormat::simple(egui::FontId::proportional(11.0), palette.mode(mode)));
-        job.append(mode.name(), 5.0, TextFormat::simple(body.clone(), TEXT));
+        job.append(mode_title(mode), 5.0, TextFormat::simple(body.clone(), TEXT));
     };
     match content {
         PaneContent::Mode(mode) => dot(mode, 0.0),
@@ -153,9 +156,9 @@ pub fn content_menu_ui(ui: &mut Ui, shown: PaneContent) -> Option<PaneContent> {
         let mut job = LayoutJob::default();
         let body = egui::TextStyle::Body.resolve(ui.style());
         job.append(DOT, 0.0, TextFormat::simple(body.clone(), palette.mode(mode)));
-        job.append(mode.name(), 6.0, TextFormat::simple(body, ui.visuals().text_color()));
+        job.append(mode_title(mode), 6.0, TextFormat::simple(body, ui.visuals().text_color()));
         let response = ui.add(Button::selectable(shown == content, job).min_size(vec2(130.0, 0.0)));
-        if response.accessible_name(mode.name()).on_hover_text(mode.about()).clicked() {
+        if response.accessible_name(mode_title(mode)).on_hover_text(mode.about()).clicked() {
             chosen = Some(content);
         }
     }

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::profile::{clean, from_points, pieces_cross};
 use super::{MAX_LENGTH, MAX_SEGMENTS, MAX_SUBDIVISIONS, MAX_TRIANGLES};
+use crate::geometry::topology::MAX_FACES;
 use crate::scene::description::Shape;
 
 /// Most points of a profile: every piece is tested against every other.
@@ -105,6 +106,14 @@ pub fn validate(shape: &Shape) -> Checked {
                 fault("", "the mesh has no triangles")
             } else if !mesh.normals.is_empty() && mesh.normals.len() != vertices {
                 fault("", "the mesh must have one normal for each vertex, or none")
+            } else if mesh.triangles.len().max(vertices) > MAX_FACES {
+                fault(
+                    "",
+                    format!(
+                        "the mesh has {} triangles and {vertices} vertices, at most {MAX_FACES} of each are allowed",
+                        mesh.triangles.len()
+                    ),
+                )
             } else if mesh.triangles.iter().flatten().any(|&i| i as usize >= vertices) {
                 fault("", "a triangle of the mesh names a vertex that does not exist")
             } else if mesh.positions.iter().any(|p| !p.is_finite() || p.abs().max_element() > MAX_LENGTH) {

@@ -1,0 +1,527 @@
+//! What kind of surface a mesh is: its components, its boundary, whether it crosses itself, which way it looks; and its repair where the
+//! intent is plain.
+//!
+//! Vertices are the same only if their positions are bit-equal: any tolerance would collapse thin shells. Everything here is in object
+//! space and in f64, so a transform changes nothing.
+//!
+//! The *boundary* is that of the surface as a chain of oriented faces: edges along which as many faces run one way as the other cancel. A
+//! surface without boundary winds around every point a whole number of times, whatever else is odd about it. Where there is a boundary,
+//! the *gap* decides: the area that would close its loops, as a share of the surface's own area (0.05 where 5 % of the triangles are missing,
+//! 0.2 for a cube without its lid, ½ for a hemisphere, 1 for a flat sheet).
+
+mod boundary;
+mod components;
+mod connect;
+mod crossing;
+mod nesting;
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use self::boundary::HalfEdge;
+use self::boundary::Loop;
+use self::components::{Components, run_the_same_way};
+use self::connect::Edges;
+use self::crossing::Crossings;
+use self::nesting::{Body, Verdict};
+use super::Mesh;
+use super::hierarchy::{Extent, Hierarchy};
+use super::triangle::area_vector;
+
+/// No face, where the index of one is asked for.
+pub const NONE: u32 = u32::MAX;
+
+/// Most triangles, and most vertices, that a mesh may have: three half-edges of each are counted in 32 bits.
+pub const MAX_FACES: usize = 1 << 30;
+
+/// A surface with a larger gap than this encloses nothing: it is a sheet.
+pub const GAP_OF_SHEET: f64 = 1.0 / 3.0;
+
+/// A boundary of a smaller gap than this has length and no area: slits, such as remain where a vertex lies on another face's edge.
+const GAP_OF_SLITS: f64 = 1e-9;
+
+/// How membership in what a surface encloses is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Enclosure {
+    /// No boundary, no crossings, components apart or proper cavities: by the facing of the first hit.
+    #[default]
+    Closed,
+    /// No boundary, but crossings, touching faces, or outward components within outward ones: by the signed count of crossings.
+    Union,
+    /// A boundary that closes in the mind, gap up to [`GAP_OF_SHEET`]: by the generalised winding number.
+    Holed,
+    /// An open surface, or none at all: by the facing of the first hit, where rays that meet something opaque first abstain.
+    Sheet,
+}
+
+/// What was found in a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum FindingKind {
+    /// Faces with two corners at one place, left out. Counted in faces.
+    DegenerateTriangles,
+    /// Faces over the same corners as another that looks the same way, left out. Counted in faces.
+    DuplicateTriangles,
+    /// Faces over the same corners as another that looks the other way: both were left out, or one of each two if the whole mesh is made
+    /// of such pairs. Counted in pairs.
+    DoubleFaces,
+    /// Faces that looked the other way than their neighbours, turned over. Counted in faces.
+    MixedOrientation,
+    /// Components, such as a Möbius strip, whose faces cannot all look one way; left as they were. Counted in components.
+    OneSided,
+    /// Components that looked inward without being cavities, turned over. Counted in components.
+    InsideOut,
+    /// Edges with a face on one side only, or whose faces do not look the same way. Counted in edges.
+    OpenMesh,
+    /// Edges of three or more faces. Counted in edges.
+    NonManifold,
+    /// Pairs of faces that cross; at least so many.
+    SelfIntersection,
+    /// Components that look inward within one that looks outward: holes in the material. Counted in components.
+    Cavity,
+    /// Components that look outward within one that looks outward: they have the same material on both sides. Counted in components.
+    NestedComponents,
+    /// It is closed and encloses no volume, or has no faces. Counted in components.
+    ZeroVolume,
+}
+
+impl FindingKind {
+    /// A stable word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::DegenerateTriangles => "degenerate_triangles",
+            Self::DuplicateTriangles => "duplicate_triangles",
+            Self::DoubleFaces => "double_faces",
+            Self::MixedOrientation => "mixed_orientation",
+            Self::OneSided => "one_sided",
+            Self::InsideOut => "inside_out",
+            Self::OpenMesh => "open_mesh",
+            Self::NonManifold => "non_manifold",
+            Self::SelfIntersection => "self_intersection",
+            Self::Cavity => "cavity",
+            Self::NestedComponents => "nested_components",
+            Self::ZeroVolume => "zero_volume",
+        }
+    }
+}
+
+/// One kind of finding, and where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Finding {
+    pub kind: FindingKind,
+    pub count: u64,
+    /// A sphere around the place, in object space: all of it, or the largest or first of many.
+    pub center: DVec3,
+    pub radius: f64,
+}
+
+/// A mesh's analysis. Faces are those of the repaired mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Topology {
+    /// Number of components: parts joined by edges that exactly two faces share.
+    pub components: u32,
+    /// Numbered in the order of their first faces.
+    pub component_of_face: Vec<u32>,
+    /// Face across edge k, which joins corners k and k + 1; [`NONE`] where the edge is not shared by exactly two faces. (Where a transform
+    /// mirrors the mesh, its triangles' last two corners are exchanged, and edge k of a face is its edge 2 − k.)
+    pub neighbours: Vec<[u32; 3]>,
+    /// Corners, as indices into the mesh's positions: of vertices at the same place the first.
+    pub vertices: Vec<[u32; 3]>,
+    pub enclosure: Enclosure,
+    /// Enclosed volume in object space, ≥ 0, holes closed by flat fans, overlaps counted twice; 0 for a sheet.
+    pub volume: f64,
+    /// The area that would close the boundary over the surface's own; 0 without boundary.
+    pub gap: f64,
+    /// In the order of [`FindingKind`], one of each kind at the most.
+    pub findings: Vec<Finding>,
+    /// The repaired mesh, if it differs from the one that was analysed.
+    pub repaired: Option<Arc<Mesh>>,
+}
+
+impl Topology {
+    /// Analyses and repairs a mesh of unknown making. Every coordinate must be finite, every index in range, and no more than [`MAX_FACES`].
+    pub fn of_mesh(mesh: &Mesh) -> Self {
+        Analysis::new(mesh).run(true)
+    }
+
+    /// Analyses a mesh that is made from a shape's numbers: it crosses itself nowhere and looks the right way. Faces whose corners rounding
+    /// has made one, as in a tiny shape far away, are left out all the same.
+    pub fn of_shape(mesh: &Mesh) -> Self {
+        Analysis::new(mesh).run(false)
+    }
+
+    /// The finding of that kind, if there is one.
+    pub fn finding(&self, kind: FindingKind) -> Option<&Finding> {
+        self.findings.iter().find(|finding| finding.kind == kind)
+    }
+}
+
+/// A mesh on its way.
+struct Analysis<'a> {
+    mesh: &'a Mesh,
+    /// The faces that are left, as the mesh has them.
+    triangles: Cow<'a, [[u32; 3]]>,
+    /// The same by welded vertices.
+    faces: Vec<[u32; 3]>,
+    findings: Vec<Finding>,
+}
+
+impl<'a> Analysis<'a> {
+    fn new(mesh: &'a Mesh) -> Self {
+        let first_at = connect::weld(&mesh.positions);
+        let faces = mesh.triangles.iter().map(|t| t.map(|i| first_at[i as usize])).collect();
+        Self { mesh, triangles: Cow::Borrowed(&mesh.triangles), faces, findings: Vec::new() }
+    }
+
+    fn run(mut self, is_repaired: bool) -> Topology {
+        let positions = &self.mesh.positions;
+        self.drop_degenerate();
+        let mut edges = connect::connect(&self.faces, positions.len());
+        if is_repaired && edges.has_twins {
+            self.drop_twins();
+            edges = connect::connect(&self.faces, positions.len());
+        }
+        let components = components::components(&self.faces, &edges, |face| self.area_vector(face).length());
+        let mixed = if is_repaired { &components.turned[..] } else { &[] };
+        self.turn(&mut edges, |face| mixed.get(face).copied().unwrap_or_default());
+
+        let mut half_edges = self.half_edges(&edges, &components);
+        let (parts, loops) = self.parts(&components, &mut half_edges);
+        let all = self.extent(|_| true);
+        let bodies: Vec<Option<Body>> = parts.iter().map(|part| part.body((all.max - all.min).length())).collect();
+        let tree = is_repaired.then(|| Hierarchy::build(self.faces.len(), |face| self.corners(face as usize)));
+        let verdicts = match &tree {
+            Some(tree) => nesting::judge(&bodies, tree, &self.faces, &components.of_face, positions),
+            None => vec![Verdict::default(); bodies.len()],
+        };
+        self.turn(&mut edges, |face| verdicts[components.of_face[face] as usize].is_turned);
+
+        // Where components share edges, the boundaries that they have alone may cancel.
+        let loops = if edges.crowded > 0 && components.count > 1 {
+            half_edges = self.half_edges(&edges, &components);
+            boundary::loops(&boundary::uncancelled(&half_edges), positions, self.reference())
+        } else {
+            loops
+        };
+        let area: f64 = parts.iter().map(|part| part.area).sum();
+        let gap = if loops.is_empty() { 0.0 } else { loops.iter().map(|l| l.area).sum::<f64>() / area };
+        let crossings = tree.map(|tree| crossing::crossings(&tree, &self.faces, positions)).unwrap_or_default();
+        let is_union = !crossings.pairs.is_empty()
+            || crossings.touches
+            || crossings.is_given_up
+            || edges.crowded > 0
+            || verdicts.iter().any(|v| v.winding.max(v.winding_outside) > 1);
+        let enclosure = match gap {
+            _ if self.faces.is_empty() => Enclosure::Sheet,
+            ..=GAP_OF_SLITS if is_union => Enclosure::Union,
+            ..=GAP_OF_SLITS => Enclosure::Closed,
+            ..=GAP_OF_SHEET => Enclosure::Holed,
+            _ => Enclosure::Sheet,
+        };
+        let volume = if enclosure == Enclosure::Sheet {
+            0.0
+        } else if bodies.iter().any(Option::is_some) {
+            let signed =
+                |(body, verdict): (&Body, &Verdict)| if verdict.is_turned { -body.volume } else { body.volume };
+            (bodies.iter().zip(&verdicts)).filter_map(|(b, v)| Some(signed((b.as_ref()?, v)))).sum::<f64>().abs()
+        } else {
+            let gap_volume: f64 = loops.iter().map(|l| l.volume).sum();
+            // Rounding leaves something of what is flat.
+            let volume = (parts.iter().map(|part| part.volume).sum::<f64>() + gap_volume).abs();
+            if volume > rounding_of_volume(area, (all.max - all.min).length()) { volume } else { 0.0 }
+        };
+
+        self.report_turned(mixed, &components, &verdicts);
+        self.report_boundary(&loops, &edges, &half_edges);
+        self.report_crossings(&crossings);
+        self.report_nesting(&components, &verdicts);
+        if volume == 0.0 && enclosure != Enclosure::Sheet || self.faces.is_empty() {
+            self.report(FindingKind::ZeroVolume, u64::from(components.count.max(1)), all);
+        }
+        self.findings.sort_by_key(|finding| finding.kind);
+        let repaired = self.repaired_mesh();
+        Topology {
+            components: components.count,
+            component_of_face: components.of_face,
+            neighbours: edges.neighbours,
+            vertices: self.faces,
+            enclosure,
+            volume,
+            gap,
+            findings: self.findings,
+            repaired,
+        }
+    }
+
+    fn corners(&self, face: usize) -> [DVec3; 3] {
+        self.faces[face].map(|v| self.mesh.positions[v as usize])
+    }
+
+    fn area_vector(&self, face: usize) -> DVec3 {
+        area_vector(self.corners(face))
+    }
+
+    /// The point that volumes are measured from: one of the mesh, so that a far mesh keeps its digits.
+    fn reference(&self) -> DVec3 {
+        self.faces.first().map_or(DVec3::ZERO, |face| self.mesh.positions[face[0] as usize])
+    }
+
+    fn extent(&self, is_meant: impl Fn(usize) -> bool) -> Extent {
+        let faces = (0..self.faces.len()).filter(|&face| is_meant(face));
+        Extent::of(faces.flat_map(|face| self.corners(face)))
+    }
+
+    fn report(&mut self, kind: FindingKind, count: u64, extent: Extent) {
+        let (center, radius) = if extent.min.x <= extent.max.x {
+            ((extent.min + extent.max) / 2.0, (extent.max - extent.min).length() / 2.0)
+        } else {
+            (DVec3::ZERO, 0.0)
+        };
+        self.findings.push(Finding { kind, count, center, radius });
+    }
+
+    /// Leaves out some faces, and says so.
+    fn keep(&mut self, is_kept: &[bool]) {
+        let keep = |list: &[[u32; 3]]| -> Vec<[u32; 3]> {
+            list.iter().zip(is_kept).filter(|(_, kept)| **kept).map(|(t, _)| *t).collect()
+        };
+        self.faces = keep(&self.faces);
+        self.triangles = Cow::Owned(keep(&self.triangles));
+    }
+
+    /// Faces with two equal corners are none.
+    fn drop_degenerate(&mut self) {
+        let is_face = |[a, b, c]: [u32; 3]| a != b && b != c && c != a;
+        if self.faces.iter().all(|&face| is_face(face)) {
+            return;
+        }
+        let is_kept: Vec<bool> = self.faces.iter().map(|&face| is_face(face)).collect();
+        let count = is_kept.iter().filter(|kept| !**kept).count() as u64;
+        let extent = self.extent(|face| !is_kept[face]);
+        self.report(FindingKind::DegenerateTriangles, count, extent);
+        self.keep(&is_kept);
+    }
+
+    /// Of faces over the same corners, those that look the same way are one, and two that look opposite ways enclose nothing.
+    fn drop_twins(&mut self) {
+        // (corners in ascending order, whether that is an odd permutation, face)
+        let mut keys: Vec<([u32; 3], bool, u32)> = (self.faces.iter().enumerate())
+            .map(|(index, &[a, b, c])| {
+                let mut sorted = [a, b, c];
+                sorted.sort_unstable();
+                let is_even = sorted == [a, b, c] || sorted == [b, c, a] || sorted == [c, a, b];
+                (sorted, !is_even, index as u32)
+            })
+            .collect();
+        keys.sort_unstable();
+        let same = |a: &([u32; 3], bool, u32), b: &([u32; 3], bool, u32)| a.0 == b.0;
+        // A mesh that is written twice, once for each side, is one surface.
+        let is_two_sided = keys.chunk_by(same).all(|twins| twins[0].1 != twins[twins.len() - 1].1);
+        let mut is_kept = vec![true; self.faces.len()];
+        let mut is_duplicate = vec![false; self.faces.len()];
+        let mut is_double = vec![false; self.faces.len()];
+        let mut pairs = 0;
+        for twins in keys.chunk_by(same).filter(|twins| twins.len() > 1) {
+            let odd = twins.partition_point(|twin| !twin.1);
+            for side in [&twins[..odd], &twins[odd..]] {
+                for &(_, _, face) in side.iter().skip(1) {
+                    is_duplicate[face as usize] = true;
+                    is_kept[face as usize] = false;
+                }
+            }
+            if odd > 0 && odd < twins.len() {
+                let (a, b) = (twins[0].2, twins[odd].2);
+                pairs += 1;
+                for face in [a, b] {
+                    is_double[face as usize] = true;
+                    is_kept[face as usize] = is_two_sided && face == a.min(b);
+                }
+            }
+        }
+        let duplicates = is_duplicate.iter().filter(|d| **d).count() as u64;
+        if duplicates > 0 {
+            let extent = self.extent(|face| is_duplicate[face]);
+            self.report(FindingKind::DuplicateTriangles, duplicates, extent);
+        }
+        if pairs > 0 {
+            let extent = self.extent(|face| is_double[face]);
+            self.report(FindingKind::DoubleFaces, pairs, extent);
+        }
+        self.keep(&is_kept);
+    }
+
+    /// Turns faces over.
+    fn turn(&mut self, edges: &mut Edges, is_turned: impl Fn(usize) -> bool) {
+        for face in 0..self.faces.len() {
+            if is_turned(face) {
+                self.faces[face].swap(1, 2);
+                self.triangles.to_mut()[face].swap(1, 2);
+                edges.neighbours[face].swap(0, 2);
+            }
+        }
+    }
+
+    /// Half-edges whose opposite is not the only other: those that may be the boundary.
+    fn half_edges(&self, edges: &Edges, components: &Components) -> Vec<HalfEdge> {
+        let mut found = Vec::new();
+        for (index, (face, neighbours)) in self.faces.iter().zip(&edges.neighbours).enumerate() {
+            let component = components.of_face[index];
+            for (k, &other) in neighbours.iter().enumerate() {
+                let is_matched = other != NONE
+                    && !(components.is_doubtful(component) && run_the_same_way(&self.faces, index, k, other as usize));
+                if !is_matched {
+                    found.push(HalfEdge { component, from: face[k], to: face[(k + 1) % 3] });
+                }
+            }
+        }
+        found
+    }
+
+    /// Sums over each component, with the loops that bound it alone, and all these loops.
+    fn parts(&self, components: &Components, half_edges: &mut [HalfEdge]) -> (Vec<Part>, Vec<Loop>) {
+        let reference = self.reference();
+        let mut parts = vec![Part::NOTHING; components.count as usize];
+        for (index, &component) in components.of_face.iter().enumerate() {
+            let corners = self.corners(index);
+            let part = &mut parts[component as usize];
+            let normal = area_vector(corners);
+            part.area += normal.length() / 2.0;
+            part.volume += (corners[0] - reference).dot(normal) / 6.0;
+            if components.count > 1 {
+                for p in corners {
+                    let height = p.dot(nesting::UP);
+                    if height > part.height {
+                        (part.top, part.height) = (p, height);
+                    }
+                }
+            }
+        }
+        half_edges.sort_unstable();
+        let mut all = Vec::new();
+        for own in half_edges.chunk_by(|a, b| a.component == b.component) {
+            let loops = boundary::loops(&boundary::uncancelled(own), &self.mesh.positions, reference);
+            let part = &mut parts[own[0].component as usize];
+            part.gap_area = loops.iter().map(|l| l.area).sum();
+            part.gap_volume = loops.iter().map(|l| l.volume).sum();
+            all.extend(loops);
+        }
+        (parts, all)
+    }
+
+    /// Says which faces look another way than they did.
+    fn report_turned(&mut self, mixed: &[bool], components: &Components, verdicts: &[Verdict]) {
+        let is_mixed = |face: usize| mixed.get(face).copied().unwrap_or_default();
+        let mut has_mixed = vec![false; components.count as usize];
+        for (face, &component) in components.of_face.iter().enumerate() {
+            has_mixed[component as usize] |= is_mixed(face);
+        }
+        let is_over = |component: u32| verdicts[component as usize].is_turned;
+        let is_turned = |face: usize| {
+            let component = components.of_face[face];
+            has_mixed[component as usize] && is_mixed(face) != is_over(component)
+        };
+        let turned = (0..self.faces.len()).filter(|&face| is_turned(face)).count() as u64;
+        if turned > 0 {
+            let extent = self.extent(is_turned);
+            self.report(FindingKind::MixedOrientation, turned, extent);
+        }
+        self.report_components(FindingKind::InsideOut, components, |c| is_over(c) && !has_mixed[c as usize]);
+        self.report_components(FindingKind::OneSided, components, |c| components.one_sided[c as usize]);
+    }
+
+    fn report_components(&mut self, kind: FindingKind, components: &Components, is_meant: impl Fn(u32) -> bool) {
+        let count = (0..components.count).filter(|&component| is_meant(component)).count() as u64;
+        if count > 0 {
+            let extent = self.extent(|face| is_meant(components.of_face[face]));
+            self.report(kind, count, extent);
+        }
+    }
+
+    fn report_boundary(&mut self, loops: &[Loop], edges: &Edges, half_edges: &[HalfEdge]) {
+        // The place is that of the widest gap; of slits, which have no area, that of the first.
+        let widest = loops.iter().reduce(|a, b| if b.area > a.area { b } else { a });
+        if let Some(widest) = widest {
+            self.report(FindingKind::OpenMesh, boundary::uncancelled(half_edges).len() as u64, widest.extent);
+        }
+        if edges.crowded > 0 {
+            let mut sides: Vec<(u32, u32)> = half_edges.iter().map(|h| (h.from.min(h.to), h.from.max(h.to))).collect();
+            sides.sort_unstable();
+            let first = sides.chunk_by(|a, b| a == b).find(|edge| edge.len() > 2).map_or((0, 0), |edge| edge[0]);
+            let place = Extent::of([first.0, first.1].map(|v| self.mesh.positions[v as usize]));
+            self.report(FindingKind::NonManifold, edges.crowded, place);
+        }
+    }
+
+    fn report_crossings(&mut self, crossings: &Crossings) {
+        if let Some(first) = crossings.pairs.first() {
+            let [a, b] = first.map(|face| Extent::of(self.corners(face as usize)));
+            let common = Extent { min: a.min.max(b.min), max: a.max.min(b.max) };
+            self.report(FindingKind::SelfIntersection, crossings.pairs.len() as u64, common);
+        }
+    }
+
+    fn report_nesting(&mut self, components: &Components, verdicts: &[Verdict]) {
+        let verdict = |component: u32| verdicts[component as usize];
+        self.report_components(FindingKind::Cavity, components, |c| {
+            verdict(c).winding_outside == 1 && verdict(c).winding == 0
+        });
+        self.report_components(FindingKind::NestedComponents, components, |c| {
+            verdict(c).winding.min(verdict(c).winding_outside) > 0
+        });
+    }
+
+    fn repaired_mesh(&self) -> Option<Arc<Mesh>> {
+        let Cow::Owned(triangles) = &self.triangles else { return None };
+        let mut mesh = Mesh {
+            positions: self.mesh.positions.clone(),
+            normals: self.mesh.normals.clone(),
+            triangles: triangles.clone(),
+        };
+        // Normals that were right for faces that have been turned are so no more.
+        if !mesh.normals.is_empty() {
+            let mut around = vec![DVec3::ZERO; mesh.positions.len()];
+            for triangle in &mesh.triangles {
+                let normal = area_vector(triangle.map(|i| mesh.positions[i as usize]));
+                triangle.iter().for_each(|&i| around[i as usize] += normal);
+            }
+            for (normal, faces) in mesh.normals.iter_mut().zip(around) {
+                if normal.dot(faces) < 0.0 {
+                    *normal = -*normal;
+                }
+            }
+        }
+        Some(Arc::new(mesh))
+    }
+}
+
+/// What is summed over the faces of a component.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Part {
+    area: f64,
+    /// Enclosed if it is closed, else what must be added to that of the gap.
+    volume: f64,
+    /// The highest vertex along [`nesting::UP`].
+    top: DVec3,
+    height: f64,
+    /// Of the triangles that would close it.
+    gap_area: f64,
+    gap_volume: f64,
+}
+
+impl Part {
+    const NOTHING: Self =
+        Self { area: 0.0, volume: 0.0, top: DVec3::ZERO, height: f64::NEG_INFINITY, gap_area: 0.0, gap_volume: 0.0 };
+
+    /// What it encloses, if anything; `size` is the mesh's diagonal.
+    fn body(&self, size: f64) -> Option<Body> {
+        let volume = self.volume + self.gap_volume;
+        let encloses = self.gap_area <= GAP_OF_SHEET * self.area && volume.abs() > rounding_of_volume(self.area, size);
+        encloses.then_some(Body { volume, top: self.top, height: self.height })
+    }
+}
+
+/// Volumes are sums of products of an area vector and a distance: this much of them may be rounding.
+fn rounding_of_volume(area: f64, size: f64) -> f64 {
+    1e-14 * area * size
+}
