@@ -119,6 +119,9 @@ fn analyse(description: &Description, previous: Option<(&Description, &World)>) 
     }
     (description.refractors.iter())
         .map(|refractor| {
+            if !refractor.visible {
+                return Ok(None);
+            }
             if let Some(topology) = known.find(&refractor.name, &refractor.shape) {
                 return Ok(Some(topology));
             }
@@ -170,15 +173,19 @@ impl<'a> Known<'a> {
 fn parts(description: &Description, analyses: &[Analysis]) -> Result<Vec<Part>, SceneError> {
     let refractors = (description.refractors.iter().zip(analyses)).map(|(r, analysis)| {
         let repaired = analysis.as_ref().and_then(|topology| topology.repaired.as_deref());
-        (&r.name, &r.shape, repaired, &r.transform, r.smooth)
+        (&r.name, &r.shape, repaired, &r.transform, r.smooth, r.visible)
     });
-    let solids = description.solids.iter().map(|s| (&s.name, &s.shape, None, &s.transform, s.smooth));
-    let lights = description.lights.iter().map(|l| (&l.name, &l.shape, None, &l.transform, false));
+    let solids = description.solids.iter().map(|s| (&s.name, &s.shape, None, &s.transform, s.smooth, s.visible));
+    let lights = description.lights.iter().map(|l| (&l.name, &l.shape, None, &l.transform, false, l.visible));
     let mut triangles = 0;
     refractors
         .chain(solids)
         .chain(lights)
-        .map(|(name, shape, repaired, transform, smooth)| {
+        .map(|(name, shape, repaired, transform, smooth, visible)| {
+            if !visible {
+                // It keeps its id and has no primitives.
+                return Ok(Part::Mesh { mesh: Mesh::default(), smooth: false });
+            }
             let part = part(shape, repaired, transform, smooth).map_err(|error| of_object(name, error))?;
             if let Part::Mesh { mesh, .. } = &part {
                 triangles += mesh.triangles.len().max(mesh.positions.len());
@@ -368,8 +375,8 @@ fn has_same_geometry(a: &Description, b: &Description) -> bool {
 /// The objects whose primitives differ between two descriptions, in ascending order; `None` where the objects themselves are others.
 pub fn changed_objects(a: &Description, b: &Description) -> Option<Vec<ObjectId>> {
     let counts = |d: &Description| [d.refractors.len(), d.solids.len(), d.lights.len()];
-    let is_same = |((shape_a, transform_a, smooth_a), (shape_b, transform_b, smooth_b)): &(Surfaced, Surfaced)| {
-        transform_a == transform_b && smooth_a == smooth_b && is_same_shape(shape_a, shape_b)
+    let is_same = |((shape_a, rest_a), (shape_b, rest_b)): &(Surfaced, Surfaced)| {
+        rest_a == rest_b && is_same_shape(shape_a, shape_b)
     };
     (counts(a) == counts(b)).then(|| {
         (surfaces(a).zip(surfaces(b)).zip(0..))
@@ -379,13 +386,14 @@ pub fn changed_objects(a: &Description, b: &Description) -> Option<Vec<ObjectId>
     })
 }
 
-type Surfaced<'a> = (&'a Shape, &'a Transform, bool);
+/// Shape; transform, smoothness and visibility.
+type Surfaced<'a> = (&'a Shape, (&'a Transform, bool, bool));
 
-/// Shape, transform and smoothness of every object, in the order of object ids.
+/// What decides the primitives of every object, in the order of object ids.
 fn surfaces(description: &Description) -> impl Iterator<Item = Surfaced<'_>> {
-    (description.refractors.iter().map(|r| (&r.shape, &r.transform, r.smooth)))
-        .chain(description.solids.iter().map(|s| (&s.shape, &s.transform, s.smooth)))
-        .chain(description.lights.iter().map(|l| (&l.shape, &l.transform, false)))
+    (description.refractors.iter().map(|r| (&r.shape, (&r.transform, r.smooth, r.visible))))
+        .chain(description.solids.iter().map(|s| (&s.shape, (&s.transform, s.smooth, s.visible))))
+        .chain(description.lights.iter().map(|l| (&l.shape, (&l.transform, false, l.visible))))
 }
 
 fn is_same_shape(a: &Shape, b: &Shape) -> bool {
