@@ -184,6 +184,7 @@ fn lit_from_below(description: &mut iorect::scene::Description, degrees: f64) {
             edge_v: DVec3::new(4e5, 0.0, 0.0),
         },
         radiance: [1.0; 3],
+        visible: true,
         transform: Transform::IDENTITY,
     });
     let angle = degrees.to_radians();

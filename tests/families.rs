@@ -97,6 +97,7 @@ fn solid(name: &str, shape: Shape) -> Solid {
         paint: Paint::Color([0.6; 3]),
         mirror: false,
         smooth: false,
+        visible: true,
         transform: Transform::IDENTITY,
     }
 }
@@ -178,6 +179,7 @@ fn f02_a_lamp_in_ice_in_water() {
         name: "lamp".into(),
         shape: sphere(lamp, radius),
         radiance: [1.0; 3],
+        visible: true,
         transform: Transform::IDENTITY,
     });
     let (scene, truth) = check_as_written(description, 400);

@@ -27,7 +27,10 @@ const LAYERS: &[&[&str]] = &[
 
 /// Crates that only some modules may know.
 const CRATES: &[(&[&str], &[&str])] = &[
-    (&["egui", "eframe", "egui_wgpu", "egui_extras", "egui_plot", "egui_kittest", "winit", "rfd"], &["app"]),
+    (
+        &["egui", "eframe", "egui_wgpu", "egui_extras", "egui_plot", "egui_kittest", "winit", "rfd", "transform_gizmo"],
+        &["app"],
+    ),
     (&["wgpu", "naga"], &["app", "render::gpu"]),
     (&["obvhs"], &["geometry"]),
     (&["clap", "indicatif", "env_logger"], &["cli"]),

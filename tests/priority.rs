@@ -22,12 +22,14 @@ fn room() -> Description {
         paint: Paint::Color([0.7; 3]),
         mirror: false,
         smooth: false,
+        visible: true,
         transform: Transform::IDENTITY,
     });
     description.lights.push(Light {
         name: "lamp".into(),
         shape: sphere(DVec3::new(0.5, 2.5, 0.0), 0.2),
         radiance: [5.0; 3],
+        visible: true,
         transform: Transform::IDENTITY,
     });
     description.camera.position = DVec3::new(0.0, 9.0, 0.5);

@@ -69,6 +69,7 @@ fn opaque_things_are_looked_through() {
         paint: Paint::Color([0.5; 3]),
         mirror: false,
         smooth: false,
+        visible: true,
         transform: Transform::IDENTITY,
     });
     assert_eq!(outsides(&ready(description)), ["world", "object 0"]);

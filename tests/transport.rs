@@ -29,6 +29,7 @@ fn floor() -> Description {
         paint: Paint::Color([ALBEDO; 3]),
         mirror: false,
         smooth: false,
+        visible: true,
         transform: Transform::IDENTITY,
     });
     description.camera.position = DVec3::new(3.0, 4.0, 0.0);
@@ -37,7 +38,7 @@ fn floor() -> Description {
 }
 
 fn lamp(shape: Shape) -> Light {
-    Light { name: "lamp".into(), shape, radiance: [5.0; 3], transform: Transform::IDENTITY }
+    Light { name: "lamp".into(), shape, radiance: [5.0; 3], visible: true, transform: Transform::IDENTITY }
 }
 
 /// A lamp that looks down: half a unit by a unit, at a height of 1, straight above the point that is seen.
@@ -165,6 +166,7 @@ fn grey_and_mirroring_solids_in_a_white_room() {
             paint: Paint::Color([ALBEDO; 3]),
             mirror,
             smooth: false,
+            visible: true,
             transform: Transform::IDENTITY,
         });
         description.camera.vertical_fov = 1.0;

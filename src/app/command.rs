@@ -3,11 +3,13 @@
 
 use std::path::PathBuf;
 
-use super::settings::{Arrangement, InterfaceScale, PaneContent, Tab, Theme};
+use super::objects::Manipulation;
+use super::settings::{Arrangement, InterfaceScale, PaneContent, Preset, Tab, Theme};
+use crate::check::Spot;
 use crate::estimator::trace::Follow;
 use crate::optics::IorModel;
 use crate::render::ToneCurve;
-use crate::scene::description::CameraDescription;
+use crate::scene::description::{CameraDescription, Transform};
 
 /// A medium of the scene.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -35,6 +37,17 @@ pub enum Command {
     // The scene. Undoable.
     SetIor(MediumRef, IorModel),
     SetAbsorption(MediumRef, [f64; 3]),
+    /// Of a refractor, by name.
+    SetPriority(String, i32),
+    /// Hides an object or shows it, by name.
+    SetVisible(String, bool),
+    /// An object's transform, by name, and what about it is new.
+    SetTransform(String, Manipulation, Transform),
+    /// A drag in the picture begins: what comes until its end is undone as one.
+    BeginDrag,
+    /// [`Self::SetTransform`] as part of a drag; nothing once the drag has been given up.
+    Drag(String, Manipulation, Transform),
+    EndDrag,
     /// Makes the present view the scene's own.
     KeepView,
     Undo,
@@ -43,8 +56,19 @@ pub enum Command {
     // The view.
     SetCamera(CameraDescription),
     ResetCamera,
+    /// Moves the camera, without turning it, so that an object fills a good part of the picture.
+    FrameObject(String),
+    /// Selects the first object and moves the camera, without turning it, to the place, or to the objects where there is none.
+    ShowProblem {
+        objects: Vec<String>,
+        spot: Option<Spot>,
+    },
+    /// Back to the view before the last jump of the camera.
+    EarlierView,
     SetPaneCount(usize),
     SetPaneContent(usize, PaneContent),
+    /// Four panes that answer one question.
+    SetPreset(Preset),
     SetActivePane(usize),
     SetArrangement(Arrangement),
     SetDivider([f32; 2]),
@@ -54,6 +78,10 @@ pub enum Command {
     Inspect(Option<[f64; 2]>),
     /// Turns the camera towards what is seen at a point in [0, 1]² of the film, and orbits around it from now on.
     LookAt([f64; 2]),
+    /// Selects the object that is seen at a point in [0, 1]² of the film; again at the same place, the next one behind it.
+    SelectAt([f64; 2]),
+    /// What can be dragged on the selected object in the picture.
+    SetHandles(Option<Manipulation>),
     /// How the inspector goes on at interfaces.
     SetFollow(Follow),
 
@@ -100,4 +128,6 @@ pub enum Command {
     DismissNotice(u64),
     /// Closes whatever is on top.
     Escape,
+    /// A key that means nothing now.
+    Nothing,
 }

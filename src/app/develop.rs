@@ -10,7 +10,7 @@ use egui::{Color32, ColorImage};
 use super::settings::PaneContent;
 use crate::export::color_map::{diverging, luminance};
 use crate::render::Display;
-use crate::render::worker::{Board, Snapshot};
+use crate::render::worker::{Board, PaintedSurfaces, Snapshot};
 
 /// How to develop.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -24,10 +24,41 @@ pub struct Recipe {
 #[derive(Debug, Clone)]
 pub struct Picture {
     pub image: Arc<ColorImage>,
-    /// The films it was made from: one, or two for a difference.
-    pub films: Vec<Arc<Snapshot>>,
+    pub source: Source,
     /// Mean over all pixels of the absolute difference in linear luminance, for a difference.
     pub mean_difference: Option<f64>,
+}
+
+/// What a picture was made from.
+#[derive(Debug, Clone, Default)]
+pub struct Source {
+    /// One film, or two for a difference.
+    pub films: Vec<Arc<Snapshot>>,
+    /// Painted surfaces.
+    pub painted: Option<Arc<PaintedSurfaces>>,
+}
+
+impl Source {
+    /// The epochs of what it was made from.
+    pub fn epochs(&self) -> impl Iterator<Item = u64> {
+        self.films.iter().map(|film| film.epoch).chain(self.painted.iter().map(|painted| painted.epoch))
+    }
+
+    /// Whether any of it is at a lower resolution.
+    pub fn is_preview(&self) -> bool {
+        self.films.iter().any(|film| film.is_preview()) || self.painted.iter().any(|painted| painted.is_preview())
+    }
+
+    /// Whether nothing more will come.
+    pub fn is_done(&self) -> bool {
+        self.films.iter().all(|film| film.is_done) && self.painted.iter().all(|painted| painted.is_done())
+    }
+
+    /// Samples for each pixel.
+    pub fn samples(&self) -> u32 {
+        let painted = self.painted.iter().map(|painted| painted.painting.rays);
+        self.films.iter().map(|film| film.samples).chain(painted).min().unwrap_or(0)
+    }
 }
 
 #[derive(Default)]
@@ -115,6 +146,7 @@ impl Drop for Developer {
 fn run(shared: &Shared, board: &Board, wake: &dyn Fn()) {
     // What each picture was last made from and how.
     let mut made: BTreeMap<PaneContent, (Vec<Arc<Snapshot>>, Display, bool)> = BTreeMap::new();
+    let mut painted: BTreeMap<PaneContent, Arc<PaintedSurfaces>> = BTreeMap::new();
     loop {
         let recipe = {
             let mut desk = shared.lock();
@@ -129,9 +161,24 @@ fn run(shared: &Shared, board: &Board, wake: &dyn Fn()) {
         };
         // One look at the board for all pictures, so that panes show the same number of samples.
         let snapshots = board.snapshots();
+        let paintings = board.paintings();
         made.retain(|content, _| recipe.contents.contains(content));
+        painted.retain(|content, _| recipe.contents.contains(content));
         let mut batch = BTreeMap::new();
         for content in &recipe.contents {
+            if let PaneContent::Surfaces(quantity) = content {
+                let Some(new) = paintings.get(quantity) else { continue };
+                if painted.get(content).is_some_and(|old| Arc::ptr_eq(old, new)) {
+                    continue;
+                }
+                painted.insert(*content, Arc::clone(new));
+                let size = [new.painting.width, new.painting.height].map(|side| side as usize);
+                let pixels = new.painting.pixels().map(|[r, g, b]| Color32::from_rgb(r, g, b)).collect();
+                let source = Source { films: Vec::new(), painted: Some(Arc::clone(new)) };
+                let image = Arc::new(ColorImage::new(size, pixels));
+                batch.insert(*content, Picture { image, source, mean_difference: None });
+                continue;
+            }
             let films: Vec<Arc<Snapshot>> = content.modes().filter_map(|mode| snapshots.get(&mode).cloned()).collect();
             if films.len() != content.modes().count() {
                 continue;
@@ -147,7 +194,8 @@ fn run(shared: &Shared, board: &Board, wake: &dyn Fn()) {
             if let Some(image) = develop(&films, &recipe) {
                 made.insert(*content, (films.clone(), recipe.display, recipe.signed_difference));
                 let mean_difference = mean_difference(&films);
-                batch.insert(*content, Picture { image: Arc::new(image), films, mean_difference });
+                let source = Source { films, painted: None };
+                batch.insert(*content, Picture { image: Arc::new(image), source, mean_difference });
             }
         }
         if !batch.is_empty() {

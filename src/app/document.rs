@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::command::MediumRef;
+use super::objects::Manipulation;
 use crate::optics::IorModel;
 use crate::scene::Description;
 
@@ -17,6 +18,10 @@ const MERGE_SECONDS: f64 = 0.8;
 pub enum EditKey {
     Ior(MediumRef),
     Absorption(MediumRef),
+    /// Of an object, by name.
+    Priority(String),
+    Visibility(String),
+    Transform(String, Manipulation),
     Camera,
 }
 
@@ -30,6 +35,9 @@ impl EditKey {
         match self {
             Self::Ior(medium) => format!("IOR of {}", of(medium)),
             Self::Absorption(medium) => format!("absorption of {}", of(medium)),
+            Self::Priority(object) => format!("priority of {object}"),
+            Self::Visibility(object) => format!("hiding or showing {object}"),
+            Self::Transform(object, manipulation) => format!("{} {object}", manipulation.doing()),
             Self::Camera => "scene camera".to_owned(),
         }
     }
@@ -42,6 +50,14 @@ struct Version {
     revision: u64,
 }
 
+/// What was there before a drag, to return to if it is given up.
+#[derive(Debug, Clone)]
+struct Gesture {
+    before: Version,
+    undo: Vec<(EditKey, Version)>,
+    redo: Vec<(EditKey, Version)>,
+}
+
 /// The scene being edited.
 #[derive(Debug, Clone)]
 pub struct Document {
@@ -51,6 +67,7 @@ pub struct Document {
     undo: Vec<(EditKey, Version)>,
     redo: Vec<(EditKey, Version)>,
     last_edit_secs: f64,
+    gesture: Option<Gesture>,
     /// Where "Save" writes; `None` for a built-in scene that was never saved.
     pub path: Option<PathBuf>,
 }
@@ -65,6 +82,7 @@ impl Document {
             undo: Vec::new(),
             redo: Vec::new(),
             last_edit_secs: f64::NEG_INFINITY,
+            gesture: None,
             path,
         }
     }
@@ -91,7 +109,9 @@ impl Document {
         let version = Version { description: Arc::new(description), revision: self.next_revision };
         self.next_revision += 1;
         let old = std::mem::replace(&mut self.current, version);
-        let continues = now_secs - self.last_edit_secs < MERGE_SECONDS
+        // In a drag every edit after the first continues, however slow.
+        let in_gesture = self.gesture.as_ref().is_some_and(|gesture| gesture.before.revision != old.revision);
+        let continues = (now_secs - self.last_edit_secs < MERGE_SECONDS || in_gesture)
             && self.undo.last().is_some_and(|(last, _)| *last == key)
             && self.redo.is_empty();
         if !continues {
@@ -102,6 +122,32 @@ impl Document {
         }
         self.redo.clear();
         self.last_edit_secs = now_secs;
+    }
+
+    /// From now on edits of one thing are undone as one, however slow, until [`Self::end_gesture`].
+    pub fn begin_gesture(&mut self) {
+        self.end_gesture();
+        self.gesture = Some(Gesture { before: self.current.clone(), undo: self.undo.clone(), redo: self.redo.clone() });
+        self.last_edit_secs = f64::NEG_INFINITY;
+    }
+
+    /// Whether a drag is under way.
+    pub fn has_gesture(&self) -> bool {
+        self.gesture.is_some()
+    }
+
+    /// The drag is done.
+    pub fn end_gesture(&mut self) {
+        self.gesture = None;
+        self.last_edit_secs = f64::NEG_INFINITY;
+    }
+
+    /// The drag never was; `false` when there is none.
+    pub fn cancel_gesture(&mut self) -> bool {
+        let Some(gesture) = self.gesture.take() else { return false };
+        (self.current, self.undo, self.redo) = (gesture.before, gesture.undo, gesture.redo);
+        self.last_edit_secs = f64::NEG_INFINITY;
+        true
     }
 
     /// What would be undone.
@@ -223,6 +269,29 @@ mod tests {
         assert!(document.redo_label().is_none());
         document.undo();
         assert_eq!(ior(&document), 1.0);
+    }
+
+    #[test]
+    fn a_drag_is_one_step_however_slow_and_can_be_given_up() {
+        let mut document = Document::new(Arc::new(scene()));
+        set(&mut document, 1.0, 1.1);
+        document.begin_gesture();
+        set(&mut document, 1.1, 1.2);
+        set(&mut document, 100.0, 1.3);
+        document.end_gesture();
+        set(&mut document, 100.1, 1.4);
+        assert!(document.undo());
+        assert_eq!(ior(&document), 1.3);
+        assert!(document.undo());
+        assert_eq!(ior(&document), 1.1, "the drag did not continue the edit before it");
+        // Given up: what could be done again still can, and the version is the same one.
+        let before = Arc::clone(document.description());
+        document.begin_gesture();
+        set(&mut document, 200.0, 1.9);
+        assert!(document.cancel_gesture() && !document.cancel_gesture());
+        assert!(Arc::ptr_eq(document.description(), &before));
+        assert!(document.redo() && document.redo() && !document.redo());
+        assert_eq!(ior(&document), 1.4);
     }
 
     #[test]

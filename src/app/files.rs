@@ -9,7 +9,10 @@ use std::task::{Context, Poll, Wake, Waker};
 use std::thread::Thread;
 use std::time::{Duration, Instant};
 
+use image::RgbImage;
+
 use super::command::ExportKind;
+use super::develop::Source;
 use super::settings::PaneContent;
 use crate::export::{self, Comparison, ExportError, LabelledPane, Picture};
 use crate::render::worker::Snapshot;
@@ -70,8 +73,8 @@ pub struct ExportJob {
     pub prepared: Prepared,
     pub display: Display,
     pub seed: u64,
-    /// What the panes show, with their films: the active one alone, or all.
-    pub panes: Vec<(PaneContent, Vec<Arc<Snapshot>>)>,
+    /// What the panes show and are made from: the active one alone, or all.
+    pub panes: Vec<(PaneContent, Source)>,
 }
 
 /// Starts jobs and collects what came of them.
@@ -180,13 +183,26 @@ fn picture_of(film: &Snapshot) -> Picture {
 fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
     // Each mode once, in the order of the panes: a difference is told by the modes that it is made of.
     let mut films: Vec<&Arc<Snapshot>> = Vec::new();
-    for film in job.panes.iter().flat_map(|(_, films)| films) {
+    for film in job.panes.iter().flat_map(|(_, source)| &source.films) {
         if films.iter().all(|known| known.mode != film.mode) {
             films.push(film);
         }
     }
+    let painted = job.panes.iter().filter_map(|(_, source)| source.painted.as_ref());
+    let paintings: Vec<_> = painted.map(|painted| (painted.quantity, &painted.painting)).collect();
     let Some(first) = films.first() else {
-        return Err(ExportError::BadComparison("there is no image yet; wait for the first one".into()));
+        return match job.kind {
+            _ if paintings.is_empty() => {
+                Err(ExportError::BadComparison("there is no image yet; wait for the first one".into()))
+            }
+            ExportKind::PaneExr => Err(ExportError::BadComparison(
+                "painted surfaces are colours and no radiance: export them as PNG".into(),
+            )),
+            ExportKind::PanePng | ExportKind::AllPanesPng => {
+                let text = export::metadata(&job.prepared, &[], paintings[0].1.rays, job.seed);
+                export::image_png(&job.path, &export::painted_surfaces(&job.prepared, &paintings), &text)
+            }
+        };
     };
     let modes: Vec<Mode> = films.iter().map(|film| film.mode).collect();
     let samples = films.iter().map(|film| film.samples).min().unwrap_or(0);
@@ -212,9 +228,24 @@ fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
                 display: job.display,
                 baseline: best.filter(|_| films.len() > 1),
             };
-            export::image_png(&job.path, &export::comparison(&panes, &about)?, &text)
+            let comparison = export::comparison(&panes, &about)?;
+            let surfaces = export::painted_surfaces(&job.prepared, &paintings);
+            export::image_png(&job.path, &below(comparison, &surfaces), &text)
         }
     }
+}
+
+/// One sheet under the other.
+fn below(above: RgbImage, under: &RgbImage) -> RgbImage {
+    if under.width() == 0 {
+        return above;
+    }
+    let ground = *above.get_pixel(0, 0);
+    let (width, height) = (above.width().max(under.width()), above.height() + under.height());
+    let mut sheet = RgbImage::from_pixel(width, height, ground);
+    image::imageops::replace(&mut sheet, &above, 0, 0);
+    image::imageops::replace(&mut sheet, under, 0, i64::from(above.height()));
+    sheet
 }
 
 /// The events of all films together.

@@ -3,6 +3,7 @@
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::command::{Command, ExportKind};
+use super::objects::Manipulation;
 use super::settings::{Arrangement, Tab};
 use super::state::State;
 
@@ -38,6 +39,12 @@ pub const EXPORT_ALL: KeyboardShortcut = key(CTRL_SHIFT, Key::E);
 pub const QUIT: KeyboardShortcut = key(CTRL, Key::Q);
 pub const UNDO: KeyboardShortcut = key(CTRL, Key::Z);
 pub const REDO: KeyboardShortcut = key(CTRL_SHIFT, Key::Z);
+pub const MOVE: KeyboardShortcut = key(NONE, Key::G);
+pub const ROTATE: KeyboardShortcut = key(NONE, Key::T);
+pub const SCALE: KeyboardShortcut = key(NONE, Key::S);
+pub const HIDE: KeyboardShortcut = key(NONE, Key::V);
+pub const FRAME: KeyboardShortcut = key(NONE, Key::F);
+pub const EARLIER_VIEW: KeyboardShortcut = key(NONE, Key::Backspace);
 pub const WIPE: KeyboardShortcut = key(NONE, Key::W);
 pub const RESET_CAMERA: KeyboardShortcut = key(NONE, Key::Home);
 pub const RESET_ZOOM: KeyboardShortcut = key(NONE, Key::Z);
@@ -78,6 +85,10 @@ pub const GROUPS: &[Group] = &[
             Shortcut { keys: REDO, what: "Redo", command: |_| Command::Redo },
             Shortcut { keys: UNDO, what: "Undo", command: |_| Command::Undo },
             Shortcut { keys: key(CTRL, Key::Y), what: "", command: |_| Command::Redo },
+            Shortcut { keys: MOVE, what: "Move the selected object", command: |s| handles(s, Manipulation::Move) },
+            Shortcut { keys: ROTATE, what: "Rotate it", command: |s| handles(s, Manipulation::Rotate) },
+            Shortcut { keys: SCALE, what: "Scale it", command: |s| handles(s, Manipulation::Scale) },
+            Shortcut { keys: HIDE, what: "Hide or show it", command: hide },
         ],
     },
     Group {
@@ -107,6 +118,8 @@ pub const GROUPS: &[Group] = &[
         title: "View",
         shortcuts: &[
             Shortcut { keys: RESET_CAMERA, what: "Camera as in the scene", command: |_| Command::ResetCamera },
+            Shortcut { keys: FRAME, what: "Camera to the selected object", command: frame },
+            Shortcut { keys: EARLIER_VIEW, what: "Earlier view", command: |_| Command::EarlierView },
             Shortcut { keys: RESET_ZOOM, what: "Whole picture", command: |_| Command::SetZoom(1.0, [0.5; 2]) },
             Shortcut { keys: BOTH_PANELS, what: "Hide or show both panels", command: |_| Command::ToggleBothPanels },
             Shortcut { keys: SCENE_PANEL, what: "Scene panel", command: |_| Command::ToggleScenePanel },
@@ -144,6 +157,22 @@ pub const GROUPS: &[Group] = &[
     },
 ];
 
+/// The handles for `manipulation`, or none if those are there already.
+fn handles(state: &State, manipulation: Manipulation) -> Command {
+    Command::SetHandles(Some(manipulation).filter(|_| state.settings.handles != Some(manipulation)))
+}
+
+fn hide(state: &State) -> Command {
+    match state.selected_object() {
+        Some((name, object)) => Command::SetVisible(name.to_owned(), !object.visible),
+        None => Command::Nothing,
+    }
+}
+
+fn frame(state: &State) -> Command {
+    state.selected_object().map_or(Command::Nothing, |(name, _)| Command::FrameObject(name.to_owned()))
+}
+
 /// What the pointer does, for the list.
 pub const POINTER: &[(&str, &str)] = &[
     ("drag", "orbit"),
@@ -152,6 +181,9 @@ pub const POINTER: &[(&str, &str)] = &[
     ("Ctrl + wheel", "zoom into pixels"),
     ("Ctrl + drag", "move the zoomed picture"),
     ("click", "inspect a pixel"),
+    ("Ctrl + click", "select the object; again: the one behind"),
+    ("drag a handle", "move, rotate or scale what is selected"),
+    ("Ctrl while dragging it", "in steps; Esc gives the drag up"),
     ("double click", "look at it: orbit around the point"),
 ];
 

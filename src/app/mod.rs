@@ -9,6 +9,7 @@ mod document;
 mod files;
 mod keys;
 mod navigation;
+mod objects;
 mod panels;
 mod screenshot;
 mod settings;
@@ -23,7 +24,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub use command::{Command, ExportKind, MediumRef};
-pub use settings::{Arrangement, InterfaceScale, PaneContent, Settings, Tab, Theme};
+pub use objects::Manipulation;
+pub use settings::{Arrangement, InterfaceScale, PaneContent, Preset, Settings, Tab, Theme};
 pub use state::State;
 
 use self::develop::{Bell, Developer, Recipe};
@@ -31,8 +33,9 @@ use self::files::{ExportJob, Files, Outcome, Purpose};
 use self::panels::dialogs::{Dialogs, Leaving, PathPrompt};
 use self::screenshot::Camera as WindowCamera;
 use self::viewport::Viewport;
-use crate::render::worker::{News, Worker};
+use crate::render::worker::{News, Snapshot, Worker};
 use crate::scene;
+use crate::tracking::Mode;
 
 /// Key of the settings in the storage.
 const SETTINGS_KEY: &str = "settings";
@@ -203,6 +206,11 @@ impl App {
         self.viewport.samples(self.state.settings.panes[index], &self.state)
     }
 
+    /// The latest film of a mode.
+    pub fn film(&self, mode: Mode) -> Option<Arc<Snapshot>> {
+        self.worker.board().snapshots().remove(&mode)
+    }
+
     /// Does what a command says.
     pub fn apply(&mut self, ctx: &egui::Context, command: Command) {
         match command {
@@ -243,8 +251,11 @@ impl App {
             Purpose::SaveAs => format!("{stem}.toml"),
             Purpose::Export(ExportKind::AllPanesPng) => format!("{stem}-comparison.png"),
             Purpose::Export(_) => {
-                let content = self.state.settings.panes[self.state.view.active_pane];
-                format!("{stem}-{}.{}", content.inspected_mode(), files::extension_of(purpose))
+                let content = match self.state.settings.panes[self.state.view.active_pane] {
+                    PaneContent::Surfaces(quantity) => quantity.name().replace(' ', "-"),
+                    content => content.inspected_mode().to_string(),
+                };
+                format!("{stem}-{content}.{}", files::extension_of(purpose))
             }
         };
         self.files.ask(purpose, &folder.join(name));
@@ -265,7 +276,7 @@ impl App {
             prepared: report.prepared.clone(),
             display: self.state.settings.display,
             seed: 0,
-            panes: panes.iter().map(|content| (*content, self.viewport.films(*content))).collect(),
+            panes: panes.iter().map(|content| (*content, self.viewport.source(*content))).collect(),
         };
         self.files.export(job);
     }

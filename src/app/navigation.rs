@@ -55,6 +55,22 @@ pub fn dolly(camera: &CameraDescription, steps: f64, near: f64) -> CameraDescrip
     }
 }
 
+/// Looks in the same direction at a sphere of `radius` around `center` from so far that it takes about 70 % of the picture's shorter
+/// side, whose half-angle has the tangent `tan_half`.
+#[must_use]
+pub fn framed(camera: &CameraDescription, center: DVec3, radius: f64, tan_half: f64) -> CameraDescription {
+    const SHARE: f64 = 0.7;
+    let Some((forward, _, _)) = frame(camera) else { return *camera };
+    // A tangent cone of tan(half-angle) = SHARE × tan_half touches the sphere.
+    let sine = SHARE * tan_half / (1.0 + (SHARE * tan_half).powi(2)).sqrt();
+    let distance = radius / sine;
+    if !(distance > 0.0 && distance.is_finite() && center.is_finite()) {
+        return *camera;
+    }
+    // What was in focus was at the old distance.
+    CameraDescription { position: center - forward * distance, target: center, focus_distance: None, ..*camera }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -102,6 +118,17 @@ mod tests {
         }
         assert!(c.position.z < -1.0 && c.target.z < c.position.z);
         assert!(dolly(&camera(), -1.0, 0.5).position.z > 4.0);
+    }
+
+    #[test]
+    fn a_framed_sphere_takes_its_share_of_the_picture() {
+        let center = DVec3::new(5.0, -2.0, 1.0);
+        let c = framed(&camera(), center, 0.3, 1.0);
+        assert_eq!((c.target, (c.target - c.position).normalize()), (center, -DVec3::Z));
+        // The outline's angle: its sine is radius over distance.
+        let outline = (0.3 / c.position.distance(center)).asin().tan();
+        assert!((outline - 0.7).abs() < 1e-12);
+        assert_eq!(framed(&camera(), center, 0.0, 1.0), camera());
     }
 
     #[test]

@@ -4,7 +4,9 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use super::objects::Manipulation;
 use crate::render::Display;
+use crate::render::surfaces::SurfaceQuantity;
 use crate::tracking::Mode;
 
 /// Most panes that can be shown.
@@ -12,28 +14,102 @@ pub const MAX_PANES: usize = 4;
 /// Recent files that are remembered.
 const MAX_RECENT: usize = 10;
 
+/// A mode's name on the screen.
+pub fn mode_title(mode: Mode) -> &'static str {
+    match mode {
+        Mode::RectifiedObject => "rectified, per object",
+        other => other.name(),
+    }
+}
+
+/// Panes that answer one question together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Preset {
+    StackAgainstRectified,
+    PatchAgainstObject,
+    AgainstReference,
+    Surfaces,
+}
+
+impl Preset {
+    pub const ALL: [Self; 4] =
+        [Self::StackAgainstRectified, Self::PatchAgainstObject, Self::AgainstReference, Self::Surfaces];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::StackAgainstRectified => "Stack against rectified",
+            Self::PatchAgainstObject => "Patch against object",
+            Self::AgainstReference => "Against the reference",
+            Self::Surfaces => "Surfaces",
+        }
+    }
+
+    /// One sentence for tooltips.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::StackAgainstRectified => {
+                "What most renderers do, rectification, naive, and how far the first two are apart."
+            }
+            Self::PatchAgainstObject => {
+                "One exterior for each object, one for each place on it, how far they are apart, and the surfaces by the medium outside."
+            }
+            Self::AgainstReference => {
+                "Rectification and the slow truth, and how far rectification and priority are from it."
+            }
+            Self::Surfaces => "Everything that rectification found out about surfaces.",
+        }
+    }
+
+    pub fn panes(self) -> [PaneContent; MAX_PANES] {
+        use PaneContent::{Difference, Mode as Film, Surfaces};
+        match self {
+            Self::StackAgainstRectified => {
+                [Film(Mode::Stack), Film(Mode::Rectified), Film(Mode::Naive), Difference(Mode::Stack, Mode::Rectified)]
+            }
+            Self::PatchAgainstObject => [
+                Film(Mode::RectifiedObject),
+                Film(Mode::Rectified),
+                Surfaces(SurfaceQuantity::Outside),
+                Difference(Mode::RectifiedObject, Mode::Rectified),
+            ],
+            Self::AgainstReference => [
+                Film(Mode::Rectified),
+                Film(Mode::Reference),
+                Difference(Mode::Priority, Mode::Reference),
+                Difference(Mode::Rectified, Mode::Reference),
+            ],
+            Self::Surfaces => SurfaceQuantity::ALL.map(Surfaces),
+        }
+    }
+}
+
 /// What a pane shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum PaneContent {
     Mode(Mode),
     /// The first less the second, in false colour.
     Difference(Mode, Mode),
+    /// Surfaces in the colours of what rectification found about them.
+    Surfaces(SurfaceQuantity),
 }
 
 impl PaneContent {
     /// The modes that must be rendered for it.
     pub fn modes(self) -> impl Iterator<Item = Mode> {
-        let (first, second) = match self {
-            Self::Mode(mode) => (mode, None),
-            Self::Difference(a, b) => (a, Some(b)),
+        let modes = match self {
+            Self::Mode(mode) => [Some(mode), None],
+            Self::Difference(a, b) => [Some(a), Some(b)],
+            Self::Surfaces(_) => [None, None],
         };
-        std::iter::once(first).chain(second)
+        modes.into_iter().flatten()
     }
 
     /// The mode whose paths the inspector shows.
     pub fn inspected_mode(self) -> Mode {
         match self {
             Self::Mode(mode) | Self::Difference(mode, _) => mode,
+            // What is painted is what this mode looks up.
+            Self::Surfaces(_) => Mode::Rectified,
         }
     }
 
@@ -47,8 +123,9 @@ impl PaneContent {
 impl fmt::Display for PaneContent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Mode(mode) => write!(f, "{mode}"),
-            Self::Difference(a, b) => write!(f, "{a} − {b}"),
+            Self::Mode(mode) => f.write_str(mode_title(*mode)),
+            Self::Difference(a, b) => write!(f, "{} − {}", mode_title(*a), mode_title(*b)),
+            Self::Surfaces(quantity) => write!(f, "{}", quantity.name()),
         }
     }
 }
@@ -111,6 +188,8 @@ pub struct Settings {
     pub show_render_panel: bool,
     pub show_problems: bool,
     pub tab: Tab,
+    /// What can be dragged on the selected object in the picture.
+    pub handles: Option<Manipulation>,
     /// Paths, latest first.
     pub recent: Vec<String>,
 }
@@ -119,12 +198,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             pane_count: 4,
-            panes: [
-                PaneContent::Mode(Mode::Stack),
-                PaneContent::Mode(Mode::Rectified),
-                PaneContent::Mode(Mode::Naive),
-                PaneContent::Difference(Mode::Stack, Mode::Rectified),
-            ],
+            panes: Preset::StackAgainstRectified.panes(),
             arrangement: Arrangement::Tiles,
             display: Display::default(),
             signed_difference: false,
@@ -137,6 +211,7 @@ impl Default for Settings {
             show_render_panel: true,
             show_problems: true,
             tab: Tab::Render,
+            handles: Some(Manipulation::Move),
             recent: Vec::new(),
         }
     }
@@ -175,6 +250,12 @@ impl Settings {
     pub fn modes(&self) -> Vec<Mode> {
         let needed: Vec<Mode> = self.shown_panes().iter().flat_map(|content| content.modes()).collect();
         Mode::ALL.into_iter().filter(|mode| needed.contains(mode)).collect()
+    }
+
+    /// The distinct quantities by which the panes need surfaces painted.
+    pub fn surfaces(&self) -> Vec<SurfaceQuantity> {
+        let is_shown = |quantity| self.shown_panes().contains(&PaneContent::Surfaces(quantity));
+        SurfaceQuantity::ALL.into_iter().filter(|quantity| is_shown(*quantity)).collect()
     }
 
     /// Puts a file at the head of the recent ones.

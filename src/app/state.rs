@@ -2,21 +2,27 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::command::{Command, MediumRef};
 use super::document::{Document, EditKey, with_absorption, with_ior};
 use super::navigation;
+use super::objects::{self, Manipulation, Object};
 use super::settings::{InterfaceScale, MAX_PANES, Settings, Theme};
+use crate::check::{Problem, Spot};
 use crate::estimator::trace::{Follow, TracedPath, trace};
 use crate::geometry::Ray;
 use crate::render::worker::{Request, SceneReport};
 use crate::scene::camera::Camera;
-use crate::scene::description::CameraDescription;
+use crate::scene::description::{CameraDescription, Shape, Transform};
 use crate::scene::{Description, SceneError};
 
 /// Segments after which the inspector stops following a path.
 const INSPECTOR_DEPTH: u32 = 200;
 /// Largest magnification of the picture.
 pub const MAX_ZOOM: f32 = 64.0;
+/// Views that can be returned to.
+const MAX_EARLIER_VIEWS: usize = 50;
 
 /// A message that stays until it is dismissed.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,8 +88,16 @@ pub struct State {
     /// The object that is highlighted in the tree, by name.
     pub selected: Option<String>,
     pub inspection: Option<Inspection>,
+    /// Where something was last selected in the picture, in [0, 1]² of the film.
+    last_pick: Option<[f64; 2]>,
+    /// Views before jumps of the camera, latest last.
+    earlier_views: Vec<CameraDescription>,
     /// The scene as the worker prepared it.
     pub report: Option<Arc<SceneReport>>,
+    /// What is doubtful in the scene, as last found out: while an edit is being looked at, what was found before it.
+    problems: Option<Arc<SceneReport>>,
+    /// Whether the strip of problems is there. It comes and goes only while no button is down, so that nothing moves under the pointer.
+    has_problem_strip: bool,
     /// Size of a film, in pixels.
     film_size: [u32; 2],
     epoch: u64,
@@ -107,7 +121,11 @@ impl State {
             windows: Windows::default(),
             selected: None,
             inspection: None,
+            last_pick: None,
+            earlier_views: Vec::new(),
             report: None,
+            problems: None,
+            has_problem_strip: false,
             film_size: [0; 2],
             epoch: 1,
             epoch_floor: 1,
@@ -166,6 +184,7 @@ impl State {
             description: Arc::clone(self.document.description()),
             camera: self.film_camera(),
             modes: self.settings.modes(),
+            surfaces: self.settings.surfaces(),
             size: self.film_size,
             seed: 0,
             max_depth: self.settings.max_depth,
@@ -191,6 +210,9 @@ impl State {
         self.document = Document::new(Arc::new(description));
         self.selected = None;
         self.inspection = None;
+        self.last_pick = None;
+        self.earlier_views.clear();
+        self.problems = None;
         self.invalidate();
         self.epoch_floor = self.epoch;
     }
@@ -201,8 +223,24 @@ impl State {
             self.last_good = Some(self.document.clone());
         }
         if report.epoch >= self.epoch_floor {
+            if report.problems.is_some() {
+                self.problems = Some(Arc::clone(&report));
+            }
             self.report = Some(report);
         }
+    }
+
+    /// What is doubtful in the scene, worst first.
+    pub fn problems(&self) -> &[Problem] {
+        self.problems.as_ref().and_then(|report| report.problems.as_deref()).unwrap_or_default()
+    }
+
+    /// Whether the strip of problems is to be shown. `is_pressed`: whether a button of the pointer is down.
+    pub fn problem_strip(&mut self, is_pressed: bool) -> bool {
+        if !is_pressed {
+            self.has_problem_strip = self.settings.show_problems && !self.problems().is_empty();
+        }
+        self.has_problem_strip
     }
 
     /// A request could not be served: says so and returns to what can be shown.
@@ -287,13 +325,29 @@ impl State {
                     self.edit(EditKey::Absorption(medium), now_secs, edited);
                 }
             }
+            Command::SetPriority(object, priority) => {
+                let edited = objects::with_priority(self.document.description(), &object, priority);
+                self.edit(EditKey::Priority(object), now_secs, edited);
+            }
+            Command::SetVisible(object, visible) => {
+                let edited = objects::with_visible(self.document.description(), &object, visible);
+                self.edit(EditKey::Visibility(object), now_secs, edited);
+            }
+            Command::SetTransform(object, manipulation, transform) => {
+                self.set_transform(object, manipulation, transform, now_secs);
+            }
+            Command::BeginDrag => self.document.begin_gesture(),
+            Command::Drag(object, manipulation, transform) if self.document.has_gesture() => {
+                self.set_transform(object, manipulation, transform, now_secs);
+            }
+            Command::EndDrag => self.document.end_gesture(),
             Command::KeepView => {
                 let mut edited = Description::clone(self.document.description());
                 edited.camera = self.view.camera;
                 self.edit(EditKey::Camera, now_secs, Some(edited));
             }
             Command::Undo => {
-                if self.document.undo() {
+                if self.document.cancel_gesture() || self.document.undo() {
                     self.invalidate();
                 }
             }
@@ -303,11 +357,22 @@ impl State {
                 }
             }
             Command::SetCamera(camera) => self.set_camera(camera),
-            Command::ResetCamera => self.set_camera(self.document.description().camera),
+            Command::ResetCamera => self.jump_to(self.document.description().camera),
+            Command::FrameObject(object) => self.frame_object(&object),
+            Command::ShowProblem { objects, spot } => self.show_problem(&objects, spot),
+            Command::EarlierView => {
+                if let Some(camera) = self.earlier_views.pop() {
+                    self.set_camera(camera);
+                }
+            }
             Command::SetPaneCount(count) => self.change_panes(|settings| settings.pane_count = count),
             Command::SetPaneContent(pane, content) if pane < MAX_PANES => {
                 self.change_panes(|settings| settings.panes[pane] = content);
             }
+            Command::SetPreset(preset) => self.change_panes(|settings| {
+                settings.pane_count = MAX_PANES;
+                settings.panes = preset.panes();
+            }),
             Command::SetActivePane(pane) => self.view.active_pane = pane.min(self.settings.pane_count - 1),
             Command::SetArrangement(arrangement) => self.settings.arrangement = arrangement,
             Command::SetDivider(divider) => self.view.divider = divider.map(|x| x.clamp(0.02, 0.98)),
@@ -318,6 +383,8 @@ impl State {
             }
             Command::Inspect(point) => self.inspect(point),
             Command::LookAt(point) => self.look_at(point),
+            Command::SelectAt(point) => self.select_at(point),
+            Command::SetHandles(handles) => self.settings.handles = handles,
             Command::SetFollow(follow) => {
                 if let Some(inspection) = &mut self.inspection {
                     inspection.follow = follow;
@@ -366,6 +433,8 @@ impl State {
             Command::Escape => self.escape(),
             Command::SetPaneContent(..)
             | Command::SetExposure(_)
+            | Command::Drag(..)
+            | Command::Nothing
             | Command::StepInterfaceScale(_)
             | Command::AskOpen
             | Command::Open(_)
@@ -389,11 +458,14 @@ impl State {
 
     /// Changes what the panes show; images are kept when the modes stay the same.
     fn change_panes(&mut self, change: impl FnOnce(&mut Settings)) {
-        let before = self.settings.modes();
+        let (before, surfaces) = (self.settings.modes(), self.settings.surfaces());
         change(&mut self.settings);
         self.view.active_pane = self.view.active_pane.min(self.settings.pane_count - 1);
         if self.settings.modes() != before {
             self.invalidate();
+        } else if self.settings.surfaces() != surfaces {
+            // The films go on.
+            self.has_news = true;
         }
     }
 
@@ -409,12 +481,108 @@ impl State {
         let mode = self.settings.panes[self.view.active_pane].inspected_mode();
         let path = trace(&report.prepared, mode, ray, Follow::Transmit, 0, Some(1));
         if let Some(vertex) = path.vertices.first() {
-            self.set_camera(CameraDescription { target: vertex.position.into(), ..self.view.camera });
+            self.jump_to(CameraDescription { target: vertex.position.into(), ..self.view.camera });
+        }
+    }
+
+    fn set_transform(&mut self, object: String, manipulation: Manipulation, transform: Transform, now_secs: f64) {
+        let description = self.document.description();
+        let Some(shape) = objects::object(description, &object).map(|o| o.shape) else { return };
+        if let Some(fault) = transform.fault(shape) {
+            self.notify_error(fault);
+            return;
+        }
+        let edited = objects::with_transform(description, &object, transform);
+        self.edit(EditKey::Transform(object, manipulation), now_secs, edited);
+    }
+
+    /// The selected object with its name; `None` if nothing or the world is selected.
+    pub fn selected_object(&self) -> Option<(&str, Object<'_>)> {
+        let name = self.selected.as_deref()?;
+        objects::object(self.document.description(), name).map(|object| (name, object))
+    }
+
+    fn select_at(&mut self, point: [f64; 2]) {
+        let (Some(report), Ok(camera)) = (&self.report, Camera::new(&self.film_camera())) else { return };
+        let world = &report.prepared.world;
+        let mut ray = ray_through(&camera, self.film_size, point);
+        ray.origin -= world.geometry.origin;
+        let mut names: Vec<&str> = Vec::new();
+        for hit in world.geometry.all_hits(&ray) {
+            let name = &*world.objects[world.geometry.object_of(hit.primitive) as usize].name;
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        // A few pixels apart is the same place.
+        let is_again = self.last_pick.is_some_and(|last| (0..2).all(|i| (last[i] - point[i]).abs() < 0.01));
+        let shown = self.selected.as_deref().filter(|_| is_again);
+        let next = shown.and_then(|shown| names.iter().position(|name| *name == shown)).map_or(0, |at| at + 1);
+        self.selected = names.get(if next < names.len() { next } else { 0 }).map(|&name| name.to_owned());
+        self.last_pick = Some(point);
+    }
+
+    /// Moves the camera to a view that is not next to the present one, which is kept to return to.
+    fn jump_to(&mut self, camera: CameraDescription) {
+        let before = self.view.camera;
+        self.set_camera(camera);
+        if self.view.camera != before {
+            self.earlier_views.push(before);
+            if self.earlier_views.len() > MAX_EARLIER_VIEWS {
+                self.earlier_views.remove(0);
+            }
+        }
+    }
+
+    /// Whether there is a view to return to.
+    pub fn has_earlier_view(&self) -> bool {
+        !self.earlier_views.is_empty()
+    }
+
+    fn frame_object(&mut self, name: &str) {
+        let Some(object) = objects::object(self.document.description(), name) else { return };
+        let (min, max) = object.scene_bounds();
+        let is_ball = matches!(object.shape, Shape::Sphere { .. } | Shape::Icosphere { .. });
+        let radius = if is_ball { (max.x - min.x) / 2.0 } else { (max - min).length() / 2.0 };
+        self.frame((min + max) / 2.0, radius);
+    }
+
+    fn show_problem(&mut self, names: &[String], spot: Option<Spot>) {
+        if let Some(name) = names.first() {
+            self.selected = Some(name.clone());
+        }
+        let description = self.document.description();
+        let boxes: Vec<_> =
+            names.iter().filter_map(|name| objects::object(description, name)).map(|o| o.scene_bounds()).collect();
+        let (center, radius) = match (spot, &boxes[..]) {
+            (Some(spot), _) => (spot.center, spot.radius),
+            (None, []) => return,
+            (None, [first, others @ ..]) => {
+                let common = others.iter().fold(*first, |a, b| (a.0.max(b.0), a.1.min(b.1)));
+                let all = others.iter().fold(*first, |a, b| (a.0.min(b.0), a.1.max(b.1)));
+                // What two objects have to do with each other is where both are.
+                let (min, max) = if common.0.cmplt(common.1).all() { common } else { all };
+                ((min + max) / 2.0, (max - min).length() / 2.0)
+            }
+        };
+        self.frame(center, radius);
+    }
+
+    /// Keeps the direction of the view and moves the camera so that a sphere of `radius` around `center` fills a good part of the picture.
+    fn frame(&mut self, center: DVec3, radius: f64) {
+        let aspect = f64::from(self.film_size[0].max(1)) / f64::from(self.film_size[1].max(1));
+        let tan_vertical = (self.film_camera().vertical_fov.to_radians() / 2.0).tan();
+        self.jump_to(navigation::framed(&self.view.camera, center, radius, tan_vertical * aspect.min(1.0)));
+        if self.view.zoom > 1.0 {
+            self.view.zoom = 1.0;
+            self.view.zoom_center = [0.5; 2];
         }
     }
 
     fn escape(&mut self) {
-        if self.windows != Windows::default() {
+        if self.document.cancel_gesture() {
+            self.invalidate();
+        } else if self.windows != Windows::default() {
             self.windows = Windows::default();
         } else if self.inspection.is_some() {
             self.inspection = None;

@@ -6,6 +6,7 @@
 use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, Style, TextStyle, Visuals};
 
 use crate::check::Severity;
+use crate::render::surfaces::{COLORS, WORLD_COLOR};
 use crate::tracking::Mode;
 
 /// Space between the controls of one group and between groups, in points.
@@ -101,13 +102,14 @@ impl Palette {
 
     /// The swatch of the medium at `index` in the scene's list.
     pub fn medium(&self, index: usize) -> Color32 {
-        const COLORS: [u32; 8] = [0x56b4e9, 0xe69f00, 0x009e73, 0xcc79a7, 0xf0e442, 0x0072b2, 0xd55e00, 0xa6a6f0];
-        rgb(COLORS[index % COLORS.len()])
+        let [r, g, b] = COLORS[index % COLORS.len()];
+        Color32::from_rgb(r, g, b)
     }
 
     /// The swatch of the global medium.
     pub fn world(&self) -> Color32 {
-        if self.is_dark { rgb(0x8a8f98) } else { rgb(0x9aa0a8) }
+        let [r, g, b] = WORLD_COLOR;
+        Color32::from_rgb(r, g, b)
     }
 
     pub fn severity(&self, severity: Severity) -> Color32 {

@@ -44,7 +44,8 @@ fn problem(refractor: &Refractor, topology: &Topology, finding: &Finding) -> Pro
     let of = |one: &str, many: &str| if count == 1 { format!("1 {one}") } else { format!("{count} {many}") };
     let faces = of("face", "faces");
     let components = of("separate part", "separate parts");
-    let [x, y, z] = refractor.transform.matrix().transform_point3(finding.center).to_array();
+    let center = refractor.transform.matrix().transform_point3(finding.center);
+    let [x, y, z] = center.to_array();
     let near = format!("near [{x:.4}, {y:.4}, {z:.4}]");
     let (severity, message) = match finding.kind {
         FindingKind::DegenerateTriangles => {
@@ -127,7 +128,10 @@ fn problem(refractor: &Refractor, topology: &Topology, finding: &Finding) -> Pro
             (Severity::Warning, format!("the mesh, {near}, is closed but encloses nothing: it has no thickness"))
         }
     };
-    Problem { severity, ..Problem::warning(&refractor.name, finding.kind.word(), message) }
+    let problem = Problem { severity, ..Problem::warning(&refractor.name, finding.kind.word(), message) };
+    // Something of no size is everywhere on the object.
+    let radius = finding.radius * refractor.transform.scale.abs().max_element();
+    if radius > 0.0 { problem.at(center, radius) } else { problem }
 }
 
 /// A boundary is worth as many words as it is wide.

@@ -5,6 +5,8 @@ mod overlap;
 
 use std::collections::HashSet;
 
+use glam::DVec3;
+
 use crate::optics::IorModel;
 use crate::rectify::containment::containment;
 use crate::render::Prepared;
@@ -22,8 +24,17 @@ pub enum Severity {
     Advice,
 }
 
+/// A place in the scene.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Spot {
+    /// In scene coordinates.
+    pub center: DVec3,
+    /// Radius of the region concerned, in scene units, > 0.
+    pub radius: f64,
+}
+
 /// One finding.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Problem {
     pub severity: Severity,
     /// The object, medium or key concerned, by name; several are separated by commas.
@@ -33,15 +44,23 @@ pub struct Problem {
     pub kind: &'static str,
     /// What is wrong and what to do about it.
     pub message: String,
+    /// Where it can be seen, if it is not everywhere on the objects concerned.
+    pub spot: Option<Spot>,
 }
 
 impl Problem {
     fn warning(place: impl Into<String>, kind: &'static str, message: impl Into<String>) -> Self {
-        Self { severity: Severity::Warning, place: place.into(), kind, message: message.into() }
+        Self { severity: Severity::Warning, place: place.into(), kind, message: message.into(), spot: None }
+    }
+
+    /// The same problem, to be seen within `radius` of `center` (scene coordinates).
+    #[must_use]
+    fn at(self, center: DVec3, radius: f64) -> Self {
+        Self { spot: Some(Spot { center, radius }), ..self }
     }
 
     fn advice(place: impl Into<String>, kind: &'static str, message: impl Into<String>) -> Self {
-        Self { severity: Severity::Advice, place: place.into(), kind, message: message.into() }
+        Self { severity: Severity::Advice, place: place.into(), kind, message: message.into(), spot: None }
     }
 }
 

@@ -151,6 +151,15 @@ fn meshes_open_inside_out_or_with_flat_triangles() {
     let problems = problems_of(with_mesh(open.clone(), 0));
     assert_eq!((problems[0].kind, problems[0].place.as_str()), ("open_mesh", "a"));
     assert!(problems[0].message.contains("3 of its edges"), "{}", problems[0].message);
+    // The place is on the hole's rim, in scene coordinates, and the region shows more than the edge.
+    let mut moved = with_mesh(open, 0);
+    moved.refractors[0].transform.translate = DVec3::new(0.0, 40.0, 0.0);
+    moved.refractors[0].transform.scale = DVec3::splat(2.0);
+    let spots = [problems[0].spot, problems_of(moved)[0].spot].map(|spot| spot.expect("it has a place"));
+    assert!((spots[1].center - (2.0 * spots[0].center + 40.0 * DVec3::Y)).length() < 1e-12);
+    assert!((spots[1].radius - 2.0 * spots[0].radius).abs() < 1e-12 && spots[0].radius > 0.1);
+    let json = serde_json::to_value(&problems[0]).unwrap();
+    assert_eq!(json["spot"]["center"].as_array().map(Vec::len), Some(3), "{json}");
 
     let mut turned = tetrahedron();
     turned.triangles[0].swap(0, 1);

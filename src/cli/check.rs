@@ -41,6 +41,7 @@ fn unusable(scene: &str, error: &SceneError) -> Problem {
         place: error.place.as_ref().map_or_else(|| scene.to_owned(), ToString::to_string),
         kind: "unusable",
         message: error.message.clone(),
+        spot: None,
     }
 }
 

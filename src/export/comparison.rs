@@ -9,9 +9,9 @@ use super::{ExportError, Picture};
 use crate::measure::{Difference, difference};
 use crate::render::{Display, Events};
 
-const SHEET: Color = [0x17, 0x18, 0x1c];
-const INK: Color = [0xf0, 0xf1, 0xf4];
-const MUTED: Color = [0x9c, 0xa2, 0xae];
+pub(super) const SHEET: Color = [0x17, 0x18, 0x1c];
+pub(super) const INK: Color = [0xf0, 0xf1, 0xf4];
+pub(super) const MUTED: Color = [0x9c, 0xa2, 0xae];
 const WARNING: Color = [0xf5, 0xb3, 0x4d];
 /// Labels need this many pixels of width; smaller pictures are enlarged by a whole factor.
 const LEAST_PANE_WIDTH: u32 = 280;

@@ -10,6 +10,7 @@ mod comparison;
 mod error;
 mod metadata;
 mod picture;
+mod surfaces;
 pub mod words;
 
 pub use atomic::{require_writable, write_atomically};
@@ -17,3 +18,4 @@ pub use comparison::{Comparison, LabelledPane, comparison};
 pub use error::ExportError;
 pub use metadata::{metadata, metadata_for_media};
 pub use picture::{Format, Picture, exr, image_png, png, save};
+pub use surfaces::painted_surfaces;

@@ -5,6 +5,7 @@ pub mod display;
 pub mod events;
 pub mod film;
 pub mod prepare;
+pub mod surfaces;
 pub mod worker;
 
 pub use cpu::{RenderSettings, accumulate};

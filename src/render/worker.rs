@@ -6,7 +6,8 @@
 //!
 //! ```text
 //! requests ─► preparer (scene, rectification) ─► main lane:      every mode, in lockstep
-//!                                              └► reference lane: `reference` beside other modes, on a few threads of its own
+//!                                              ├► reference lane: `reference` beside other modes, on a few threads of its own
+//!                                              └► surfaces lane:  surfaces in the colours of what rectification found
 //! ```
 //!
 //! Modes of one lane always have equally many samples, taken with the same random numbers: their difference shows the modes' error
@@ -14,16 +15,20 @@
 
 mod lane;
 mod mailbox;
+mod painter;
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use self::lane::{Job, LaneMessage, run_lane};
-use self::mailbox::Mailbox;
+use self::mailbox::{Mailbox, Taken};
+use self::painter::run_painter;
 use super::events::Events;
 use super::prepare::{Prepared, prepare};
+use super::surfaces::{OFFSETS, Painting, SurfaceQuantity};
 use crate::check::{Problem, check};
 use crate::scene::camera::Camera;
 use crate::scene::description::CameraDescription;
@@ -33,7 +38,7 @@ use crate::tracking::Mode;
 /// What to render.
 #[derive(Debug, Clone)]
 pub struct Request {
-    /// Different whenever anything else than `sample_limit` and `is_paused` is: a new epoch starts from nothing.
+    /// Different whenever anything else than `surfaces`, `sample_limit` and `is_paused` is: a new epoch starts from nothing.
     pub epoch: u64,
     /// Prepared anew when it is another allocation than the last request's.
     pub description: Arc<Description>,
@@ -41,6 +46,8 @@ pub struct Request {
     pub camera: CameraDescription,
     /// Distinct modes; each gets a film.
     pub modes: Vec<Mode>,
+    /// Distinct quantities; surfaces are painted by each.
+    pub surfaces: Vec<SurfaceQuantity>,
     /// Width and height of the films in pixels, at least 1.
     pub size: [u32; 2],
     pub seed: u64,
@@ -85,6 +92,28 @@ impl Snapshot {
     }
 }
 
+/// A picture of the surfaces by one quantity.
+#[derive(Debug, Clone)]
+pub struct PaintedSurfaces {
+    pub epoch: u64,
+    pub quantity: SurfaceQuantity,
+    /// The size that was asked for; the painting is smaller in a preview.
+    pub full_size: [u32; 2],
+    pub painting: Painting,
+}
+
+impl PaintedSurfaces {
+    /// Whether this is a quick picture at a lower resolution.
+    pub fn is_preview(&self) -> bool {
+        [self.painting.width, self.painting.height] != self.full_size
+    }
+
+    /// Whether every ray has been taken.
+    pub fn is_done(&self) -> bool {
+        !self.is_preview() && self.painting.rays as usize >= OFFSETS.len()
+    }
+}
+
 /// A scene that could be prepared.
 #[derive(Debug, Clone)]
 pub struct SceneReport {
@@ -106,6 +135,7 @@ struct BoardState {
     scene: Option<Arc<SceneReport>>,
     failure: Option<(u64, SceneError)>,
     snapshots: BTreeMap<Mode, Arc<Snapshot>>,
+    paintings: BTreeMap<SurfaceQuantity, Arc<PaintedSurfaces>>,
 }
 
 impl Board {
@@ -127,6 +157,11 @@ impl Board {
     pub fn snapshots(&self) -> BTreeMap<Mode, Arc<Snapshot>> {
         self.lock().snapshots.clone()
     }
+
+    /// The latest picture of the surfaces by each quantity.
+    pub fn paintings(&self) -> BTreeMap<SurfaceQuantity, Arc<PaintedSurfaces>> {
+        self.lock().paintings.clone()
+    }
 }
 
 /// What has been published.
@@ -144,7 +179,7 @@ pub type Wake = Arc<dyn Fn(News) + Send + Sync>;
 /// The handle to the threads. Dropping it cancels and joins them.
 pub struct Worker {
     requests: Arc<Mailbox<Request>>,
-    lanes: [Arc<Mailbox<LaneMessage>>; 2],
+    lanes: [Arc<Mailbox<LaneMessage>>; 3],
     board: Arc<Board>,
     threads: Vec<JoinHandle<()>>,
 }
@@ -157,24 +192,23 @@ impl Worker {
     pub fn start(wake: Wake) -> std::io::Result<Self> {
         let board = Arc::new(Board::default());
         let requests = Arc::new(Mailbox::new());
-        let lanes = [Arc::new(Mailbox::new()), Arc::new(Mailbox::new())];
+        let lanes = [(); 3].map(|()| Arc::new(Mailbox::new()));
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let mut threads = Vec::new();
         // The window's own thread is idle most of the time. Where there are cores to spare it has one for itself; on small machines
         // rendering takes all of them, which made no frame later when measured on two cores.
-        let widths = [if cores >= 4 { cores - 1 } else { cores }, (cores / 4).max(1)];
-        for ((mailbox, width), name) in lanes.iter().zip(widths).zip(["render", "reference"]) {
+        let widths = [if cores >= 4 { cores - 1 } else { cores }, (cores / 4).max(1), (cores / 2).max(1)];
+        for ((mailbox, width), name) in lanes.iter().zip(widths).zip(["render", "reference", "surfaces"]) {
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(width)
                 .thread_name(move |index| format!("{name}-{index}"))
                 .build()
                 .map_err(std::io::Error::other)?;
             let (mailbox, board, wake) = (Arc::clone(mailbox), Arc::clone(&board), Arc::clone(&wake));
-            threads.push(
-                std::thread::Builder::new()
-                    .name(format!("{name}-lane"))
-                    .spawn(move || run_lane(&pool, &mailbox, &board, &wake))?,
-            );
+            threads.push(std::thread::Builder::new().name(format!("{name}-lane")).spawn(move || match name {
+                "surfaces" => run_painter(&pool, &mailbox, &board, &wake),
+                _ => run_lane(&pool, &mailbox, &board, &wake),
+            })?);
         }
         let preparer = {
             let (requests, lanes, board) = (Arc::clone(&requests), lanes.clone(), Arc::clone(&board));
@@ -216,9 +250,29 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, SceneError>) -> Result<T, SceneEr
     })
 }
 
-fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>>; 2], board: &Board, wake: &Wake) {
+/// Requests of a drag follow each other faster than this: looking for problems waits until there is none for so long.
+const QUIET: Duration = Duration::from_millis(80);
+
+fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>>; 3], board: &Board, wake: &Wake) {
     let mut current: Option<Prepared> = None;
-    while let Some(request) = requests.wait() {
+    // The epoch and the scene whose problems have not been looked for yet.
+    let mut unchecked: Option<(u64, Prepared)> = None;
+    loop {
+        let taken = if unchecked.is_some() { requests.wait_for(QUIET) } else { requests.wait().into() };
+        let request = match taken {
+            Taken::Message(request) => request,
+            Taken::Closed => return,
+            // Time for what can wait.
+            Taken::Empty => {
+                if let Some((epoch, prepared)) = unchecked.take() {
+                    let problems = guarded(|| Ok(check(&prepared))).unwrap_or_default();
+                    let report = SceneReport { epoch, prepared, problems: Some(problems) };
+                    board.lock().scene = Some(Arc::new(report));
+                    wake(News::Scene);
+                }
+                continue;
+            }
+        };
         let is_new = current.as_ref().is_none_or(|p| !Arc::ptr_eq(&p.description, &request.description));
         let outcome = guarded(|| {
             let camera = Camera::new(&request.camera)?;
@@ -247,8 +301,9 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
         let alone = request.modes.iter().all(|mode| *mode == Mode::Reference);
         let (reference, main): (Vec<Mode>, Vec<Mode>) =
             request.modes.iter().partition(|mode| **mode == Mode::Reference && !alone);
-        for (lane, modes) in lanes.iter().zip([main, reference]) {
-            lane.post(if modes.is_empty() {
+        let has_work = [!main.is_empty(), !reference.is_empty(), !request.surfaces.is_empty()];
+        for ((lane, modes), has_work) in lanes.iter().zip([main, reference, Vec::new()]).zip(has_work) {
+            lane.post(if !has_work {
                 LaneMessage::Hold
             } else {
                 LaneMessage::Render(Box::new(Job {
@@ -259,12 +314,13 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
                 }))
             });
         }
-        board.lock().snapshots.retain(|mode, _| request.modes.contains(mode));
+        {
+            let mut state = board.lock();
+            state.snapshots.retain(|mode, _| request.modes.contains(mode));
+            state.paintings.retain(|quantity, _| request.surfaces.contains(quantity));
+        }
         if is_new {
-            let problems = guarded(|| Ok(check(&prepared))).unwrap_or_default();
-            let report = SceneReport { epoch: request.epoch, prepared: prepared.clone(), problems: Some(problems) };
-            board.lock().scene = Some(Arc::new(report));
-            wake(News::Scene);
+            unchecked = Some((request.epoch, prepared.clone()));
             current = Some(prepared);
         }
     }
@@ -272,7 +328,7 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
 
 #[cfg(test)]
 mod tests {
-    use std::time::{Duration, Instant};
+    use std::time::Instant;
 
     use super::*;
 
@@ -283,6 +339,7 @@ mod tests {
             camera: description.camera,
             description,
             modes: modes.to_vec(),
+            surfaces: Vec::new(),
             size: [96, 64],
             seed: 0,
             max_depth: Some(8),
@@ -363,6 +420,29 @@ mod tests {
         until(&worker, |s| s.len() == 2 && s.values().all(|s| s.is_done));
         worker.submit(Request { sample_limit: Some(2), ..request(2, &[Mode::Reference]) });
         until(&worker, |s| s.len() == 1 && s.values().all(|s| s.epoch == 2 && s.is_done));
+    }
+
+    #[test]
+    fn surfaces_are_painted_beside_the_films_and_without_any() {
+        let paintings = |worker: &Worker| worker.board().paintings();
+        let worker = Worker::start(quiet()).unwrap();
+        let both = vec![SurfaceQuantity::Outside, SurfaceQuantity::Class];
+        let films_too = Request { surfaces: both.clone(), ..request(1, &[Mode::Rectified]) };
+        worker.submit(films_too.clone());
+        until(&worker, |s| s.len() == 1 && s.values().all(|s| s.is_done));
+        until(&worker, |_| paintings(&worker).len() == 2 && paintings(&worker).values().all(|p| p.is_done()));
+        let first = Arc::clone(&paintings(&worker)[&SurfaceQuantity::Class]);
+        assert_eq!([first.painting.width, first.painting.height], [96, 64]);
+        // Less of the same epoch keeps what there is; another epoch paints anew.
+        worker.submit(Request { surfaces: both[1..].to_vec(), modes: Vec::new(), ..films_too.clone() });
+        until(&worker, |_| paintings(&worker).len() == 1);
+        assert!(Arc::ptr_eq(&paintings(&worker)[&SurfaceQuantity::Class], &first));
+        worker.submit(Request { surfaces: both.clone(), modes: Vec::new(), ..films_too });
+        until(&worker, |_| paintings(&worker).len() == 2 && paintings(&worker).values().all(|p| p.is_done()));
+        worker.submit(Request { surfaces: both, ..request(2, &[]) });
+        until(&worker, |_| {
+            paintings(&worker).len() == 2 && paintings(&worker).values().all(|p| p.is_done() && p.epoch == 2)
+        });
     }
 
     #[test]

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::environment::EnvironmentImage;
+use super::shapes::MAX_LENGTH;
 use crate::geometry::Mesh;
 use crate::optics::{IorModel, Medium};
 
@@ -96,6 +97,8 @@ pub struct Refractor {
     pub priority: i32,
     /// Whether normals are interpolated over faces.
     pub smooth: bool,
+    /// An invisible object is not there at all: nothing hits it, and it contains nothing.
+    pub visible: bool,
     pub transform: Transform,
 }
 
@@ -109,6 +112,8 @@ pub struct Solid {
     pub mirror: bool,
     /// Whether normals are interpolated over faces.
     pub smooth: bool,
+    /// As [`Refractor::visible`].
+    pub visible: bool,
     pub transform: Transform,
 }
 
@@ -118,6 +123,8 @@ pub struct Light {
     pub name: String,
     pub shape: Shape,
     pub radiance: [f64; 3],
+    /// As [`Refractor::visible`].
+    pub visible: bool,
     pub transform: Transform,
 }
 
@@ -152,6 +159,21 @@ impl Transform {
             * glam::DMat3::from_rotation_y(self.rotate.y.to_radians())
             * glam::DMat3::from_rotation_x(self.rotate.x.to_radians());
         glam::DAffine3 { matrix3: rotation * glam::DMat3::from_diagonal(self.scale), translation: self.translate }
+    }
+
+    /// Why `shape` cannot be transformed like this, in words.
+    pub fn fault(&self, shape: &Shape) -> Option<String> {
+        let is_within = |v: DVec3| v.is_finite() && v.abs().max_element() <= MAX_LENGTH;
+        let size = self.scale.abs();
+        if !(is_within(self.translate) && is_within(self.scale) && self.rotate.is_finite()) {
+            Some(format!("Numbers of a transform must be finite and at most {MAX_LENGTH:e}."))
+        } else if size.min_element() == 0.0 {
+            Some("A scale must not be 0.".to_owned())
+        } else if matches!(shape, Shape::Sphere { .. }) && (size.x != size.y || size.y != size.z) {
+            Some("A sphere is analytic and scales by the same amount along all axes; use an icosphere.".to_owned())
+        } else {
+            None
+        }
     }
 }
 
@@ -212,6 +234,34 @@ pub enum Shape {
         /// How many triangles of the file were left out because they have no area.
         dropped: usize,
     },
+}
+
+impl Shape {
+    /// Lowest and highest coordinates in object space; a round shape's facets may stay inside by a little.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let around = |center: DVec3, half: DVec3| (center - half, center + half);
+        match self {
+            Self::Sphere { center, radius } | Self::Icosphere { center, radius, .. } => {
+                around(*center, DVec3::splat(*radius))
+            }
+            Self::Box { min, max } => (min.min(*max), min.max(*max)),
+            Self::Cylinder { center, radius, height, .. } => {
+                around(*center, DVec3::new(*radius, height / 2.0, *radius))
+            }
+            Self::Torus { center, major, minor, .. } => {
+                around(*center, DVec3::new(major + minor, *minor, major + minor))
+            }
+            Self::Lathe { profile, .. } => {
+                let radius = profile.iter().fold(0.0, |most: f64, [r, _]| most.max(*r));
+                let [low, high] = (profile.iter())
+                    .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [_, y]| [low.min(*y), high.max(*y)]);
+                (DVec3::new(-radius, low, -radius), DVec3::new(radius, high, radius))
+            }
+            Self::Quad { center, edge_u, edge_v } => around(*center, (edge_u.abs() + edge_v.abs()) / 2.0),
+            Self::Mesh { mesh, .. } => (mesh.positions.iter())
+                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), p| (min.min(*p), max.max(*p))),
+        }
+    }
 }
 
 impl Description {

@@ -49,6 +49,7 @@ pub fn add(description: &mut Description, shape: Shape, ior: f64, absorption: f6
         shape,
         priority: 0,
         smooth: false,
+        visible: true,
         transform: Transform::IDENTITY,
     });
 }

@@ -5,7 +5,8 @@ use egui::{Align, Atom, Button, KeyboardShortcut, Layout, MenuBar, Response, Ric
 
 use crate::app::command::{Command, ExportKind};
 use crate::app::keys;
-use crate::app::settings::{Arrangement, InterfaceScale, Tab, Theme};
+use crate::app::objects::Manipulation;
+use crate::app::settings::{Arrangement, InterfaceScale, MAX_PANES, Preset, Tab, Theme};
 use crate::app::state::State;
 use crate::app::theme::{CHECK_MARK, Palette};
 
@@ -148,6 +149,23 @@ fn edit_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let (undo, redo) = (state.document.undo_label(), state.document.redo_label());
     item_enabled(ui, undo.is_some(), &text("Undo", undo.clone()), Some(&keys::UNDO), commands, Command::Undo);
     item_enabled(ui, redo.is_some(), &text("Redo", redo.clone()), Some(&keys::REDO), commands, Command::Redo);
+    ui.separator();
+    for manipulation in Manipulation::ALL {
+        let keys = match manipulation {
+            Manipulation::Move => keys::MOVE,
+            Manipulation::Rotate => keys::ROTATE,
+            Manipulation::Scale => keys::SCALE,
+        };
+        let is_on = state.settings.handles == Some(manipulation);
+        let command = Command::SetHandles((!is_on).then_some(manipulation));
+        choice(ui, is_on, &format!("{} by handles", manipulation.name()), Some(&keys), commands, command);
+    }
+    let selected = state.selected_object();
+    let name = selected.map(|(name, _)| name.to_owned()).unwrap_or_default();
+    let visible = selected.is_none_or(|(_, object)| object.visible);
+    let verb = if visible { "Hide" } else { "Show" };
+    let hide = Command::SetVisible(name.clone(), !visible);
+    item_enabled(ui, selected.is_some(), &format!("{verb} {name}"), Some(&keys::HIDE), commands, hide);
 }
 
 fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -158,11 +176,22 @@ fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let keys = KeyboardShortcut::new(egui::Modifiers::NONE, key);
         choice(ui, settings.pane_count == count, name, Some(&keys), commands, Command::SetPaneCount(count));
     }
+    submenu_ui(ui, "Preset of panes", |ui| {
+        for preset in Preset::ALL {
+            let is_on = settings.pane_count == MAX_PANES && settings.panes == preset.panes();
+            choice(ui, is_on, preset.name(), None, commands, Command::SetPreset(preset));
+        }
+    });
     let is_wipe = settings.arrangement == Arrangement::Wipe;
     let next = if is_wipe { Arrangement::Tiles } else { Arrangement::Wipe };
     choice(ui, is_wipe, "Wipe", Some(&keys::WIPE), commands, Command::SetArrangement(next));
     ui.separator();
     item(ui, "Camera as in the scene", Some(&keys::RESET_CAMERA), commands, Command::ResetCamera);
+    let selected = state.selected_object().map(|(name, _)| name.to_owned());
+    let to_selected = Command::FrameObject(selected.clone().unwrap_or_default());
+    item_enabled(ui, selected.is_some(), "Camera to the selected object", Some(&keys::FRAME), commands, to_selected);
+    let has_earlier = state.has_earlier_view();
+    item_enabled(ui, has_earlier, "Earlier view", Some(&keys::EARLIER_VIEW), commands, Command::EarlierView);
     item(ui, "Make this view the scene's own", None, commands, Command::KeepView);
     item(ui, "Whole picture", Some(&keys::RESET_ZOOM), commands, Command::SetZoom(1.0, [0.5; 2]));
     ui.separator();

@@ -7,6 +7,7 @@ mod inspector;
 mod medium;
 mod menu_bar;
 mod notices;
+mod object;
 mod problems;
 mod rectification;
 mod render;
@@ -39,7 +40,8 @@ pub fn show(
     let bar = Frame::new().fill(fill).inner_margin(Margin::symmetric(8, 3));
     Panel::top("menu").frame(bar).show(ui, |ui| menu_bar::show(ui, state, commands));
     Panel::bottom("status").frame(bar).show(ui, |ui| status::show(ui, state, viewport));
-    if state.settings.show_problems && problems::has_any(state) {
+    let is_pressed = ui.input(|input| input.pointer.any_down());
+    if state.problem_strip(is_pressed) {
         let frame = Frame::new().fill(ui.visuals().faint_bg_color).inner_margin(Margin::symmetric(10, 4));
         Panel::bottom("problems").frame(frame).show(ui, |ui| problems::show(ui, state, commands));
     }

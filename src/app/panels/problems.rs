@@ -1,22 +1,16 @@
 //! The strip at the bottom: what is doubtful in the scene, worst first.
 
-use egui::{Align, Label, Layout, RichText, ScrollArea, Ui};
+use egui::{Align, CursorIcon, Label, Layout, RichText, ScrollArea, Sense, Ui};
 
 use crate::app::command::Command;
+use crate::app::objects;
 use crate::app::state::State;
 use crate::app::theme::{ADVICE_MARK, ERROR_MARK, Palette, WARNING_MARK};
+use crate::app::widgets::note;
 use crate::check::{Problem, Severity};
 
 /// Height of the opened strip, in points: the picture keeps most of the room.
 const MOST_HEIGHT: f32 = 140.0;
-
-fn problems(state: &State) -> &[Problem] {
-    state.report.as_ref().and_then(|report| report.problems.as_deref()).unwrap_or_default()
-}
-
-pub fn has_any(state: &State) -> bool {
-    !problems(state).is_empty()
-}
 
 /// A mark that says the severity without its colour.
 fn mark(severity: Severity) -> &'static str {
@@ -36,11 +30,14 @@ fn word(severity: Severity) -> &'static str {
 }
 
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let problems = problems(state);
+    let problems = state.problems();
     let id = ui.scope_id().with("all");
     let mut is_open = ui.data(|data| data.get_temp(id).unwrap_or(false));
     match problems {
-        [] => {}
+        // All solved while a button is down: the strip goes when it is released.
+        [] => {
+            ui.label(note(ui, "No problems left."));
+        }
         [only] => row_ui(ui, only, false, state, commands, |_| {}),
         [worst, ..] if !is_open => row_ui(ui, worst, false, state, commands, |ui| {
             let text = format!("+{} more", problems.len() - 1);
@@ -49,10 +46,14 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
         }),
         [worst, others @ ..] => {
-            ScrollArea::vertical()
-                .min_scrolled_height(MOST_HEIGHT)
-                .max_height(MOST_HEIGHT)
-                .auto_shrink([false, true])
+            // While a button is down nothing may move under the pointer.
+            let height = id.with("height");
+            let is_pressed = ui.input(|input| input.pointer.any_down());
+            let kept: Option<f32> = ui.data(|data| data.get_temp(height)).filter(|_| is_pressed);
+            let output = ScrollArea::vertical()
+                .min_scrolled_height(kept.unwrap_or(MOST_HEIGHT))
+                .max_height(kept.unwrap_or(MOST_HEIGHT))
+                .auto_shrink([false, kept.is_none()])
                 .show(ui, |ui| {
                     row_ui(ui, worst, true, state, commands, |ui| {
                         if ui.button("Less").on_hover_text("Show the worst problem only.").clicked() {
@@ -63,9 +64,46 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                         row_ui(ui, problem, true, state, commands, |_| {});
                     }
                 });
+            ui.data_mut(|data| data.insert_temp(height, output.inner_rect.height()));
         }
     }
     ui.data_mut(|data| data.insert_temp(id, is_open));
+}
+
+/// The objects that a problem is about: several names are separated by commas.
+fn objects_of<'a>(problem: &'a Problem, state: &State) -> Vec<&'a str> {
+    let description = state.document.description();
+    problem.place.split(", ").filter(|place| description.object_names().any(|name| name == *place)).collect()
+}
+
+/// What shows a problem in the picture, and what to say of that; `None` where there is nothing to see.
+fn show_command(problem: &Problem, state: &State) -> Option<(&'static str, Command)> {
+    if problem.place == "camera" {
+        return Some(("Back to the camera as it is in the scene.", Command::ResetCamera));
+    }
+    let objects: Vec<String> = objects_of(problem, state).into_iter().map(str::to_owned).collect();
+    (problem.spot.is_some() || !objects.is_empty()).then_some((
+        "Click: the camera goes there and the object is selected. Backspace: back to the earlier view.",
+        Command::ShowProblem { objects, spot: problem.spot },
+    ))
+}
+
+/// The edit that solves a problem, where there is one plain answer, and what to say of it.
+fn fix(problem: &Problem, state: &State) -> Option<(String, Command)> {
+    if problem.kind != "overlap_tie" {
+        return None;
+    }
+    let [a, b] = objects_of(problem, state)[..] else { return None };
+    let world = &state.report.as_ref()?.prepared.world;
+    let volume = |name: &str| world.objects.iter().find(|object| object.name == name).map(|object| object.volume);
+    // Of two of one volume the first in the file wins.
+    let (winner, other) = if volume(b)? < volume(a)? { (b, a) } else { (a, b) };
+    let description = state.document.description();
+    let priority = objects::object(description, other)?.priority?.checked_add(1)?;
+    let tip = format!(
+        "Sets the priority of {winner} to {priority}: it wins over {other}, as it does now by its smaller volume."
+    );
+    Some((tip, Command::SetPriority(winner.to_owned(), priority)))
 }
 
 /// One problem, on one line or, `is_full`, on as many as it needs. `more` adds buttons at the right.
@@ -81,13 +119,16 @@ fn row_ui(
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             more(ui);
-            let description = state.document.description();
-            // A problem between two objects names both; the first is shown.
-            let object = problem.place.split(", ").find(|place| description.object_names().any(|name| name == *place));
-            if let Some(object) = object
-                && ui.button("Show").on_hover_text("Select it in the tree.").clicked()
+            let show = show_command(problem, state);
+            if let Some((tip, command)) = fix(problem, state)
+                && ui.button("Fix").on_hover_text(tip).clicked()
             {
-                commands.push(Command::SelectObject(Some(object.to_owned())));
+                commands.push(command);
+            }
+            if let Some((tip, command)) = &show
+                && ui.button("Show").on_hover_text(*tip).clicked()
+            {
+                commands.push(command.clone());
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let color = palette.severity(problem.severity);
@@ -100,8 +141,18 @@ fn row_ui(
                     egui::TextFormat::simple(font.clone(), ui.visuals().strong_text_color()),
                 );
                 text.append(&problem.message, 8.0, egui::TextFormat::simple(font, ui.visuals().text_color()));
-                let label = Label::new(text);
-                ui.add(if is_full { label.wrap() } else { label.truncate() });
+                let label = if is_full { Label::new(text).wrap() } else { Label::new(text).truncate() };
+                match show {
+                    Some((tip, command)) => {
+                        let response = ui.add(label.sense(Sense::click())).on_hover_cursor(CursorIcon::PointingHand);
+                        if response.on_hover_text(tip).clicked() {
+                            commands.push(command);
+                        }
+                    }
+                    None => {
+                        ui.add(label);
+                    }
+                }
             });
         });
     });

@@ -3,7 +3,7 @@
 use egui::{ComboBox, DragValue, RichText, Slider, Ui};
 
 use crate::app::command::Command;
-use crate::app::settings::{Arrangement, PaneContent};
+use crate::app::settings::{Arrangement, MAX_PANES, PaneContent, Preset, mode_title};
 use crate::app::state::State;
 use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
 use crate::app::viewport::{Viewport, content_menu_ui, event_meaning, event_name};
@@ -11,6 +11,7 @@ use crate::app::widgets::{
     duration, note, row_ui, section_first_ui, section_ui, segmented_ui, short_count, thousands, value,
 };
 use crate::render::ToneCurve;
+use crate::tracking::Mode;
 
 const SCALES: [(f32, &str); 5] = [(0.25, "¼"), (0.5, "½"), (1.0, "1"), (1.5, "1½"), (2.0, "2")];
 
@@ -44,13 +45,28 @@ fn panes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             commands.push(Command::SetArrangement(arrangement));
         }
     });
+    row_ui(ui, "Compare", "Four panes that answer one question together.", |ui| {
+        let is_shown = |preset: &Preset| settings.pane_count == MAX_PANES && settings.panes == preset.panes();
+        let shown = Preset::ALL.into_iter().find(is_shown);
+        let text = shown.map_or("custom", Preset::name);
+        ComboBox::from_id_salt("panes").selected_text(text).width(ui.available_width()).truncate().show_ui(ui, |ui| {
+            for preset in Preset::ALL {
+                let response = ui.selectable_label(shown == Some(preset), preset.name());
+                if response.on_hover_text(preset.about()).clicked() {
+                    commands.push(Command::SetPreset(preset));
+                }
+            }
+        });
+    });
     let palette = Palette::of(ui);
     for (index, content) in settings.shown_panes().iter().enumerate() {
         let name = format!("Pane {}", index + 1);
         row_ui(ui, &name, "What this pane shows.", |ui| {
             let text = match content {
-                PaneContent::Mode(mode) => RichText::new(format!("{DOT} {mode}")).color(palette.mode(*mode)),
-                PaneContent::Difference(..) => RichText::new(content.to_string()),
+                PaneContent::Mode(mode) => {
+                    RichText::new(format!("{DOT} {}", mode_title(*mode))).color(palette.mode(*mode))
+                }
+                PaneContent::Difference(..) | PaneContent::Surfaces(_) => RichText::new(content.to_string()),
             };
             ComboBox::from_id_salt(("pane", index)).selected_text(text).width(ui.available_width()).truncate().show_ui(
                 ui,
@@ -159,6 +175,14 @@ fn limit_ui(
     });
 }
 
+/// A mode's name where there is little room.
+fn short_title(mode: Mode) -> &'static str {
+    match mode {
+        Mode::RectifiedObject => "per object",
+        other => other.name(),
+    }
+}
+
 /// Where the columns of the progress table begin, as shares of its width: they must not move when numbers change.
 const COLUMNS: [f32; 4] = [0.0, 0.36, 0.54, 0.77];
 
@@ -173,7 +197,7 @@ fn progress_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
     ];
     table_row_ui(ui, ["mode", "spp", "time", "samples/s"].map(head), about);
     for mode in state.settings.modes() {
-        let name = RichText::new(format!("{DOT} {mode}")).small().color(palette.mode(mode));
+        let name = RichText::new(format!("{DOT} {}", short_title(mode))).small().color(palette.mode(mode));
         let film = (state.settings.shown_panes().iter())
             .find_map(|content| viewport.films(*content).into_iter().find(|film| film.mode == mode));
         let texts = match film {
@@ -184,7 +208,7 @@ fn progress_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
             None => ["…", "…", "…"].map(str::to_owned),
         };
         let [samples, time, speed] = texts.map(value);
-        table_row_ui(ui, [name, samples, time, speed], ["", "", "", ""]);
+        table_row_ui(ui, [name, samples, time, speed], [mode_title(mode), "", "", ""]);
     }
 }
 
@@ -214,7 +238,7 @@ fn events_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
             has_any = true;
             ui.horizontal(|ui| {
                 ui.label(RichText::new(WARNING_MARK).color(palette.warning));
-                ui.label(RichText::new(mode.name()).small().color(palette.mode(mode)));
+                ui.label(RichText::new(short_title(mode)).small().color(palette.mode(mode)));
                 ui.add(egui::Label::new(RichText::new(event_name(kind)).small()).truncate());
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     ui.label(RichText::new(short_count(count as f64)).text_style(theme::small_mono_style()));

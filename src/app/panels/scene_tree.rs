@@ -5,7 +5,7 @@ use egui::{
     vec2,
 };
 
-use super::medium;
+use super::{medium, object};
 use crate::app::command::{Command, MediumRef};
 use crate::app::state::{State, medium_of};
 use crate::app::theme::{Palette, WARNING_MARK};
@@ -38,8 +38,13 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
     section_first_ui(ui, "Scene", &detail);
     // The selected object's card stands at the bottom, where it does not move the tree.
+    let most = 0.62 * ui.available_height();
     egui::Panel::bottom("card").frame(egui::Frame::new()).show_separator_line(false).show(ui, |ui| {
-        card_ui(ui, state, description, commands);
+        let area = ScrollArea::vertical().id_salt("card").min_scrolled_height(most).max_height(most);
+        area.auto_shrink([false, true]).show(ui, |ui| {
+            ui.set_max_width(ui.available_width() - 4.0);
+            card_ui(ui, state, description, commands);
+        });
     });
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.set_max_width(ui.available_width() - 4.0);
@@ -63,8 +68,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.label(note(ui, "No refractors in this scene."));
         }
         ui.add_space(8.0);
-        solids_ui(ui, state, description, commands);
-        lights_ui(ui, state, description, commands);
+        solids_ui(ui, state, description, to_show.as_deref(), commands);
+        lights_ui(ui, state, description, to_show.as_deref(), commands);
     });
 }
 
@@ -129,7 +134,7 @@ fn world_row_ui(ui: &mut Ui, state: &State, description: &Description, commands:
     let is_selected = state.selected.as_deref() == Some(crate::optics::medium::WORLD);
     let (rect, response) = selectable_row_ui(ui, is_selected, "world");
     let tip = "The global medium: whatever is in no refractor.";
-    row_contents_ui(ui, rect, 0.0, Palette::of(ui).world(), "world", None);
+    row_contents_ui(ui, rect, 0.0, Palette::of(ui).world(), "world", true, None);
     medium::ior_ui(ui, controls_of(rect), description, &MediumRef::World, "world", commands);
     if response.on_hover_text(tip).clicked() {
         let next = (!is_selected).then(|| crate::optics::medium::WORLD.to_owned());
@@ -158,7 +163,7 @@ fn refractor_row_ui(
     let color = medium::color(&palette, description, &refractor.medium);
     let patch = state.report.as_deref().and_then(|report| patch_of(report, &refractor.name));
     let doubt = patch.filter(|patch| patch.confidence < 1.0).map(|patch| patch.confidence);
-    row_contents_ui(ui, rect, depth as f32 * indent, color, &refractor.name, doubt);
+    row_contents_ui(ui, rect, depth as f32 * indent, color, &refractor.name, refractor.visible, doubt);
     let medium = MediumRef::Named(refractor.medium.clone());
     medium::ior_ui(ui, controls_of(rect), description, &medium, &refractor.name, commands);
     let response = response.on_hover_ui(|ui| {
@@ -170,6 +175,7 @@ fn refractor_row_ui(
     if response.clicked() {
         commands.push(Command::SelectObject((!is_selected).then(|| refractor.name.clone())));
     }
+    row_menu_ui(&response, &refractor.name, refractor.visible, commands);
     response
 }
 
@@ -178,7 +184,15 @@ fn controls_of(row: Rect) -> Rect {
     Rect::from_min_max(pos2(row.right() - medium::IOR_WIDTH - 4.0, row.top()), row.max - vec2(2.0, 0.0))
 }
 
-fn row_contents_ui(ui: &mut Ui, row: Rect, indent: f32, color: egui::Color32, name: &str, doubt: Option<f64>) {
+fn row_contents_ui(
+    ui: &mut Ui,
+    row: Rect,
+    indent: f32,
+    color: egui::Color32,
+    name: &str,
+    visible: bool,
+    doubt: Option<f64>,
+) {
     let left = Rect::from_min_max(row.min + vec2(4.0 + indent, 0.0), pos2(controls_of(row).left() - 4.0, row.bottom()));
     let mut contents = ui.new_child(UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center)));
     swatch_ui(&mut contents, color);
@@ -187,7 +201,30 @@ fn row_contents_ui(ui: &mut Ui, row: Rect, indent: f32, color: egui::Color32, na
         let tip = format!("The rays did not agree: {:.0} % for this place in the tree.", confidence * 100.0);
         contents.label(RichText::new(WARNING_MARK).small().color(color)).on_hover_text(tip);
     }
-    contents.add(Label::new(name).truncate().sense(Sense::empty()));
+    contents.add(Label::new(row_name(ui, name, visible)).truncate().sense(Sense::empty()));
+}
+
+/// The name of an object in its row; of a hidden one in weak italics, with a word.
+fn row_name(ui: &Ui, name: &str, visible: bool) -> RichText {
+    if visible {
+        RichText::new(name)
+    } else {
+        RichText::new(format!("{name} (hidden)")).italics().color(Palette::of(ui).weak_text)
+    }
+}
+
+/// What a right click on a row offers.
+fn row_menu_ui(response: &Response, name: &str, visible: bool, commands: &mut Vec<Command>) {
+    response.context_menu(|ui| {
+        if ui.button("Camera to it").clicked() {
+            commands.push(Command::FrameObject(name.to_owned()));
+            ui.close();
+        }
+        if ui.button(if visible { "Hide" } else { "Show" }).clicked() {
+            commands.push(Command::SetVisible(name.to_owned(), !visible));
+            ui.close();
+        }
+    });
 }
 
 /// Lines from a row to its parent and past it to later siblings.
@@ -226,15 +263,19 @@ fn outside(state: &State, refractor: &str) -> String {
 fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut Vec<Command>) {
     let Some(selected) = &state.selected else {
         ui.add_space(4.0);
-        ui.label(note(ui, "Select a row for presets and absorption."));
+        ui.label(note(ui, "Select a row to edit it, or Ctrl + click an object."));
         return;
     };
     if selected == crate::optics::medium::WORLD {
         section_ui(ui, "World", "global medium");
         medium::details_ui(ui, description, &MediumRef::World, commands);
-    } else if let Some(medium) = medium_of(description, selected) {
+        return;
+    }
+    let Some((_, object)) = state.selected_object() else { return };
+    if let Some(medium) = medium_of(description, selected) {
         let name = medium::name(&medium).to_owned();
         section_ui(ui, selected, &name);
+        object::show(ui, selected, &object, commands);
         medium::details_ui(ui, description, &medium, commands);
         fact_ui(ui, "Outside", outside(state, selected), "The medium that rectification found on the other side.");
         if let Some(patch) = state.report.as_deref().and_then(|report| patch_of(report, selected)) {
@@ -243,53 +284,87 @@ fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut
         }
     } else if let Some(solid) = description.solids.iter().find(|solid| solid.name == *selected) {
         section_ui(ui, selected, if solid.mirror { "mirror" } else { "solid" });
+        object::show(ui, selected, &object, commands);
         fact_ui(ui, "Shape", shape_name(&solid.shape), "");
         fact_ui(ui, "Colour", paint_name(&solid.paint), "Albedo, linear RGB.");
     } else if let Some(light) = description.lights.iter().find(|light| light.name == *selected) {
         section_ui(ui, selected, "light");
+        object::show(ui, selected, &object, commands);
         fact_ui(ui, "Shape", shape_name(&light.shape), "");
         fact_ui(ui, "Radiance", triple(light.radiance), "Linear RGB.");
     }
 }
 
-fn solids_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut Vec<Command>) {
+fn solids_ui(
+    ui: &mut Ui,
+    state: &State,
+    description: &Description,
+    to_show: Option<&str>,
+    commands: &mut Vec<Command>,
+) {
     if description.solids.is_empty() {
         return;
     }
-    CollapsingHeader::new(format!("Solids ({})", description.solids.len())).id_salt("solids").show(ui, |ui| {
+    let is_shown = to_show.is_some_and(|name| description.solids.iter().any(|solid| solid.name == name));
+    let header = CollapsingHeader::new(format!("Solids ({})", description.solids.len())).id_salt("solids");
+    header.open(is_shown.then_some(true)).show(ui, |ui| {
         for solid in &description.solids {
             let color = match solid.paint {
                 Paint::Color(color) => color,
                 Paint::Checker { a, b, .. } => std::array::from_fn(|i| 0.5 * (a[i] + b[i])),
             };
-            plain_row_ui(ui, state, &solid.name, color, commands);
+            let response = plain_row_ui(ui, state, &solid.name, color, solid.visible, commands);
+            if to_show == Some(&*solid.name) {
+                response.scroll_to_me(None);
+            }
         }
     });
 }
 
-fn lights_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut Vec<Command>) {
+fn lights_ui(
+    ui: &mut Ui,
+    state: &State,
+    description: &Description,
+    to_show: Option<&str>,
+    commands: &mut Vec<Command>,
+) {
     if description.lights.is_empty() {
         return;
     }
-    CollapsingHeader::new(format!("Lights ({})", description.lights.len())).id_salt("lights").show(ui, |ui| {
+    let is_shown = to_show.is_some_and(|name| description.lights.iter().any(|light| light.name == name));
+    let header = CollapsingHeader::new(format!("Lights ({})", description.lights.len())).id_salt("lights");
+    header.open(is_shown.then_some(true)).show(ui, |ui| {
         for light in &description.lights {
             let most = light.radiance.iter().copied().fold(1e-9, f64::max);
-            plain_row_ui(ui, state, &light.name, light.radiance.map(|x| x / most), commands);
+            let color = light.radiance.map(|x| x / most);
+            let response = plain_row_ui(ui, state, &light.name, color, light.visible, commands);
+            if to_show == Some(&*light.name) {
+                response.scroll_to_me(None);
+            }
         }
     });
 }
 
-fn plain_row_ui(ui: &mut Ui, state: &State, name: &str, color: [f64; 3], commands: &mut Vec<Command>) {
+fn plain_row_ui(
+    ui: &mut Ui,
+    state: &State,
+    name: &str,
+    color: [f64; 3],
+    visible: bool,
+    commands: &mut Vec<Command>,
+) -> Response {
     let is_selected = state.selected.as_deref() == Some(name);
     let (rect, response) = selectable_row_ui(ui, is_selected, name);
     let [r, g, b] = crate::render::Display::default().encode(color.map(|c| c as f32));
     let left = rect.shrink2(vec2(4.0, 0.0));
     let mut contents = ui.new_child(UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center)));
     swatch_ui(&mut contents, egui::Color32::from_rgb(r, g, b));
-    contents.add(Label::new(name).truncate().sense(Sense::empty()));
+    contents.add(Label::new(row_name(ui, name, visible)).truncate().sense(Sense::empty()));
     if response.clicked() {
         commands.push(Command::SelectObject((!is_selected).then(|| name.to_owned())));
     }
+    row_menu_ui(&response, name, visible, commands);
+    response
 }
 
 fn triple(values: [f64; 3]) -> String {

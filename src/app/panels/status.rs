@@ -8,7 +8,8 @@ use crate::app::viewport::Viewport;
 use crate::app::widgets::value;
 
 /// The hint, longest first: the longest that fits is shown.
-const HINTS: [&str; 3] = [
+const HINTS: [&str; 4] = [
+    "drag: orbit   ·   right drag: pan   ·   wheel: dolly   ·   Ctrl + wheel: zoom   ·   click: inspect   ·   Ctrl + click: select   ·   ?: all shortcuts",
     "drag: orbit   ·   right drag: pan   ·   wheel: dolly   ·   Ctrl + wheel: zoom   ·   click: inspect   ·   ?: all shortcuts",
     "drag: orbit   ·   right drag: pan   ·   wheel: dolly   ·   ?: all shortcuts",
     "?: shortcuts",
@@ -37,8 +38,10 @@ pub fn show(ui: &mut Ui, state: &State, viewport: &Viewport) {
 }
 
 fn progress(state: &State, viewport: &Viewport) -> String {
-    let films: Vec<_> = state.settings.shown_panes().iter().flat_map(|content| viewport.films(*content)).collect();
-    let is_done = !films.is_empty() && films.iter().all(|film| film.is_done && film.epoch == state.epoch());
+    let is_done = state.settings.shown_panes().iter().all(|content| {
+        let source = viewport.source(*content);
+        source.samples() > 0 && source.is_done() && source.epochs().all(|epoch| epoch == state.epoch())
+    });
     match () {
         () if is_done => "done".to_owned(),
         () if state.is_paused => "paused".to_owned(),

@@ -3,6 +3,7 @@
 use egui::{CursorIcon, PointerButton, Pos2, Response, Ui};
 
 use super::Viewport;
+use super::handles::film_point;
 use super::layout::{Pane, film_from_screen, film_window, zoomed};
 use crate::app::command::Command;
 use crate::app::settings::Arrangement;
@@ -22,6 +23,8 @@ pub(super) enum Drag {
     Picture,
     /// Moves the vertical divider, the horizontal one, or both.
     Divider(bool, bool),
+    /// A handle of the selected object; [`super::handles`] knows which.
+    Handle,
 }
 
 impl Viewport {
@@ -38,10 +41,12 @@ impl Viewport {
         let area = response.rect;
         let (modifiers, press_origin) = ui.input(|input| (input.modifiers, input.pointer.press_origin()));
 
+        let is_handle = self.handles.update(ui, response, state, panes, commands);
         if response.drag_started() {
             let origin = press_origin.unwrap_or(area.center());
             self.drag = Some(if response.dragged_by(PointerButton::Primary) {
                 match divider_at(state, panes, origin) {
+                    _ if is_handle => Drag::Handle,
                     Some((x, y)) => Drag::Divider(x, y),
                     None if modifiers.command => Drag::Picture,
                     None if modifiers.shift => Drag::Pan,
@@ -56,7 +61,7 @@ impl Viewport {
         {
             let delta = response.drag_delta();
             let height = panes[0].picture.height();
-            if delta != egui::Vec2::ZERO {
+            if delta != egui::Vec2::ZERO && drag != Drag::Handle {
                 commands.push(match drag {
                     Drag::Orbit => state.navigate(Motion::Orbit(delta.into()), height),
                     Drag::Pan => state.navigate(Motion::Pan(delta.into()), height),
@@ -71,6 +76,7 @@ impl Viewport {
                         let [old_x, old_y] = state.view.divider;
                         Command::SetDivider([if x { at.x } else { old_x }, if y { at.y } else { old_y }])
                     }
+                    Drag::Handle => Command::Nothing,
                 });
             }
         }
@@ -83,9 +89,10 @@ impl Viewport {
             && (response.clicked() || response.double_clicked())
         {
             commands.push(Command::SetActivePane(index));
-            let point = film_from_screen(panes[index].picture, window, pos);
-            let point = [f64::from(point.x), f64::from(point.y)];
-            commands.push(if response.double_clicked() {
+            let point = film_point(state, &panes[index], pos);
+            commands.push(if modifiers.command {
+                Command::SelectAt(point)
+            } else if response.double_clicked() {
                 Command::LookAt(point)
             } else {
                 Command::Inspect(Some(point))
@@ -100,7 +107,7 @@ impl Viewport {
                 let fixed = film_from_screen(pane.picture, window, pos);
                 let (zoom, center) = zoomed(state.view.zoom, state.view.zoom_center, zoom, fixed, MAX_ZOOM);
                 commands.push(Command::SetZoom(zoom, center));
-            } else if scroll != 0.0 {
+            } else if scroll != 0.0 && !self.handles.is_held() {
                 commands.push(state.navigate(Motion::Dolly(scroll / POINTS_PER_NOTCH), panes[0].picture.height()));
             }
             let over = self.drag.map_or_else(
@@ -108,6 +115,8 @@ impl Viewport {
                 |drag| if let Drag::Divider(x, y) = drag { Some((x, y)) } else { None },
             );
             match over {
+                _ if self.handles.is_held() => ui.set_cursor_icon(CursorIcon::Grabbing),
+                _ if self.drag.is_none() && self.handles.is_focused() => ui.set_cursor_icon(CursorIcon::Grab),
                 Some((true, true)) => ui.set_cursor_icon(CursorIcon::Move),
                 Some((true, false)) => ui.set_cursor_icon(CursorIcon::ResizeHorizontal),
                 Some(_) => ui.set_cursor_icon(CursorIcon::ResizeVertical),

@@ -1,8 +1,11 @@
 //! The middle of the window: one, two or four linked pictures.
 
+mod handles;
 mod input;
 mod layout;
+mod legend;
 mod overlay;
+mod tools;
 
 use std::sync::Arc;
 
@@ -12,7 +15,7 @@ use self::layout::{Pane, film_window, panes};
 pub use self::overlay::{content_menu_ui, event_meaning, event_name};
 use super::Shown;
 use super::command::Command;
-use super::develop::Picture;
+use super::develop::{Picture, Source};
 use super::settings::{Arrangement, PaneContent};
 use super::state::State;
 use super::theme::Palette;
@@ -23,12 +26,13 @@ use crate::render::worker::Snapshot;
 pub struct Viewport {
     shown: Shown<Shot>,
     drag: Option<input::Drag>,
+    handles: handles::Handles,
 }
 
 /// One picture.
 struct Shot {
     texture: TextureHandle,
-    films: Vec<Arc<Snapshot>>,
+    source: Source,
     mean_difference: Option<f64>,
 }
 
@@ -36,10 +40,10 @@ impl Viewport {
     /// Uploads new pictures. Those of epochs before `floor` belong to another scene and are dropped.
     pub fn upload(&mut self, ctx: &egui::Context, pictures: Shown<Picture>, floor: u64) {
         for (content, picture) in pictures {
-            if picture.films.iter().any(|film| film.epoch < floor) {
+            if picture.source.epochs().any(|epoch| epoch < floor) {
                 continue;
             }
-            let is_preview = picture.films.iter().any(|film| film.is_preview());
+            let is_preview = picture.source.is_preview();
             let options = TextureOptions {
                 // Pixels of a finished picture stay pixels when one zooms in; previews are smoothed.
                 magnification: if is_preview { egui::TextureFilter::Linear } else { egui::TextureFilter::Nearest },
@@ -49,14 +53,14 @@ impl Viewport {
             match self.shown.get_mut(&content) {
                 Some(shot) => {
                     shot.texture.set(picture.image, options);
-                    shot.films = picture.films;
+                    shot.source = picture.source;
                     shot.mean_difference = picture.mean_difference;
                 }
                 None => {
                     let texture = ctx.load_texture(content.to_string(), picture.image, options);
                     self.shown.insert(
                         content,
-                        Shot { texture, films: picture.films, mean_difference: picture.mean_difference },
+                        Shot { texture, source: picture.source, mean_difference: picture.mean_difference },
                     );
                 }
             }
@@ -68,16 +72,21 @@ impl Viewport {
         self.shown.clear();
     }
 
-    /// The films that the picture of `content` was made from; empty before the first one.
+    /// What the picture of `content` was made from; empty before the first one.
+    pub fn source(&self, content: PaneContent) -> Source {
+        self.shown.get(&content).map(|shot| shot.source.clone()).unwrap_or_default()
+    }
+
+    /// The films that the picture of `content` was made from; empty before the first one, and for painted surfaces.
     pub fn films(&self, content: PaneContent) -> Vec<Arc<Snapshot>> {
-        self.shown.get(&content).map(|shot| shot.films.clone()).unwrap_or_default()
+        self.source(content).films
     }
 
     /// Samples per pixel of an up-to-date picture at full resolution; 0 before.
     pub fn samples(&self, content: PaneContent, state: &State) -> u32 {
-        let films = self.films(content);
-        let is_current = films.iter().all(|film| film.epoch == state.epoch() && !film.is_preview());
-        if is_current { films.iter().map(|film| film.samples).min().unwrap_or(0) } else { 0 }
+        let source = self.source(content);
+        let is_current = source.epochs().all(|epoch| epoch == state.epoch()) && !source.is_preview();
+        if is_current { source.samples() } else { 0 }
     }
 
     /// Shows the panes in all the room that is left, and reads the pointer.
@@ -98,17 +107,26 @@ impl Viewport {
         self.read_pointer(ui, &response, state, &panes, commands);
         for (index, pane) in panes.iter().enumerate() {
             self.paint_picture(ui, state, index, *pane);
+            let painter = ui.painter().with_clip_rect(pane.visible.intersect(ui.clip_rect()));
+            self.handles.paint(&painter, state, &panes, index);
         }
         self.paint_dividers(ui, state, &panes);
         for (index, pane) in panes.iter().enumerate() {
             let content = state.settings.panes[index];
             let shot = overlay::Shot {
                 content,
-                films: &self.films(content),
+                source: &self.source(content),
                 mean_difference: self.shown.get(&content).and_then(|shot| shot.mean_difference),
             };
             overlay::pane_ui(ui, state, &shot, index, *pane, commands);
         }
+        if let Some(pos) = response.hover_pos().filter(|_| self.drag.is_none())
+            && let Some(index) = panes.iter().position(|pane| pane.visible.contains(pos))
+            && matches!(state.settings.panes[index], PaneContent::Surfaces(_))
+        {
+            legend::show_faces(ui, state, &panes[index], pos, handles::film_point(state, &panes[index], pos));
+        }
+        tools::show(ui, state, &panes[0], commands);
         overlay::area_ui(ui, state, area);
     }
 

@@ -1,32 +1,31 @@
 //! What lies over the pictures: each pane's label, the inspected pixel, the legend of a difference.
 
-use std::sync::Arc;
-
 use egui::text::LayoutJob;
 use egui::{Align2, Button, Color32, Painter, Pos2, Rect, Stroke, TextFormat, Ui, UiBuilder, Vec2, pos2, vec2};
 
 use super::layout::{Pane, film_window, screen_from_film};
+use super::legend;
 use crate::app::command::Command;
-use crate::app::develop::difference_color;
+use crate::app::develop::{Source, difference_color};
 use crate::app::files::total_events;
-use crate::app::settings::{Arrangement, PaneContent};
+use crate::app::settings::{Arrangement, PaneContent, mode_title};
 use crate::app::state::State;
 use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
 use crate::app::widgets::short_count;
-use crate::render::worker::Snapshot;
+use crate::render::surfaces::SurfaceQuantity;
 use crate::tracking::Mode;
 
 /// Labels lie over pictures of any brightness: light text on a dark ground in both themes.
-const GROUND: Color32 = Color32::from_black_alpha(178);
-const TEXT: Color32 = Color32::from_rgb(0xf0, 0xf1, 0xf3);
-const WEAK: Color32 = Color32::from_rgb(0xb4, 0xb9, 0xc0);
+pub(super) const GROUND: Color32 = Color32::from_black_alpha(178);
+pub(super) const TEXT: Color32 = Color32::from_rgb(0xf0, 0xf1, 0xf3);
+pub(super) const WEAK: Color32 = Color32::from_rgb(0xb4, 0xb9, 0xc0);
 const ALERT: Color32 = Color32::from_rgb(0xf5, 0xc0, 0x4a);
 const MARGIN: f32 = 8.0;
 
 /// What a pane shows.
 pub(super) struct Shot<'a> {
     pub content: PaneContent,
-    pub films: &'a [Arc<Snapshot>],
+    pub source: &'a Source,
     /// As in [`crate::app::develop::Picture`].
     pub mean_difference: Option<f64>,
 }
@@ -57,14 +56,19 @@ pub(super) fn pane_ui(
     child.set_clip_rect(pane.visible.intersect(ui.clip_rect()));
     label_ui(&mut child, state, shot, index, commands);
 
-    if let PaneContent::Difference(..) = shot.content {
-        paint_legend(ui, state, room, to_right && to_bottom);
+    match shot.content {
+        PaneContent::Difference(..) => paint_legend(ui, state, room, to_right && to_bottom),
+        PaneContent::Surfaces(quantity) => {
+            legend::show(ui, state, shot.source, quantity, room, to_right && to_bottom);
+        }
+        PaneContent::Mode(_) => {}
     }
 }
 
 fn label_ui(ui: &mut Ui, state: &State, shot: &Shot<'_>, index: usize, commands: &mut Vec<Command>) {
-    let Shot { content, films, mean_difference } = *shot;
-    let job = label_text(ui, films, content);
+    let Shot { content, source, mean_difference } = *shot;
+    let films = &source.films[..];
+    let job = label_text(ui, source, content);
     let button =
         Button::new(job).fill(GROUND).stroke(Stroke::NONE).corner_radius(5).min_size(vec2(0.0, 24.0)).truncate();
     let name = format!("Pane {}: {content}", index + 1);
@@ -75,7 +79,11 @@ fn label_ui(ui: &mut Ui, state: &State, shot: &Shot<'_>, index: usize, commands:
     });
     let hint = match content {
         PaneContent::Mode(mode) => mode.about().to_owned(),
-        PaneContent::Difference(a, b) => format!("The luminance of {a} less that of {b}, at the display's exposure."),
+        PaneContent::Difference(a, b) => {
+            let [a, b] = [a, b].map(mode_title);
+            format!("The luminance of {a} less that of {b}, at the display's exposure.")
+        }
+        PaneContent::Surfaces(quantity) => quantity.about().to_owned(),
     };
     response.accessible_name(name).on_hover_text(format!("{hint}\nClick to show something else in this pane."));
     let events = total_events(films);
@@ -108,14 +116,14 @@ fn label_ui(ui: &mut Ui, state: &State, shot: &Shot<'_>, index: usize, commands:
     }
 }
 
-fn label_text(ui: &Ui, films: &[Arc<Snapshot>], content: PaneContent) -> LayoutJob {
+fn label_text(ui: &Ui, source: &Source, content: PaneContent) -> LayoutJob {
     let palette = Palette { is_dark: true, ..Palette::of(ui) };
     let body = egui::TextStyle::Body.resolve(ui.style());
     let mono = theme::small_mono_style().resolve(ui.style());
     let mut job = LayoutJob::default();
     let mut dot = |mode: Mode, space: f32| {
         job.append(DOT, space, TextFormat::simple(egui::FontId::proportional(11.0), palette.mode(mode)));
-        job.append(mode.name(), 5.0, TextFormat::simple(body.clone(), TEXT));
+        job.append(mode_title(mode), 5.0, TextFormat::simple(body.clone(), TEXT));
     };
     match content {
         PaneContent::Mode(mode) => dot(mode, 0.0),
@@ -124,13 +132,18 @@ fn label_text(ui: &Ui, films: &[Arc<Snapshot>], content: PaneContent) -> LayoutJ
             dot(b, 9.0);
             job.append("difference", 9.0, TextFormat::simple(body, TEXT));
         }
+        PaneContent::Surfaces(quantity) => job.append(quantity.name(), 0.0, TextFormat::simple(body, TEXT)),
     }
-    let status = match films.iter().map(|film| film.samples).min() {
-        None => "…".to_owned(),
-        Some(_) if films.iter().any(|film| film.is_preview()) => "preview".to_owned(),
-        Some(samples) => format!("{samples} spp"),
+    let status = match source.samples() {
+        0 => "…".to_owned(),
+        _ if source.is_preview() => "preview".to_owned(),
+        // A painted picture is soon done, and no noise is left in it.
+        _ if source.painted.is_some() => String::new(),
+        samples => format!("{samples} spp"),
     };
-    job.append(&status, 9.0, TextFormat::simple(mono, WEAK));
+    if !status.is_empty() {
+        job.append(&status, 9.0, TextFormat::simple(mono, WEAK));
+    }
     job
 }
 
@@ -143,13 +156,22 @@ pub fn content_menu_ui(ui: &mut Ui, shown: PaneContent) -> Option<PaneContent> {
         let mut job = LayoutJob::default();
         let body = egui::TextStyle::Body.resolve(ui.style());
         job.append(DOT, 0.0, TextFormat::simple(body.clone(), palette.mode(mode)));
-        job.append(mode.name(), 6.0, TextFormat::simple(body, ui.visuals().text_color()));
+        job.append(mode_title(mode), 6.0, TextFormat::simple(body, ui.visuals().text_color()));
         let response = ui.add(Button::selectable(shown == content, job).min_size(vec2(130.0, 0.0)));
-        if response.accessible_name(mode.name()).on_hover_text(mode.about()).clicked() {
+        if response.accessible_name(mode_title(mode)).on_hover_text(mode.about()).clicked() {
             chosen = Some(content);
         }
     }
     ui.separator();
+    ui.menu_button("surfaces", |ui| {
+        for quantity in SurfaceQuantity::ALL {
+            let content = PaneContent::Surfaces(quantity);
+            let response = ui.selectable_label(shown == content, quantity.name());
+            if response.on_hover_text(quantity.about()).clicked() {
+                chosen = Some(content);
+            }
+        }
+    });
     ui.menu_button("difference", |ui| {
         for content in PaneContent::differences() {
             if ui.selectable_label(shown == content, content.to_string()).clicked() {
@@ -204,6 +226,14 @@ pub(super) fn paint_marker(painter: &Painter, state: &State, picture: Rect) {
             painter.line_segment([center + direction * 7.0, center + direction * 12.0], stroke);
         }
     }
+}
+
+/// A word in the picture, around `center`.
+pub(super) fn paint_note(painter: &Painter, center: Pos2, text: &str) {
+    let galley = painter.layout_no_wrap(text.to_owned(), egui::FontId::monospace(12.0), TEXT);
+    let frame = Rect::from_center_size(center, galley.size() + vec2(14.0, 8.0));
+    painter.rect_filled(frame, 5.0, GROUND);
+    painter.galley(frame.min + vec2(7.0, 4.0), galley, TEXT);
 }
 
 /// The knob of a wipe.

@@ -214,7 +214,7 @@ impl Progress {
 
 /// Runs `pass` on the pool while this thread watches the mailbox, and cancels it when it is out of date, though not before
 /// `not_before`.
-fn cancellable(
+pub(super) fn cancellable(
     pool: &rayon::ThreadPool,
     mailbox: &Mailbox<LaneMessage>,
     epoch: u64,

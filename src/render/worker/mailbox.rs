@@ -1,7 +1,7 @@
 //! A slot for one message: the latest wins, and a reader can watch it while it works.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Holds at most one message; a newer one replaces an unread one.
 #[derive(Debug)]
@@ -23,6 +23,13 @@ pub(super) enum Taken<T> {
     Message(T),
     Empty,
     Closed,
+}
+
+impl<T> From<Option<T>> for Taken<T> {
+    /// As [`Mailbox::wait`] says it.
+    fn from(message: Option<T>) -> Self {
+        message.map_or(Self::Closed, Self::Message)
+    }
 }
 
 impl<T> Mailbox<T> {
@@ -71,6 +78,25 @@ impl<T> Mailbox<T> {
         }
     }
 
+    /// [`Self::wait`], but no longer than `patience`.
+    pub(super) fn wait_for(&self, patience: Duration) -> Taken<T> {
+        let end = Instant::now() + patience;
+        let mut slot = self.lock();
+        loop {
+            if slot.is_closed {
+                return Taken::Closed;
+            }
+            if let Some(message) = slot.message.take() {
+                return Taken::Message(message);
+            }
+            let remaining = end.saturating_duration_since(Instant::now());
+            if remaining.is_zero() {
+                return Taken::Empty;
+            }
+            slot = self.changed.wait_timeout(slot, remaining).unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+
     /// Ends a [`Self::watch`].
     pub(super) fn finish(&self) {
         self.lock().is_finished = true;
@@ -108,7 +134,6 @@ impl<T> Mailbox<T> {
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
-    use std::time::Duration;
 
     use super::*;
 
@@ -123,6 +148,21 @@ mod tests {
         mailbox.close();
         assert!(matches!(mailbox.take(), Taken::Closed));
         assert_eq!(mailbox.wait(), None);
+    }
+
+    #[test]
+    fn waiting_ends_with_patience_or_a_message() {
+        let mailbox = Arc::new(Mailbox::<i32>::new());
+        let start = Instant::now();
+        assert!(matches!(mailbox.wait_for(Duration::from_millis(20)), Taken::Empty));
+        assert!(start.elapsed() >= Duration::from_millis(20));
+        let sender = Arc::clone(&mailbox);
+        std::thread::scope(|scope| {
+            scope.spawn(move || sender.post(5));
+            assert!(matches!(mailbox.wait_for(Duration::from_secs(60)), Taken::Message(5)));
+        });
+        mailbox.close();
+        assert!(matches!(mailbox.wait_for(Duration::from_secs(60)), Taken::Closed));
     }
 
     #[test]

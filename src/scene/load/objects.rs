@@ -31,7 +31,7 @@ impl<'a> Reader<'a> {
     }
 
     pub fn refractors(&mut self, root: &Table<'_>) -> Result<Vec<Refractor>, SceneError> {
-        const KEYS: [&str; 7] = ["name", "medium", "shape", "priority", "roughness", "smooth", "transform"];
+        const KEYS: [&str; 8] = ["name", "medium", "shape", "priority", "roughness", "smooth", "visible", "transform"];
         let mut refractors = Vec::new();
         for table in root.read("refractor", Vec::new(), Node::tables)? {
             let (name, table) = self.begin(table, "refractor", &KEYS)?;
@@ -48,6 +48,7 @@ impl<'a> Reader<'a> {
                 shape,
                 priority: table.read("priority", 0, |node| node.integer(i32::MIN..=i32::MAX))?,
                 smooth: table.read("smooth", false, Node::boolean)?,
+                visible: table.read("visible", true, Node::boolean)?,
                 transform,
             });
         }
@@ -55,7 +56,7 @@ impl<'a> Reader<'a> {
     }
 
     pub fn solids(&mut self, root: &Table<'_>) -> Result<Vec<Solid>, SceneError> {
-        const KEYS: [&str; 7] = ["name", "shape", "color", "checker", "mirror", "smooth", "transform"];
+        const KEYS: [&str; 8] = ["name", "shape", "color", "checker", "mirror", "smooth", "visible", "transform"];
         let mut solids = Vec::new();
         for table in root.read("solid", Vec::new(), Node::tables)? {
             let (name, table) = self.begin(table, "solid", &KEYS)?;
@@ -74,6 +75,7 @@ impl<'a> Reader<'a> {
                 paint,
                 mirror: table.read("mirror", false, Node::boolean)?,
                 smooth: table.read("smooth", false, Node::boolean)?,
+                visible: table.read("visible", true, Node::boolean)?,
                 transform,
             });
         }
@@ -83,9 +85,16 @@ impl<'a> Reader<'a> {
     pub fn lights(&mut self, root: &Table<'_>) -> Result<Vec<Light>, SceneError> {
         let mut lights = Vec::new();
         for table in root.read("light", Vec::new(), Node::tables)? {
-            let (name, table) = self.begin(table, "light", &["name", "shape", "radiance", "transform"])?;
+            let (name, table) = self.begin(table, "light", &["name", "shape", "radiance", "visible", "transform"])?;
             let (shape, transform) = self.shape(&table)?;
-            lights.push(Light { name, shape, radiance: table.need("radiance")?.non_negative3()?, transform });
+            let radiance = table.need("radiance")?.non_negative3()?;
+            lights.push(Light {
+                name,
+                shape,
+                radiance,
+                visible: table.read("visible", true, Node::boolean)?,
+                transform,
+            });
         }
         Ok(lights)
     }

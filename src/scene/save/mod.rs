@@ -189,6 +189,7 @@ fn refractor(table: &mut Table, old: Option<&Refractor>, new: &Refractor) {
     shape(table, old.map(|o| &o.shape), &new.shape);
     field(table, "priority", old.map(|o| &o.priority), &new.priority, Some(&0));
     field(table, "smooth", old.map(|o| &o.smooth), &new.smooth, Some(&false));
+    visible(table, old.map(|o| o.visible), new.visible);
     field(table, "transform", old.map(|o| &o.transform), &new.transform, Some(&Transform::IDENTITY));
 }
 
@@ -205,6 +206,7 @@ fn solid(table: &mut Table, old: Option<&Solid>, new: &Solid) {
     }
     field(table, "mirror", old.map(|o| &o.mirror), &new.mirror, Some(&false));
     field(table, "smooth", old.map(|o| &o.smooth), &new.smooth, Some(&false));
+    visible(table, old.map(|o| o.visible), new.visible);
     field(table, "transform", old.map(|o| &o.transform), &new.transform, Some(&Transform::IDENTITY));
 }
 
@@ -212,7 +214,17 @@ fn light(table: &mut Table, old: Option<&Light>, new: &Light) {
     field(table, "name", old.map(|o| &o.name), &new.name, None);
     shape(table, old.map(|o| &o.shape), &new.shape);
     field(table, "radiance", old.map(|o| &o.radiance), &new.radiance, None);
+    visible(table, old.map(|o| o.visible), new.visible);
     field(table, "transform", old.map(|o| &o.transform), &new.transform, Some(&Transform::IDENTITY));
+}
+
+/// Only said of what is not: an object that is shown again loses the key.
+fn visible(table: &mut Table, old: Option<bool>, new: bool) {
+    if new && old == Some(false) {
+        table.remove("visible");
+    } else {
+        field(table, "visible", old.as_ref(), &new, Some(&true));
+    }
 }
 
 fn shape(table: &mut Table, old: Option<&super::description::Shape>, new: &super::description::Shape) {

@@ -85,15 +85,32 @@ fn every_kind_of_edit_is_read_back() {
     scene.refractors[0].transform = Transform { scale: DVec3::splat(2.0), rotate: DVec3::X, translate: -DVec3::Y };
     scene.solids[0].paint = Paint::Checker { a: [0.0; 3], b: [1.0; 3], size: 0.25 };
     scene.solids[0].mirror = true;
+    scene.solids[0].visible = false;
     scene.solids[0].shape = Shape::Torus { center: DVec3::ZERO, major: 2.0, minor: 0.5, segments: 12, rings: 8 };
     scene.lights.push(Light {
         name: "lamp".into(),
         shape: Shape::Lathe { profile: vec![[0.0, 0.0], [1.0, 0.5], [0.0, 1.0]], segments: 128 },
         radiance: [3.0, 2.0, 1.0],
+        visible: false,
         transform: Transform { scale: DVec3::new(1.0, -2.0, 3.0), ..Transform::IDENTITY },
     });
     let text = assert_faithful(&scene);
     assert!(text.contains("# The thing itself.") && text.contains("# called so"), "{text}");
+}
+
+#[test]
+fn hidden_is_said_of_what_is_hidden_only() {
+    let mut scene = read(TEXT);
+    assert!(scene.refractors[0].visible && scene.solids[0].visible);
+    scene.refractors[0].visible = false;
+    let text = assert_faithful(&scene);
+    assert_eq!(text.matches("visible").count(), 1, "{text}");
+    let mut hidden = read(&text);
+    hidden.refractors[0].visible = true;
+    assert!(!to_text(&hidden).contains("visible"), "{}", to_text(&hidden));
+    // What says the default says it still.
+    let plain = TEXT.replace("name = \"ball\"", "name = \"ball\"\nvisible = true");
+    assert_eq!(to_text(&read(&plain)), plain);
 }
 
 #[test]

@@ -1,0 +1,164 @@
+//! The controls of one object: whether it is shown, its priority, and where it stands.
+
+use egui::{DragValue, Ui};
+use glam::DVec3;
+
+use crate::app::command::Command;
+use crate::app::objects::{self, Manipulation, Object};
+use crate::app::widgets::{note, row_ui};
+use crate::scene::description::{Shape, Transform};
+
+/// Decimals that are shown; what was typed is kept in full.
+const DECIMALS: usize = 3;
+
+/// Rows for everything about an object that is not its medium or its colour.
+pub fn show(ui: &mut Ui, name: &str, object: &Object<'_>, commands: &mut Vec<Command>) {
+    let about = "Whether it is there at all: a hidden object is hit by nothing and contains nothing (V).";
+    row_ui(ui, "Shown", about, |ui| {
+        let mut visible = object.visible;
+        let label = format!("Show {name}");
+        if ui.checkbox(&mut visible, "").accessible_name(label).on_hover_text(about).changed() {
+            commands.push(Command::SetVisible(name.to_owned(), visible));
+        }
+        if !object.visible {
+            ui.label(note(ui, "hidden"));
+        }
+    });
+    if let Some(priority) = object.priority {
+        let about = "Which refractor's medium is there where volumes overlap: the one with the higher number. Any whole number; where \
+                     two are equal the smaller volume wins.";
+        row_ui(ui, "Priority", about, |ui| {
+            let mut edited = priority;
+            let drag = DragValue::new(&mut edited).speed(0.05).update_while_editing(false);
+            let response = ui.add_sized([64.0, ui.spacing().interact_size.y], drag);
+            let label = format!("Priority of {name}");
+            if response.accessible_name(label).on_hover_text(about).changed() && edited != priority {
+                commands.push(Command::SetPriority(name.to_owned(), edited));
+            }
+            ui.label(note(ui, "higher wins"));
+        });
+    }
+    transform_ui(ui, name, object, commands);
+}
+
+fn transform_ui(ui: &mut Ui, name: &str, object: &Object<'_>, commands: &mut Vec<Command>) {
+    let Object { shape, transform, .. } = *object;
+    let pivot = objects::pivot(shape);
+    let (min, max) = shape.bounds();
+    let size = ((max - min) * transform.scale).length();
+    let mut set = |manipulation, transform: Transform| {
+        commands.push(Command::SetTransform(name.to_owned(), manipulation, transform));
+    };
+    let about = "Translation in scene units; it comes after scale and rotation.";
+    let field = Field { about, label: &format!("Move {name}"), speed: 0.004 * size.max(1e-9), suffix: "" };
+    row_ui(ui, "Move", about, |ui| {
+        if let Some(translate) = field.show(ui, transform.translate) {
+            set(Manipulation::Move, Transform { translate, ..transform });
+        }
+    });
+    let about = "Degrees about the fixed axes x, y and z, in this order. The middle of the object stays where it is.";
+    let field = Field { about, label: &format!("Rotate {name}"), speed: 0.5, suffix: "°" };
+    row_ui(ui, "Rotate", about, |ui| {
+        if let Some(rotate) = field.show(ui, transform.rotate) {
+            set(Manipulation::Rotate, objects::rotated_to(&transform, rotate, pivot));
+        }
+    });
+    if matches!(shape, Shape::Sphere { .. }) {
+        let about = "Factor of size, not 0. A sphere is analytic and keeps its shape: one factor for all axes. An icosphere can be stretched.";
+        row_ui(ui, "Scale", about, |ui| {
+            let before = transform.scale.abs().x;
+            let mut factor = before;
+            let drag = scale_drag(&mut factor, before);
+            let response = ui.add_sized([64.0, ui.spacing().interact_size.y], drag);
+            let label = format!("Scale {name}");
+            let is_changed = response.accessible_name(label).on_hover_text(about).changed();
+            if is_changed && factor != before {
+                // Mirrored axes stay mirrored; a typed sign turns all of them over.
+                let scale = transform.scale.signum() * factor;
+                set(Manipulation::Scale, objects::scaled_to(&transform, scale, pivot));
+            }
+            ui.label(note(ui, "all axes"));
+        });
+        return;
+    }
+    let about = "Factors along the object's own axes, not 0; a negative one mirrors. The middle of the object stays where it is.";
+    let id = ui.scope_id().with("linked");
+    let mut is_linked = ui.data(|data| data.get_temp(id)).unwrap_or(false);
+    row_ui(ui, "Scale", about, |ui| {
+        let mut edited = transform.scale;
+        let button = egui::Button::selectable(is_linked, "=").frame_when_inactive(true);
+        let width = field_width(ui, 22.0 + ui.spacing().item_spacing.x);
+        let mut changed = None;
+        for (axis, axis_name) in ["x", "y", "z"].into_iter().enumerate() {
+            let drag = scale_drag(&mut edited[axis], transform.scale[axis]);
+            let response = add_field(ui, width, drag);
+            let response = response.accessible_name(format!("Scale {name} along {axis_name}"));
+            if response.on_hover_text(format!("{about}\nThis one is {axis_name}.")).changed() {
+                changed = Some(axis);
+            }
+        }
+        let tip = "Keep the proportions: a change of one factor changes all three alike.";
+        let response = ui.add_sized([22.0, ui.spacing().interact_size.y], button);
+        if response.accessible_name("Keep the proportions").on_hover_text(tip).clicked() {
+            is_linked = !is_linked;
+        }
+        if let Some(axis) = changed.filter(|&axis| edited[axis] != transform.scale[axis]) {
+            let scale = if is_linked {
+                let mut all = transform.scale * (edited[axis] / transform.scale[axis]);
+                all[axis] = edited[axis];
+                all
+            } else {
+                edited
+            };
+            set(Manipulation::Scale, objects::scaled_to(&transform, scale, pivot));
+        }
+    });
+    ui.data_mut(|data| data.insert_temp(id, is_linked));
+}
+
+/// A factor that is dragged by parts of itself, and so never through 0.
+fn scale_drag(factor: &mut f64, before: f64) -> DragValue<'_> {
+    let speed = 0.005 * before.abs().max(1e-6);
+    // Typed, any sign will do; dragging stops short of 0.
+    DragValue::new(factor).speed(speed).max_decimals(DECIMALS).update_while_editing(false)
+}
+
+/// Width of one of three fields in a row, with `reserved` points left for something else.
+fn field_width(ui: &Ui, reserved: f32) -> f32 {
+    ((ui.available_width() - reserved - 2.0 * ui.spacing().item_spacing.x) / 3.0).max(20.0)
+}
+
+fn add_field(ui: &mut Ui, width: f32, drag: DragValue<'_>) -> egui::Response {
+    let padding = std::mem::replace(&mut ui.spacing_mut().button_padding.x, 3.0);
+    let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
+    ui.spacing_mut().button_padding.x = padding;
+    response
+}
+
+/// Three numbers, for x, y and z.
+struct Field<'a> {
+    about: &'a str,
+    /// The accessible name, before the axis's.
+    label: &'a str,
+    speed: f64,
+    suffix: &'a str,
+}
+
+impl Field<'_> {
+    /// What the numbers are now, if that is new.
+    fn show(&self, ui: &mut Ui, values: DVec3) -> Option<DVec3> {
+        let mut edited = values;
+        let width = field_width(ui, 0.0);
+        let mut is_changed = false;
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let drag = DragValue::new(&mut edited[axis])
+                .speed(self.speed)
+                .suffix(self.suffix)
+                .max_decimals(DECIMALS)
+                .update_while_editing(false);
+            let response = add_field(ui, width, drag).accessible_name(format!("{} along {name}", self.label));
+            is_changed |= response.on_hover_text(format!("{}\nThis one is {name}.", self.about)).changed();
+        }
+        (is_changed && edited != values).then_some(edited)
+    }
+}

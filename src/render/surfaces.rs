@@ -1,0 +1,456 @@
+//! Surfaces painted by what rectification found out about them: the medium on their outer side, their patch, its confidence, its class.
+//!
+//! Rays go straight through everything: what lies behind is blended in, so that inner surfaces are seen, and grazing ones are denser,
+//! so that outlines are. Opaque objects are grey. Colours are after Okabe and Ito (2008), which stay apart for colour-blind eyes; words
+//! beside the picture say the same.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::prepare::Prepared;
+use crate::geometry::{Hit, Ray, SurfacePoint};
+use crate::rectify::surroundings::Answer;
+use crate::rectify::{Patch, PatchKind};
+use crate::scene::camera::Camera;
+use crate::scene::world::{MediumId, ObjectId, Surface};
+
+/// Colours of media and patches, sRGB, in this order, then from the start.
+pub const COLORS: [[u8; 3]; 8] = [
+    [0x56, 0xb4, 0xe9],
+    [0xe6, 0x9f, 0x00],
+    [0x00, 0x9e, 0x73],
+    [0xcc, 0x79, 0xa7],
+    [0xf0, 0xe4, 0x42],
+    [0x00, 0x72, 0xb2],
+    [0xd5, 0x5e, 0x00],
+    [0xa6, 0xa6, 0xf0],
+];
+/// The global medium.
+pub const WORLD_COLOR: [u8; 3] = [0x8e, 0x94, 0x9d];
+/// Behind everything.
+pub const BACKGROUND: [u8; 3] = [0x2b, 0x2e, 0x34];
+const NO_INTERFACE: [u8; 3] = [0x58, 0x4c, 0x58];
+const SOLID: [f32; 3] = [176.0, 172.0, 166.0];
+const LIGHT: [f32; 3] = [255.0, 244.0, 205.0];
+
+/// Opacity of a surface that is looked at straight on, and of one that is grazed.
+const OPACITY: [f32; 2] = [0.5, 0.97];
+/// Rays of one pixel: a rotated grid.
+pub const OFFSETS: [[f64; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]];
+
+/// What the colours say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum SurfaceQuantity {
+    /// The medium on the outer side, place by place.
+    Outside,
+    /// The patch.
+    Patch,
+    /// How sure the pre-trace's rays are of it.
+    Confidence,
+    /// Whether the patch is clear, null, mixed or masked.
+    Class,
+}
+
+impl SurfaceQuantity {
+    pub const ALL: [Self; 4] = [Self::Outside, Self::Patch, Self::Confidence, Self::Class];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Outside => "outside medium",
+            Self::Patch => "patches",
+            Self::Confidence => "confidence",
+            Self::Class => "class",
+        }
+    }
+
+    /// One sentence for tooltips.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Outside => "Every surface in the colour of the medium that rectification found on its outer side.",
+            Self::Patch => {
+                "Every patch in a colour of its own: a part of a surface with the same surroundings everywhere."
+            }
+            Self::Confidence => {
+                "Every patch by how many of the rays that were shot from it agree about its surroundings."
+            }
+            Self::Class => {
+                "Clear: one medium outside, another inside. Null: the same on both sides. Mixed: crossed by other surfaces. Masked: \
+                 coincides with another surface that stands for both."
+            }
+        }
+    }
+}
+
+/// What one colour stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Tint {
+    Medium(MediumId),
+    /// Passed over: another surface stands for this one.
+    NoInterface,
+    /// By the number among the table's patches.
+    Patch(u32),
+    /// In percent, from 50 to 100.
+    Confidence(u8),
+    Class(PatchKind),
+}
+
+impl Tint {
+    /// sRGB.
+    pub fn color(self) -> [u8; 3] {
+        match self {
+            Self::Medium(medium) => medium_color(medium),
+            Self::NoInterface => NO_INTERFACE,
+            Self::Patch(number) => {
+                // After one round through the colours darker ones, then paler ones.
+                let color = COLORS[number as usize % COLORS.len()];
+                match number as usize / COLORS.len() % 3 {
+                    0 => color,
+                    1 => mixed(color, [0; 3], 0.38),
+                    _ => mixed(color, [255; 3], 0.45),
+                }
+            }
+            Self::Confidence(percent) => confidence_color((f32::from(percent) - 50.0) / 50.0),
+            Self::Class(PatchKind::Clear) => COLORS[0],
+            Self::Class(PatchKind::Null) => [0xb4, 0xb4, 0xb4],
+            Self::Class(PatchKind::Mixed) => COLORS[1],
+            Self::Class(PatchKind::Masked) => COLORS[3],
+        }
+    }
+
+    /// In words, for a legend.
+    pub fn label(self, prepared: &Prepared) -> String {
+        let world = &prepared.world;
+        match self {
+            // The scene may be a newer one than the picture.
+            Self::Medium(medium) => world.media.get(medium.0 as usize).map(|m| m.name.clone()).unwrap_or_default(),
+            Self::NoInterface => "no interface".to_owned(),
+            Self::Patch(number) => match prepared.table.patches.get(number as usize) {
+                Some(patch) => {
+                    let name = &world.object(patch.refractor).name;
+                    let outside = match patch.outside {
+                        Some(medium) => format!("in {}", world.medium(medium).name),
+                        None => patch.kind.name().to_owned(),
+                    };
+                    format!("{name} {}: {outside}", patch.index)
+                }
+                None => String::new(),
+            },
+            Self::Confidence(percent) => format!("{percent} %"),
+            Self::Class(kind) => kind.name().to_owned(),
+        }
+    }
+}
+
+/// The colour of a medium, sRGB: the same everywhere in the program.
+pub fn medium_color(medium: MediumId) -> [u8; 3] {
+    match medium.0.checked_sub(2) {
+        Some(index) => COLORS[index as usize % COLORS.len()],
+        None => WORLD_COLOR,
+    }
+}
+
+/// From 0, the rays disagree evenly, to 1, all agree: dark blue through grey to yellow, after the map "cividis" (Nuñez, Anderton and
+/// Renslow 2018), which is even to the eye with and without colour blindness.
+pub fn confidence_color(part: f32) -> [u8; 3] {
+    const STOPS: [[u8; 3]; 5] =
+        [[0x00, 0x2a, 0x6b], [0x4b, 0x54, 0x6d], [0x7c, 0x7b, 0x78], [0xb7, 0xa7, 0x6f], [0xff, 0xe9, 0x45]];
+    let place = part.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32;
+    let index = (place as usize).min(STOPS.len() - 2);
+    mixed(STOPS[index], STOPS[index + 1], place - index as f32)
+}
+
+fn mixed(a: [u8; 3], b: [u8; 3], part: f32) -> [u8; 3] {
+    std::array::from_fn(|i| (f32::from(a[i]) + part * (f32::from(b[i]) - f32::from(a[i]))).round() as u8)
+}
+
+/// What is known about a place on a refractor's surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Face<'a> {
+    pub refractor: ObjectId,
+    pub patch: &'a Patch,
+    /// The number of `patch` among the table's patches.
+    pub number: u32,
+    /// The media on both sides at this very place, also in mixed patches; `None` where the crossing is passed over.
+    pub sides: Option<Answer>,
+}
+
+impl Face<'_> {
+    pub fn tint(&self, quantity: SurfaceQuantity) -> Tint {
+        match quantity {
+            SurfaceQuantity::Outside => self.sides.map_or(Tint::NoInterface, |sides| Tint::Medium(sides.outside)),
+            SurfaceQuantity::Patch => Tint::Patch(self.number),
+            SurfaceQuantity::Confidence => {
+                Tint::Confidence((self.patch.confidence.clamp(0.5, 1.0) * 100.0).round() as u8)
+            }
+            SurfaceQuantity::Class => Tint::Class(self.patch.kind),
+        }
+    }
+}
+
+/// What the interface table says of a hit; `None` on solids and lights.
+fn face<'a>(prepared: &'a Prepared, point: &SurfacePoint, hit: &Hit) -> Option<Face<'a>> {
+    let (world, table) = (&*prepared.world, &*prepared.table);
+    let refractor = ObjectId(world.geometry.object_of(hit.primitive));
+    if !matches!(world.object(refractor).surface, Surface::Refractor { .. }) {
+        return None;
+    }
+    let patch = table.patch_of(&world.geometry, hit.primitive)?;
+    // Patches of one refractor stand together.
+    let first = table.patches.partition_point(|patch| patch.refractor < refractor);
+    let answer = table.look(world, refractor, point, hit.barycentric);
+    let sides = (answer != Answer::MASKED).then_some(answer);
+    Some(Face { refractor, patch, number: first as u32 + patch.index, sides })
+}
+
+/// The refractors' surfaces along the ray through a point in [0, 1]² of a picture of `size` pixels, front to back, up to the first opaque
+/// one. `camera` is in scene coordinates.
+pub fn faces_along<'a>(prepared: &'a Prepared, camera: &Camera, size: [u32; 2], point: [f64; 2]) -> Vec<Face<'a>> {
+    let geometry = &prepared.world.geometry;
+    let camera = Camera { position: camera.position - geometry.origin, ..*camera };
+    let size = DVec2::new(f64::from(size[0]), f64::from(size[1]));
+    let ray = camera.ray(size * DVec2::from(point), size, DVec2::ZERO);
+    (geometry.all_hits(&ray).iter()).map_while(|hit| face(prepared, &geometry.surface(&ray, hit), hit)).collect()
+}
+
+/// A painted picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Painting {
+    pub width: u32,
+    pub height: u32,
+    /// Sums over the rays taken so far; sRGB from 0 to 255 each.
+    sums: Vec<[f32; 3]>,
+    /// Rays for each pixel.
+    pub rays: u32,
+    /// How many rays met each colour's surfaces first or behind others, most first.
+    pub seen: Vec<(Tint, u64)>,
+}
+
+impl Painting {
+    pub fn new(width: u32, height: u32) -> Self {
+        let sums = vec![[0.0; 3]; width as usize * height as usize];
+        Self { width, height, sums, rays: 0, seen: Vec::new() }
+    }
+
+    /// sRGB, row 0 at the top.
+    pub fn pixels(&self) -> impl Iterator<Item = [u8; 3]> {
+        let scale = 1.0 / self.rays.max(1) as f32;
+        self.sums.iter().map(move |sum| sum.map(|x| (x * scale).round() as u8))
+    }
+
+    /// Adds one ray to every pixel, on rayon's current pool. `camera` is in scene coordinates, and has no lens here. Returns `false` when
+    /// `cancel` was set before all was done: the picture is then incomplete and should be dropped.
+    pub fn add(
+        &mut self,
+        prepared: &Prepared,
+        camera: &Camera,
+        quantity: SurfaceQuantity,
+        cancel: &AtomicBool,
+    ) -> bool {
+        let origin = prepared.world.geometry.origin;
+        let camera = Camera { position: camera.position - origin, aperture_radius: 0.0, ..*camera };
+        let size = DVec2::new(f64::from(self.width), f64::from(self.height));
+        let offset = DVec2::from(OFFSETS[self.rays as usize % OFFSETS.len()]);
+        let width = self.width as usize;
+        let counts = (self.sums.par_chunks_mut(width.max(1)).enumerate())
+            .map_init(Vec::new, |hits, (row, sums)| {
+                let mut seen = BTreeMap::new();
+                if cancel.load(Ordering::Relaxed) {
+                    return seen;
+                }
+                for (column, sum) in sums.iter_mut().enumerate() {
+                    let ray = camera.ray(DVec2::new(column as f64, row as f64) + offset, size, DVec2::ZERO);
+                    let color = color_along(prepared, &ray, quantity, hits, &mut seen);
+                    *sum = std::array::from_fn(|i| sum[i] + color[i]);
+                }
+                seen
+            })
+            .reduce(BTreeMap::new, |mut a, b| {
+                for (tint, count) in b {
+                    *a.entry(tint).or_default() += count;
+                }
+                a
+            });
+        if cancel.load(Ordering::Relaxed) {
+            return false;
+        }
+        let mut all: BTreeMap<Tint, u64> = self.seen.iter().copied().collect();
+        for (tint, count) in counts {
+            *all.entry(tint).or_default() += count;
+        }
+        self.seen = all.into_iter().collect();
+        self.seen.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
+        self.rays += 1;
+        true
+    }
+}
+
+fn color_along(
+    prepared: &Prepared,
+    ray: &Ray,
+    quantity: SurfaceQuantity,
+    hits: &mut Vec<Hit>,
+    seen: &mut BTreeMap<Tint, u64>,
+) -> [f32; 3] {
+    let world = &*prepared.world;
+    hits.clear();
+    world.geometry.for_each_hit(ray, |hit| hits.push(hit));
+    hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
+    let mut color = [0.0_f32; 3];
+    let mut clear = 1.0_f32;
+    let mut blend = |base: [f32; 3], shade: f32, opacity: f32| {
+        for (sum, base) in color.iter_mut().zip(base) {
+            *sum += clear * opacity * base * shade;
+        }
+        clear *= 1.0 - opacity;
+        clear
+    };
+    for hit in hits.iter() {
+        let point = world.geometry.surface(ray, hit);
+        let normal = world.geometry.shading_normal(hit, point.normal);
+        let cosine = normal.dot(ray.direction).abs().min(1.0) as f32;
+        let left = match face(prepared, &point, hit) {
+            Some(face) => {
+                let tint = face.tint(quantity);
+                *seen.entry(tint).or_default() += 1;
+                let [straight, grazing] = OPACITY;
+                let opacity = straight + (grazing - straight) * (1.0 - cosine).powi(3);
+                // What is met from inside is a little darker.
+                let side = if hit.is_front { 1.0 } else { 0.85 };
+                blend(tint.color().map(f32::from), side * (0.72 + 0.28 * cosine), opacity)
+            }
+            None if matches!(
+                world.object(ObjectId(world.geometry.object_of(hit.primitive))).surface,
+                Surface::Light { .. }
+            ) =>
+            {
+                blend(LIGHT, 1.0, 1.0)
+            }
+            None => blend(SOLID, 0.35 + 0.65 * above(normal, ray.direction) * cosine, 1.0),
+        };
+        if left < 0.01 {
+            break;
+        }
+    }
+    blend(BACKGROUND.map(f32::from), 1.0, 1.0);
+    color
+}
+
+/// A little light from above tells floors from walls: from ¾ to 1.
+fn above(normal: DVec3, direction: DVec3) -> f32 {
+    let towards = if normal.dot(direction) > 0.0 { -normal } else { normal };
+    (0.875 + 0.125 * towards.y) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::render::prepare;
+    use crate::scene::load;
+
+    const SCENE: &str = r#"
+[camera]
+position = [0, 0, 10]
+target = [0, 0, 0]
+vertical_fov = 40
+[[medium]]
+name = "water"
+ior = 1.333
+[[medium]]
+name = "glass"
+ior = 1.5
+[[refractor]]
+name = "pool"
+medium = "water"
+shape = { box = { min = [-2, -2, -2], max = [2, 0, 2] } }
+[[refractor]]
+name = "ball"
+medium = "glass"
+priority = 1
+shape = { icosphere = { center = [0, 0, 0], radius = 1, subdivisions = 3 } }
+"#;
+
+    fn prepared() -> Prepared {
+        let description = load::parse(SCENE, std::path::Path::new("pool.toml"), false).unwrap();
+        prepare(Arc::new(description), None).unwrap()
+    }
+
+    fn painted(prepared: &Prepared, quantity: SurfaceQuantity) -> Painting {
+        let camera = Camera::new(&prepared.description.camera).unwrap();
+        let mut painting = Painting::new(80, 60);
+        for _ in OFFSETS {
+            assert!(painting.add(prepared, &camera, quantity, &AtomicBool::new(false)));
+        }
+        painting
+    }
+
+    #[test]
+    fn the_lower_half_of_a_floating_ball_lies_in_water_place_by_place() {
+        let prepared = prepared();
+        let camera = Camera::new(&prepared.description.camera).unwrap();
+        let outside = |y: f64| {
+            // The picture is 2 × 10 × tan 20° high at the ball.
+            let height = 20.0 * 20.0_f64.to_radians().tan();
+            let faces = faces_along(&prepared, &camera, [800, 600], [0.513, 0.5 - y / height]);
+            let ball: Vec<_> =
+                faces.iter().filter(|face| prepared.world.object(face.refractor).name == "ball").collect();
+            assert_eq!(ball.len(), 2, "in front and behind, at {y}");
+            ball.iter()
+                .map(|face| prepared.world.medium(face.sides.expect("it is an interface").outside).name.clone())
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(outside(0.6), ["world", "world"]);
+        assert_eq!(outside(-0.6), ["water", "water"]);
+        // In the row of faces that the water's surface crosses too, above and below it.
+        assert_eq!(outside(0.02), ["world", "world"]);
+        assert_eq!(outside(-0.05), ["water", "water"]);
+    }
+
+    #[test]
+    fn every_quantity_has_its_colours_and_its_legend() {
+        let prepared = prepared();
+        for quantity in SurfaceQuantity::ALL {
+            let painting = painted(&prepared, quantity);
+            let labels: Vec<String> = painting.seen.iter().map(|(tint, _)| tint.label(&prepared)).collect();
+            let expected: &[&str] = match quantity {
+                SurfaceQuantity::Outside => &["world", "water"],
+                SurfaceQuantity::Class => &["clear", "mixed"],
+                SurfaceQuantity::Confidence => &["100 %"],
+                SurfaceQuantity::Patch => {
+                    &["pool 0: in world", "ball 0: in water", "ball 1: in world", "ball 2: mixed"]
+                }
+            };
+            assert!(expected.iter().all(|word| labels.iter().any(|label| label == word)), "{quantity:?}: {labels:?}");
+            assert!(painting.seen.windows(2).all(|pair| pair[0].1 >= pair[1].1), "most first");
+            let pixels: Vec<[u8; 3]> = painting.pixels().collect();
+            assert_eq!(pixels[0], BACKGROUND);
+            assert_ne!(pixels[30 * 80 + 40], BACKGROUND);
+        }
+    }
+
+    #[test]
+    fn colours_of_neighbours_are_apart() {
+        let distance = |a: [u8; 3], b: [u8; 3]| (0..3).map(|i| a[i].abs_diff(b[i]) as u32).sum::<u32>();
+        for number in 0..24 {
+            for other in 0..number {
+                assert!(distance(Tint::Patch(number).color(), Tint::Patch(other).color()) > 30, "{number} {other}");
+            }
+        }
+        let light = |part: f32| confidence_color(part).map(u32::from).iter().sum::<u32>();
+        assert!((0..20).all(|i| light(i as f32 / 20.0) < light((i + 1) as f32 / 20.0)), "surer is brighter");
+    }
+
+    #[test]
+    fn a_cancelled_picture_says_so() {
+        let prepared = prepared();
+        let camera = Camera::new(&prepared.description.camera).unwrap();
+        let mut painting = Painting::new(8, 8);
+        assert!(!painting.add(&prepared, &camera, SurfaceQuantity::Class, &AtomicBool::new(true)));
+        assert_eq!(painting.rays, 0);
+    }
+}
