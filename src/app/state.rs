@@ -222,6 +222,10 @@ impl State {
         if Arc::ptr_eq(&report.prepared.description, self.document.description()) {
             self.last_good = Some(self.document.clone());
         }
+        if report.is_revised {
+            self.notify("More rays have changed what rectification found. The images begin anew.");
+            self.invalidate();
+        }
         if report.epoch >= self.epoch_floor {
             if report.problems.is_some() {
                 self.problems = Some(Arc::clone(&report));

@@ -325,6 +325,7 @@ impl<T: Tracker> PathTracer<'_, T> {
         medium: MediumId,
         events: &mut Events,
     ) -> Result<Met, Ray> {
+        events.crossings += 1;
         let (crossing, sides) = self.ask(ray, hit, state, events);
         if let Some(sides) = sides
             && !self.world.is_consistent(medium, sides.from)

@@ -221,6 +221,12 @@ impl InterfaceTable {
         }
     }
 
+    /// Whether the surroundings of that face differ from place to place.
+    #[inline]
+    pub fn is_mixed(&self, refractor: ObjectId, primitive: PrimitiveId) -> bool {
+        self.place(refractor, primitive) & DIVIDED != 0
+    }
+
     #[inline]
     fn place(&self, object: ObjectId, primitive: PrimitiveId) -> Place {
         match self.layout.place_of_object[object.0 as usize] {

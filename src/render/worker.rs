@@ -122,6 +122,8 @@ pub struct SceneReport {
     pub prepared: Prepared,
     /// What is doubtful in it, worst first; `None` until it has been looked for.
     pub problems: Option<Vec<Problem>>,
+    /// Whether another pre-trace has changed an answer of rectification since the last report: images made before are wrong somewhere.
+    pub is_revised: bool,
 }
 
 /// What the threads publish and the window reads.
@@ -250,6 +252,13 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, SceneError>) -> Result<T, SceneEr
     })
 }
 
+/// The scene with another pre-trace added, and whether that has changed any answer.
+fn pretrace_again(prepared: &Prepared) -> (Prepared, bool) {
+    let table = prepared.table.repeated(&prepared.world);
+    let is_revised = !table.says_the_same(&prepared.table);
+    (Prepared { table: Arc::new(table), ..prepared.clone() }, is_revised)
+}
+
 /// Requests of a drag follow each other faster than this: looking for problems waits until there is none for so long.
 const QUIET: Duration = Duration::from_millis(80);
 
@@ -265,8 +274,11 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
             // Time for what can wait.
             Taken::Empty => {
                 if let Some((epoch, prepared)) = unchecked.take() {
+                    // Fresh directions: their votes are added, and what one ray in a million has missed may be seen now.
+                    let (prepared, is_revised) = guarded(|| Ok(pretrace_again(&prepared))).unwrap_or((prepared, false));
                     let problems = guarded(|| Ok(check(&prepared))).unwrap_or_default();
-                    let report = SceneReport { epoch, prepared, problems: Some(problems) };
+                    current = Some(prepared.clone());
+                    let report = SceneReport { epoch, prepared, problems: Some(problems), is_revised };
                     board.lock().scene = Some(Arc::new(report));
                     wake(News::Scene);
                 }
@@ -294,7 +306,8 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
             }
         };
         if is_new {
-            let report = SceneReport { epoch: request.epoch, prepared: prepared.clone(), problems: None };
+            let report =
+                SceneReport { epoch: request.epoch, prepared: prepared.clone(), problems: None, is_revised: false };
             board.lock().scene = Some(Arc::new(report));
             wake(News::Scene);
         }
