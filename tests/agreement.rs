@@ -19,7 +19,7 @@ use iorect::tracking::Mode;
 use rayon::prelude::*;
 
 /// Scenes of each kind in the default run.
-const CASES: usize = 700;
+const CASES: usize = 600;
 /// Rays for each scene.
 const RAYS: usize = 8;
 
