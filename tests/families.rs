@@ -287,6 +287,31 @@ fn f04_water_that_touches_misses_or_overlaps_its_glass() {
     must_differ(&gap, &Truth::new(&coincident), Mode::Reference, 500, 50);
 }
 
+/// Family 4: in contact with what is opaque, the solid wins: ice that stands on a floor and against a wall, flush with the side of its water.
+#[test]
+fn f04_optical_contact() {
+    for rotate in [DVec3::ZERO, DVec3::new(21.0, 43.0, -17.0)] {
+        for floor in [
+            cuboid([-3.0, -0.5, -3.0], [3.0, 0.0, 3.0]),
+            Shape::Quad { center: DVec3::ZERO, edge_u: DVec3::Z * 6.0, edge_v: DVec3::X * 6.0 },
+            // The ice stands over its edge.
+            cuboid([-3.0, -0.5, -3.0], [0.3, 0.0, 3.0]),
+        ] {
+            let mut description = empty(1.0);
+            add(&mut description, cuboid([-1.0, 0.0, -1.0], [1.0, 0.7, 1.0]), 1.333, 0.0);
+            add(&mut description, cuboid([0.2, 0.0, -0.4], [1.0, 1.1, 0.5]), 1.6, 0.0);
+            add(&mut description, cylinder([-0.4, 0.4, 0.1], 0.3, 0.8, 16), 1.5, 0.0);
+            description.solids.push(solid("floor", floor.clone()));
+            description.solids.push(solid("wall", cuboid([1.0, -0.2, -2.0], [1.2, 2.0, 2.0])));
+            let rotated = Transform { rotate, ..Transform::IDENTITY };
+            description.refractors.iter_mut().for_each(|r| r.transform = rotated);
+            description.solids.iter_mut().for_each(|s| s.transform = rotated);
+            let (scene, truth) = check_as_written(description, 600);
+            must_differ(&scene, &truth, Mode::Naive, 600, 20);
+        }
+    }
+}
+
 /// Family 5: siblings side by side, and an opaque object between a refractor and its container.
 #[test]
 fn f05_siblings_and_opaque_things() {

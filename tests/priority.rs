@@ -81,6 +81,19 @@ fn what_a_higher_priority_hides_is_not_seen() {
     );
 }
 
+/// Nor in the modes without state: their shadow rays pass through what is not there.
+#[test]
+fn hidden_surfaces_cast_no_shadows() {
+    let [plain, hidden, seen] = [room(), with_balls(-1), with_balls(3)].map(ready);
+    for mode in [Mode::Rectified, Mode::Reference] {
+        let [plain, hidden, seen] = [&plain, &hidden, &seen].map(|s| render(s, mode, (40, 40), 4, None));
+        assert!(mean(&plain).0 > 0.05);
+        assert_eq!(hidden.events.total(), 0);
+        assert_eq!(plain.sums, hidden.sums, "{mode}");
+        assert_ne!(plain.sums, seen.sums);
+    }
+}
+
 #[test]
 fn a_trace_shows_what_was_skipped() {
     let scene = ready(with_balls(-1));
