@@ -59,6 +59,8 @@ pub struct Inspection {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct InspectionKey {
     scene_epoch: u64,
+    /// Rays of the pre-trace: more of them may have changed an answer.
+    rays: u64,
     camera: CameraDescription,
     mode: crate::tracking::Mode,
     size: [u32; 2],
@@ -226,7 +228,15 @@ impl State {
             if report.problems.is_some() {
                 self.problems = Some(Arc::clone(&report));
             }
+            // More rays, shot in the background, may have found another answer: what was rendered with the old one is out of date.
+            let is_other = self.report.as_ref().is_some_and(|known| {
+                Arc::ptr_eq(&known.prepared.world, &report.prepared.world)
+                    && !known.prepared.table.says_the_same(&report.prepared.table)
+            });
             self.report = Some(report);
+            if is_other {
+                self.invalidate();
+            }
         }
     }
 
@@ -282,6 +292,7 @@ impl State {
         let (Some(inspection), Some(report)) = (&mut self.inspection, &self.report) else { return };
         let key = InspectionKey {
             scene_epoch: report.epoch,
+            rays: report.prepared.table.rays(),
             camera: film_camera,
             mode,
             size: self.film_size,
