@@ -1,6 +1,7 @@
 //! Makes the assets that are computed rather than written: `cargo run --example make_assets`.
 //!
 //! - `assets/models/brilliant.obj`: a round brilliant cut diamond with the proportions of Tolkowsky (1919).
+//! - `assets/models/ice-cube.obj`: a cube whose edges and corners have melted round.
 //! - `assets/scenes/luneburg.toml`: a Luneburg lens as 100 concentric shells.
 
 use std::f64::consts::PI;
@@ -10,6 +11,7 @@ use std::path::Path;
 fn main() -> std::io::Result<()> {
     let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
     std::fs::write(assets.join("models/brilliant.obj"), brilliant())?;
+    std::fs::write(assets.join("models/ice-cube.obj"), ice_cube())?;
     std::fs::write(assets.join("scenes/luneburg.toml"), luneburg())
 }
 
@@ -75,6 +77,58 @@ pub fn brilliant() -> String {
         face(&[vertex(4, k), vertex(6, before), culet, vertex(6, k)]); // pavilion main
     }
     text
+}
+
+/// The superellipsoid |x|⁶ + |y|⁶ + |z|⁶ = 1, a cube of half edge 1 with round edges and corners, with its exact normals. Its vertices lie on
+/// those of a cube that is divided by equal angles.
+pub fn ice_cube() -> String {
+    const EXPONENT: i32 = 6;
+    const DIVISIONS: i32 = 10;
+    let mut text = String::from(
+        "# A cube of half edge 1 with round edges, |x|^6 + |y|^6 + |z|^6 = 1. Made by `cargo run --example make_assets`.\no ice-cube\n",
+    );
+    // Points of the divided cube, in steps from −DIVISIONS to DIVISIONS; those on edges belong to several sides.
+    let mut vertices: Vec<[i32; 3]> = Vec::new();
+    let mut faces = String::new();
+    for axis in 0..3 {
+        for side in [-DIVISIONS, DIVISIONS] {
+            let mut vertex = |u: i32, v: i32| {
+                let mut point = [0; 3];
+                point[axis] = side;
+                point[(axis + 1) % 3] = u;
+                point[(axis + 2) % 3] = v;
+                let known = vertices.iter().position(|known| *known == point);
+                1 + known.unwrap_or_else(|| {
+                    vertices.push(point);
+                    vertices.len() - 1
+                })
+            };
+            for u in (-DIVISIONS..DIVISIONS).step_by(2) {
+                for v in (-DIVISIONS..DIVISIONS).step_by(2) {
+                    let mut corners = [vertex(u, v), vertex(u + 2, v), vertex(u + 2, v + 2), vertex(u, v + 2)];
+                    if side < 0 {
+                        corners.reverse();
+                    }
+                    let [a, b, c, d] = corners;
+                    _ = writeln!(faces, "f {a}//{a} {b}//{b} {c}//{c} {d}//{d}");
+                }
+            }
+        }
+    }
+    let mut normals = String::new();
+    for point in &vertices {
+        let direction = point.map(|step| (PI / 4.0 * f64::from(step) / f64::from(DIVISIONS)).tan());
+        let size = direction.iter().map(|d| d.powi(EXPONENT)).sum::<f64>().powf(1.0 / f64::from(EXPONENT));
+        let position = direction.map(|d| d / size);
+        let gradient = position.map(|p| p.powi(EXPONENT - 1));
+        let length = gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
+        let rounded = |v: f64| (v * 1e6).round() / 1e6 + 0.0;
+        let [x, y, z] = position.map(rounded);
+        _ = writeln!(text, "v {x:.6} {y:.6} {z:.6}");
+        let [x, y, z] = gradient.map(|g| rounded(g / length));
+        _ = writeln!(normals, "vn {x:.6} {y:.6} {z:.6}");
+    }
+    text + &normals + &faces
 }
 
 /// Shells of the Luneburg lens n(r) = √(2 − r²), each with the index in the middle of its layer.

@@ -414,10 +414,7 @@ fn a_handle_moves_an_object_in_one_undoable_step_and_elsewhere_one_orbits() {
     let before = harness.state().state().document.description().clone();
     let start = transform_of(&harness, "water ball");
     let picture = picture_of(&harness);
-    let center = DVec3::from(match before.refractors[1].shape {
-        Shape::Sphere { center, .. } => center,
-        _ => panic!("the scene has changed"),
-    });
+    let Shape::Sphere { center, .. } = before.refractors[1].shape else { panic!("the scene has changed") };
     // The arrow for y goes up from the middle; it is dragged up by 50 points.
     let middle = on_screen(&harness, picture, center);
     let (arrow, by) = (middle - egui::vec2(0.0, 45.0), egui::vec2(0.0, -50.0));

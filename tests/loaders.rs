@@ -206,6 +206,7 @@ fn computed_assets_are_what_their_command_makes() {
     let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
     let read = |path: &str| std::fs::read_to_string(assets.join(path)).unwrap();
     assert_eq!(read("models/brilliant.obj"), make_assets::brilliant());
+    assert_eq!(read("models/ice-cube.obj"), make_assets::ice_cube());
     assert_eq!(read("scenes/luneburg.toml"), make_assets::luneburg());
 }
 

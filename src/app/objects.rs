@@ -1,8 +1,12 @@
 //! Objects of the scene as the window edits them: refractors, solids and lights alike, by name.
 
+use std::cell::RefCell;
+use std::sync::{Arc, Weak};
+
 use glam::{DMat3, DQuat, DVec3, EulerRot};
 use serde::{Deserialize, Serialize};
 
+use crate::geometry::Mesh;
 use crate::scene::Description;
 use crate::scene::description::{Shape, Transform};
 
@@ -105,17 +109,34 @@ pub fn with_transform(description: &Description, name: &str, transform: Transfor
     Some(edited)
 }
 
+/// Lowest and highest coordinates.
+type Bounds = (DVec3, DVec3);
+
+thread_local! {
+    /// The mesh whose bounds were last asked for, and they: the window asks several times for every frame, and meshes can be large.
+    static LAST_MESH: RefCell<Option<(Weak<Mesh>, Bounds)>> = const { RefCell::new(None) };
+}
+
+/// [`Shape::bounds`]; those of the last mesh are remembered.
+pub fn bounds(shape: &Shape) -> Bounds {
+    let Shape::Mesh { mesh, .. } = shape else { return shape.bounds() };
+    LAST_MESH.with_borrow_mut(|last| match last {
+        Some((known, bounds)) if known.upgrade().is_some_and(|known| Arc::ptr_eq(&known, mesh)) => *bounds,
+        _ => last.insert((Arc::downgrade(mesh), shape.bounds())).1,
+    })
+}
+
 /// The point that stays where it is when an object is rotated or scaled, in object space: the middle of its bounds there, which does
 /// not wander when the object turns.
 pub fn pivot(shape: &Shape) -> DVec3 {
-    let (min, max) = shape.bounds();
+    let (min, max) = bounds(shape);
     (min + max) / 2.0
 }
 
 impl Object<'_> {
     /// The lowest and highest scene coordinates of its box.
     pub fn scene_bounds(&self) -> (DVec3, DVec3) {
-        let (min, max) = self.shape.bounds();
+        let (min, max) = bounds(self.shape);
         let matrix = self.transform.matrix();
         if let Shape::Sphere { center, radius } | Shape::Icosphere { center, radius, .. } = self.shape {
             // Scaling may be uneven; rotating a ball's box would enlarge it.
@@ -213,13 +234,27 @@ mod tests {
     fn turning_is_found_again_in_the_angles() {
         let before = transform();
         for axis in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 2.0, -2.0) / 3.0] {
-            for angle in [-3.0, -0.5, 0.01, 1.5707, 2.9] {
+            for angle in [-3.0, -0.5, 0.01, 1.57, 2.9] {
                 let rotation = DQuat::from_axis_angle(axis, angle);
                 let after = rotated_by(&before, rotation, DVec3::ZERO, 1e-9);
                 let wanted = DMat3::from_quat(rotation) * rotation_of(&before);
                 assert!(rotation_of(&after).abs_diff_eq(wanted, 1e-9), "{axis} {angle}");
             }
         }
+    }
+
+    #[test]
+    fn bounds_of_the_last_mesh_are_those_of_the_mesh() {
+        let mesh = |x: f64| Shape::Mesh {
+            path: "m.obj".into(),
+            mesh: Arc::new(Mesh { positions: vec![DVec3::ZERO, DVec3::X * x, DVec3::Y], ..Mesh::default() }),
+            dropped: 0,
+        };
+        let (a, b) = (mesh(2.0), mesh(3.0));
+        for shape in [&a, &a, &b, &b, &a] {
+            assert_eq!(bounds(shape), shape.bounds());
+        }
+        assert_eq!(bounds(&b).1, DVec3::new(3.0, 1.0, 0.0));
     }
 
     #[test]

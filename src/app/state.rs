@@ -59,6 +59,8 @@ pub struct Inspection {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct InspectionKey {
     scene_epoch: u64,
+    /// Rays of the pre-trace: more of them may have changed an answer.
+    rays: u64,
     camera: CameraDescription,
     mode: crate::tracking::Mode,
     size: [u32; 2],
@@ -222,7 +224,9 @@ impl State {
         if Arc::ptr_eq(&report.prepared.description, self.document.description()) {
             self.last_good = Some(self.document.clone());
         }
-        if report.is_revised {
+        let is_same_scene =
+            |known: &&Arc<SceneReport>| Arc::ptr_eq(&known.prepared.description, &report.prepared.description);
+        if report.revisions > self.report.as_ref().filter(is_same_scene).map_or(0, |known| known.revisions) {
             self.notify("More rays have changed what rectification found. The images begin anew.");
             self.invalidate();
         }
@@ -230,7 +234,15 @@ impl State {
             if report.problems.is_some() {
                 self.problems = Some(Arc::clone(&report));
             }
+            // More rays, shot in the background, may have found another answer: what was rendered with the old one is out of date.
+            let is_other = self.report.as_ref().is_some_and(|known| {
+                Arc::ptr_eq(&known.prepared.world, &report.prepared.world)
+                    && !known.prepared.table.says_the_same(&report.prepared.table)
+            });
             self.report = Some(report);
+            if is_other {
+                self.invalidate();
+            }
         }
     }
 
@@ -286,6 +298,7 @@ impl State {
         let (Some(inspection), Some(report)) = (&mut self.inspection, &self.report) else { return };
         let key = InspectionKey {
             scene_epoch: report.epoch,
+            rays: report.prepared.table.rays(),
             camera: film_camera,
             mode,
             size: self.film_size,

@@ -64,7 +64,7 @@ pub enum Command {
 /// The window, and the flags by which the project takes pictures of it.
 #[derive(Debug, Args)]
 pub struct WindowArguments {
-    /// Scene to open: a file or a built-in scene's name [default: camera-in-water]
+    /// Scene to open: a file or a built-in scene's name [default: iced-water]
     #[arg(value_name = "SCENE")]
     pub scene: Option<String>,
     /// Take a picture of the window and quit

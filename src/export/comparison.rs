@@ -97,7 +97,7 @@ fn require_comparable(panes: &[LabelledPane<'_>], baseline: Option<usize>) -> Re
     }
 }
 
-fn zoom_for(picture_width: u32) -> u32 {
+pub(super) fn zoom_for(picture_width: u32) -> u32 {
     LEAST_PANE_WIDTH.div_ceil(picture_width)
 }
 

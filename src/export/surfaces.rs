@@ -3,7 +3,7 @@
 use image::RgbImage;
 
 use super::canvas::{Align, Canvas, Color};
-use super::comparison::{INK, MUTED, SHEET};
+use super::comparison::{INK, MUTED, SHEET, zoom_for};
 use crate::render::Prepared;
 use crate::render::surfaces::{Painting, SurfaceQuantity, Tint, confidence_color};
 
@@ -13,7 +13,8 @@ const MOST_ENTRIES: usize = 24;
 /// A sheet with every painting, its quantity as a title, and under it what the colours mean. Empty without paintings.
 pub fn painted_surfaces(prepared: &Prepared, paintings: &[(SurfaceQuantity, &Painting)]) -> RgbImage {
     let Some((_, first)) = paintings.first() else { return RgbImage::new(0, 0) };
-    let pane = first.width.max(240);
+    let zoom = zoom_for(first.width.max(1));
+    let pane = first.width * zoom;
     let text = (pane as f32 / 27.0).clamp(13.0, 40.0);
     let margin = (text * 1.5).round() as u32;
     let line = (text * 1.45).round() as u32;
@@ -21,7 +22,7 @@ pub fn painted_surfaces(prepared: &Prepared, paintings: &[(SurfaceQuantity, &Pai
         paintings.iter().map(|(quantity, painting)| legend(prepared, *quantity, painting)).collect();
     let rows = legends.iter().map(Vec::len).max().unwrap_or(0) as u32;
     let top = margin + 2 * line;
-    let tallest = paintings.iter().map(|(_, painting)| painting.height).max().unwrap_or(0);
+    let tallest = paintings.iter().map(|(_, painting)| painting.height * zoom).max().unwrap_or(0);
     let width = paintings.len() as u32 * (pane + margin) + margin;
     let mut canvas = Canvas::new(width, top + tallest + margin / 2 + rows * line + margin, SHEET);
     for (index, ((quantity, painting), legend)) in paintings.iter().zip(&legends).enumerate() {
@@ -30,7 +31,7 @@ pub fn painted_surfaces(prepared: &Prepared, paintings: &[(SurfaceQuantity, &Pai
         canvas.text(quantity.name(), left as f32, baseline, Align::Left, text * 1.25, INK);
         let pixels: Vec<Color> = painting.pixels().collect();
         let at = |x: u32, y: u32| pixels[(y * painting.width + x) as usize];
-        canvas.paint(left, top, painting.width, painting.height, 1, at);
+        canvas.paint(left, top, painting.width, painting.height, zoom, at);
         let mut y = top + tallest + margin / 2;
         for (color, words) in legend {
             let side = (text * 0.8).round() as u32;

@@ -171,8 +171,8 @@ impl Tree {
             let (node, objects) = (&self.nodes[index as usize], &self.objects[index as usize]);
             let mut met = [true; WIDTH];
             for axis in 0..3 {
-                for lane in 0..WIDTH {
-                    met[lane] &= (node.min[axis][lane] <= max[axis]) & (node.max[axis][lane] >= min[axis]);
+                for (lane, met) in met.iter_mut().enumerate() {
+                    *met &= (node.min[axis][lane] <= max[axis]) & (node.max[axis][lane] >= min[axis]);
                 }
             }
             for lane in (0..WIDTH).filter(|lane| met[*lane] && node.used & 1 << lane != 0) {

@@ -122,8 +122,8 @@ pub struct SceneReport {
     pub prepared: Prepared,
     /// What is doubtful in it, worst first; `None` until it has been looked for.
     pub problems: Option<Vec<Problem>>,
-    /// Whether another pre-trace has changed an answer of rectification since the last report: images made before are wrong somewhere.
-    pub is_revised: bool,
+    /// How many of the later pre-traces have changed an answer of rectification: images made before are wrong somewhere.
+    pub revisions: u32,
 }
 
 /// What the threads publish and the window reads.
@@ -252,34 +252,60 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, SceneError>) -> Result<T, SceneEr
     })
 }
 
-/// The scene with another pre-trace added, and whether that has changed any answer.
-fn pretrace_again(prepared: &Prepared) -> (Prepared, bool) {
-    let table = prepared.table.repeated(&prepared.world);
-    let is_revised = !table.says_the_same(&prepared.table);
-    (Prepared { table: Arc::new(table), ..prepared.clone() }, is_revised)
+/// Requests of a drag follow each other faster than this: what can wait is done when there is none for so long.
+const QUIET: Duration = Duration::from_millis(80);
+/// Pre-traces of a scene beyond the first, done while nothing else is wanted.
+const REPEATS: u32 = 8;
+
+/// What can be done about a scene while nobody asks for anything else: look for problems, then shoot more rays.
+struct Leisure {
+    epoch: u64,
+    is_checked: bool,
+    repeats: u32,
 }
 
-/// Requests of a drag follow each other faster than this: looking for problems waits until there is none for so long.
-const QUIET: Duration = Duration::from_millis(80);
+impl Leisure {
+    fn is_over(&self) -> bool {
+        self.is_checked && self.repeats >= REPEATS
+    }
+
+    /// One piece of work. Returns the scene as it is known now, its problems if they have been looked for, and whether an answer of
+    /// rectification has changed.
+    fn work(&mut self, prepared: &Prepared) -> (Prepared, Option<Vec<Problem>>, bool) {
+        if !self.is_checked {
+            self.is_checked = true;
+            return (prepared.clone(), Some(guarded(|| Ok(check(prepared))).unwrap_or_default()), false);
+        }
+        self.repeats += 1;
+        // Nobody has asked for this: where it fails, the scene stays as it is known.
+        let Ok(table) = guarded(|| Ok(prepared.table.repeated(&prepared.world))) else {
+            return (prepared.clone(), None, false);
+        };
+        // Other answers may have other problems.
+        self.is_checked = table.says_the_same(&prepared.table);
+        (Prepared { table: Arc::new(table), ..prepared.clone() }, None, !self.is_checked)
+    }
+}
 
 fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>>; 3], board: &Board, wake: &Wake) {
     let mut current: Option<Prepared> = None;
-    // The epoch and the scene whose problems have not been looked for yet.
-    let mut unchecked: Option<(u64, Prepared)> = None;
+    let mut leisure: Option<Leisure> = None;
     loop {
-        let taken = if unchecked.is_some() { requests.wait_for(QUIET) } else { requests.wait().into() };
+        let is_free = leisure.as_ref().is_some_and(|leisure| !leisure.is_over());
+        let taken = if is_free { requests.wait_for(QUIET) } else { requests.wait().into() };
         let request = match taken {
             Taken::Message(request) => request,
             Taken::Closed => return,
-            // Time for what can wait.
             Taken::Empty => {
-                if let Some((epoch, prepared)) = unchecked.take() {
-                    // Fresh directions: their votes are added, and what one ray in a million has missed may be seen now.
-                    let (prepared, is_revised) = guarded(|| Ok(pretrace_again(&prepared))).unwrap_or((prepared, false));
-                    let problems = guarded(|| Ok(check(&prepared))).unwrap_or_default();
-                    current = Some(prepared.clone());
-                    let report = SceneReport { epoch, prepared, problems: Some(problems), is_revised };
-                    board.lock().scene = Some(Arc::new(report));
+                if let (Some(leisure), Some(prepared)) = (&mut leisure, &mut current) {
+                    let (known, problems, is_revised) = leisure.work(prepared);
+                    *prepared = known.clone();
+                    let mut state = board.lock();
+                    let revisions = state.scene.as_ref().map_or(0, |scene| scene.revisions) + u32::from(is_revised);
+                    let problems = problems.or_else(|| state.scene.as_ref().and_then(|scene| scene.problems.clone()));
+                    state.scene =
+                        Some(Arc::new(SceneReport { epoch: leisure.epoch, prepared: known, problems, revisions }));
+                    drop(state);
                     wake(News::Scene);
                 }
                 continue;
@@ -306,8 +332,7 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
             }
         };
         if is_new {
-            let report =
-                SceneReport { epoch: request.epoch, prepared: prepared.clone(), problems: None, is_revised: false };
+            let report = SceneReport { epoch: request.epoch, prepared: prepared.clone(), problems: None, revisions: 0 };
             board.lock().scene = Some(Arc::new(report));
             wake(News::Scene);
         }
@@ -333,7 +358,7 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
             state.paintings.retain(|quantity, _| request.surfaces.contains(quantity));
         }
         if is_new {
-            unchecked = Some((request.epoch, prepared.clone()));
+            leisure = Some(Leisure { epoch: request.epoch, is_checked: false, repeats: 0 });
             current = Some(prepared);
         }
     }
@@ -433,6 +458,26 @@ mod tests {
         until(&worker, |s| s.len() == 2 && s.values().all(|s| s.is_done));
         worker.submit(Request { sample_limit: Some(2), ..request(2, &[Mode::Reference]) });
         until(&worker, |s| s.len() == 1 && s.values().all(|s| s.epoch == 2 && s.is_done));
+    }
+
+    #[test]
+    fn what_can_wait_is_done_when_nothing_else_is_wanted() {
+        let worker = Worker::start(quiet()).unwrap();
+        let asked = request(1, &[Mode::Rectified]);
+        worker.submit(asked.clone());
+        until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.is_done));
+        let rays = || worker.board().scene().map_or(0, |scene| scene.prepared.table.rays());
+        let first = rays();
+        assert!(first > 0);
+        // Every pre-trace shoots as many rays here: nobody doubts this nest.
+        until(&worker, |_| rays() == first * (1 + u64::from(REPEATS)));
+        let scene = worker.board().scene().unwrap();
+        assert!(scene.problems.is_some() && scene.epoch == 1);
+        // An edit of optics counts on.
+        let mut description = Description::clone(&asked.description);
+        description.world.ior = crate::optics::IorModel::Constant(1.2);
+        worker.submit(Request { epoch: 2, description: Arc::new(description), ..asked });
+        until(&worker, |_| rays() > first * (1 + u64::from(REPEATS)));
     }
 
     #[test]

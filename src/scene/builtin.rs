@@ -7,7 +7,7 @@ use super::description::Description;
 use super::load;
 
 /// The scene that opens where none is asked for.
-pub const DEFAULT: &str = "camera-in-water";
+pub const DEFAULT: &str = "iced-water";
 
 /// A scene that is compiled into the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,6 +34,7 @@ macro_rules! builtins {
 }
 
 const SCENES: &[Builtin] = builtins! {
+    "iced-water": "Glass hides the water that overlaps it, ice floats in the water and juts out, a straw breaks at the surface.",
     "camera-in-water": "The camera is under water: a glass ball with a bubble in it hangs below Snell's window.",
     "nested-spheres": "Air in water in glass: three spheres, one in the other.",
     "bubble-in-glass": "Bubbles of air in a paperweight, which naive does not see at all.",
@@ -44,8 +45,7 @@ const SCENES: &[Builtin] = builtins! {
     "lamp-in-ice": "A lamp in ice in water: light that starts inside the nest.",
     "luneburg": "A Luneburg lens of 100 concentric shells: the deepest nest here.",
     "plain-glass": "Nothing is nested and the world is vacuum: all modes agree.",
-    "iced-water": "Water overlaps its tumbler and ice floats half out: one exterior per object cannot be right.",
-    "half-submerged": "Glass half in water, half in air: one exterior per object cannot be right.",
+    "half-submerged": "A glass ball and a glass rod, half in water and half in air: each of their patches knows which.",
 };
 
 macro_rules! assets {
@@ -61,6 +61,7 @@ const ASSETS: &[(&str, &[u8])] = assets! {
     "environments/sunset.exr",
     "environments/warehouse.exr",
     "models/brilliant.obj",
+    "models/ice-cube.obj",
 };
 
 /// Every built-in scene, in the order of a gallery.

@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, name: &str, object: &Object<'_>, commands: &mut Vec<Com
 fn transform_ui(ui: &mut Ui, name: &str, object: &Object<'_>, commands: &mut Vec<Command>) {
     let Object { shape, transform, .. } = *object;
     let pivot = objects::pivot(shape);
-    let (min, max) = shape.bounds();
+    let (min, max) = objects::bounds(shape);
     let size = ((max - min) * transform.scale).length();
     let mut set = |manipulation, transform: Transform| {
         commands.push(Command::SetTransform(name.to_owned(), manipulation, transform));

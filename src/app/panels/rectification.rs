@@ -6,7 +6,7 @@ use crate::app::command::Command;
 use crate::app::state::State;
 use crate::app::theme::{Palette, WARNING_MARK};
 use crate::app::widgets::{duration, fact_ui, note, section_first_ui, section_ui, thousands, value};
-use crate::rectify::Patch;
+use crate::rectify::{Patch, PatchKind};
 use crate::scene::World;
 
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -17,21 +17,29 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let (world, table) = (&report.prepared.world, &report.prepared.table);
     let seconds = table.seconds;
     section_first_ui(ui, "Rectification", &duration(seconds.total()));
-    let rays: u64 = table.patches.iter().map(|patch| u64::from(patch.rays)).sum();
     let least = table.patches.iter().map(|patch| patch.confidence).fold(1.0, f64::min);
-    fact_ui(ui, "Refractors", table.patches.len().to_string(), "Each has one answer, for its whole surface.");
-    fact_ui(ui, "Rays", thousands(rays), "Shot outward from the refractors' surfaces, over all runs on this geometry.");
-    fact_ui(ui, "Least confidence", format!("{:.1} %", least * 100.0), "The refractor whose rays agreed least.");
-    fact_ui(ui, "Pre-trace", duration(seconds.pretrace), "Shooting the rays.");
-    fact_ui(ui, "Resolve", duration(seconds.resolve), "From votes to media; done again at every edit.");
-    if seconds.topology + seconds.patches > 0.0 {
-        fact_ui(
-            ui,
-            "Topology",
-            duration(seconds.topology + seconds.patches),
-            "Looking at the meshes; once per geometry.",
-        );
+    let refractors = world.refractors().count();
+    fact_ui(ui, "Refractors", refractors.to_string(), "Objects that light goes through.");
+    let about =
+        "Parts of their surfaces: each with the same surroundings everywhere, or crossed by the same other surfaces.";
+    fact_ui(ui, "Patches", thousands(table.patches.len() as u64), about);
+    for kind in PatchKind::ALL.into_iter().filter(|kind| *kind != PatchKind::Clear) {
+        let count = table.patches.iter().filter(|patch| patch.kind == kind).count();
+        if count > 0 {
+            fact_ui(ui, &format!("  of these {}", kind.name()), thousands(count as u64), about_kind(kind));
+        }
     }
+    fact_ui(ui, "Rays", thousands(table.rays()), "Shot outward from the patches, over all runs on this geometry.");
+    fact_ui(ui, "Least confidence", format!("{:.1} %", least * 100.0), "The patch whose rays agreed least.");
+    if seconds.topology > 0.0 {
+        fact_ui(ui, "Topology", duration(seconds.topology), "Looking at the meshes; once per geometry.");
+    }
+    if seconds.patches > 0.0 {
+        let about = "Finding where surfaces meet and what parts that makes; once per geometry.";
+        fact_ui(ui, "Contacts, patches", duration(seconds.patches), about);
+    }
+    fact_ui(ui, "Pre-trace", duration(seconds.pretrace), "Shooting the rays; once per geometry.");
+    fact_ui(ui, "Resolve", duration(seconds.resolve), "From votes to media; done again at every edit.");
     let prepare = report.prepared.seconds;
     fact_ui(
         ui,
@@ -82,7 +90,7 @@ fn patch_ui(ui: &mut Ui, state: &State, world: &World, patch: &Patch, commands: 
                     let mark = if patch.confidence < 1.0 { WARNING_MARK } else { "" };
                     ui.label(value(format!("{mark} {:.0} %", patch.confidence * 100.0)).color(color));
                     ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                        ui.add(Label::new(RichText::new(name).strong()).truncate());
+                        ui.add(Label::new(RichText::new(format!("{name} {}", patch.index)).strong()).truncate());
                     });
                 });
             });
@@ -91,14 +99,19 @@ fn patch_ui(ui: &mut Ui, state: &State, world: &World, patch: &Patch, commands: 
                     let (outside, inside) = (world.medium(outside), world.medium(inside));
                     format!("{} {:.4} | {} {:.4}", outside.name, outside.ior(), inside.name, inside.ior())
                 }
-                _ => patch.kind.name().to_owned(),
+                _ if patch.crossed_by.is_empty() => patch.kind.name().to_owned(),
+                _ => {
+                    let others: Vec<&str> = patch.crossed_by.iter().map(|id| world.object(*id).name.as_str()).collect();
+                    format!("{}: crossed by {}", patch.kind.name(), others.join(", "))
+                }
             };
             ui.add(Label::new(value(text)).truncate());
         })
         .response
         .interact(egui::Sense::click());
     let response = response.on_hover_ui(|ui| {
-        ui.strong(name);
+        ui.strong(format!("{name}, patch {}: {}", patch.index, patch.kind.name()));
+        ui.label(about_kind(patch.kind));
         ui.label(format!("{} rays, {} faces", thousands(u64::from(patch.rays)), thousands(u64::from(patch.faces))));
         for vote in &patch.votes {
             ui.label(format!("{} of {} votes: inside {}", vote.inside, vote.asked, world.object(vote.refractor).name));
@@ -106,5 +119,15 @@ fn patch_ui(ui: &mut Ui, state: &State, world: &World, patch: &Patch, commands: 
     });
     if response.clicked() {
         commands.push(Command::SelectObject((!is_selected).then(|| name.clone())));
+    }
+}
+
+/// What a kind of patch is.
+fn about_kind(kind: PatchKind) -> &'static str {
+    match kind {
+        PatchKind::Clear => "One medium outside, another inside.",
+        PatchKind::Null => "The same medium on both sides: nothing is to be seen there.",
+        PatchKind::Mixed => "Other surfaces cross it: the answer is looked up place by place.",
+        PatchKind::Masked => "It coincides with another surface, which stands for both.",
     }
 }

@@ -245,18 +245,34 @@ fn paint_branches(ui: &Ui, row: Rect, depth: usize, indent: f32, continues: &[bo
     }
 }
 
-/// What rectification found outside a refractor, in words.
+/// What rectification found outside a refractor, in words: where it differs from place to place, everything.
 fn outside(state: &State, refractor: &str) -> String {
     let Some(report) = state.report.as_deref() else { return "…".to_owned() };
-    let Some(patch) = patch_of(report, refractor) else { return "…".to_owned() };
     let world = &report.prepared.world;
-    let Some(outside) = patch.outside else { return "…".to_owned() };
-    let medium = &world.medium(outside).name;
-    match patch.outside_refractor {
-        Some(container) if world.object(container).name != *medium => {
-            format!("{medium} ({})", world.object(container).name)
+    let Some((id, _)) = world.refractors().find(|(id, _)| world.object(*id).name == refractor) else {
+        return "…".to_owned();
+    };
+    let mut found: Vec<String> = Vec::new();
+    for patch in report.prepared.table.patches_of(id) {
+        let Some(outside) = patch.outside else { continue };
+        let medium = &world.medium(outside).name;
+        let text = match patch.outside_refractor {
+            Some(container) if world.object(container).name != *medium => {
+                format!("{medium} ({})", world.object(container).name)
+            }
+            _ => medium.clone(),
+        };
+        if !found.contains(&text) {
+            found.push(text);
         }
-        _ => medium.clone(),
+    }
+    if report.prepared.table.patches_of(id).is_empty() {
+        // Hidden.
+        "—".to_owned()
+    } else if found.is_empty() {
+        "differs from place to place".to_owned()
+    } else {
+        found.join(", ")
     }
 }
 

@@ -412,7 +412,7 @@ fn config(
 fn paint_box(painter: &Painter, object: &Object<'_>, screen: impl Fn(DVec3) -> Option<Pos2>) {
     /// Share of each edge that is drawn at either end.
     const PART: f64 = 0.18;
-    let (min, max) = object.shape.bounds();
+    let (min, max) = objects::bounds(object.shape);
     let matrix = object.transform.matrix();
     let corner = |bits: usize| {
         let pick = |axis: usize| if bits & (1 << axis) == 0 { min[axis] } else { max[axis] };
