@@ -9,7 +9,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`optics`] | Fresnel and Snell, dispersion formulas, media, the catalogue: physics without geometry |
-//! | [`geometry`] | rays, triangles, spheres, meshes, and the tree that finds what a ray hits |
+//! | [`geometry`] | rays, triangles, spheres, meshes with their analysis and repair, and the tree that finds what a ray hits |
 //! | [`scene`] | the scene as the user wrote it ([`scene::Description`]), its files, and its compiled form ([`scene::World`]) |
 //! | [`rectify`] | what lies on the other side of every refractor: the pre-trace, its votes, the interface table |
 //! | [`tracking`] | the modes: given a crossing, which medium is left and which is entered |

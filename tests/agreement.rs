@@ -1,4 +1,5 @@
-//! Random scenes of spheres and meshes that nest, overlap, touch nothing exactly and stand half out of each other: on every well-conditioned
+//! Random scenes of spheres and meshes that nest, overlap and stand half out of each other, and of such
+//! whose faces coincide: on every well-conditioned
 //! ray `rectified`, `reference` and a truth worked out apart agree.
 //!
 //! `IORECT_TEST_CASES=N` sets how many scenes of each kind are tried; the seeds go on from those of the default run.
@@ -147,17 +148,41 @@ fn half_submerged(numbers: &mut Numbers) -> Description {
     description
 }
 
+/// Boxes and cylinders on a coarse grid, so that faces coincide: the same way and opposed, wholly and in part, of other tessellation; in a third
+/// of the scenes all turned by one rotation, so that they coincide but for rounding.
+fn touching(numbers: &mut Numbers) -> Description {
+    let mut description = empty(index_of_refraction(numbers));
+    let rotate = if numbers.index(3) == 0 { turn(numbers) } else { DVec3::ZERO };
+    for _ in 0..2 + numbers.index(4) {
+        let mut on_grid = |low: usize, high: usize| (low + numbers.index(high - low)) as f64 * 0.5 - 1.0;
+        let shape = if on_grid(0, 4) < 0.5 {
+            let min = DVec3::new(on_grid(0, 4), on_grid(0, 4), on_grid(0, 4));
+            let size = DVec3::new(on_grid(3, 6), on_grid(3, 6), on_grid(3, 6));
+            Shape::Box { min, max: min + size }
+        } else {
+            let center = DVec3::new(on_grid(0, 5), on_grid(0, 5), on_grid(0, 5));
+            let segments = 4 * (1 + numbers.index(4) as u32);
+            Shape::Cylinder { center, radius: 0.5 + 0.5 * numbers.index(2) as f64, height: 1.0, segments }
+        };
+        place(numbers, &mut description, shape, DVec3::ZERO);
+        description.refractors.last_mut().unwrap().transform = Transform { rotate, ..Transform::IDENTITY };
+    }
+    description
+}
+
 /// What came of many scenes.
 #[derive(Default)]
 struct Total {
     checked: usize,
+    coincident: usize,
     faults: Vec<String>,
     /// Faults that were planted, and found: another rule for overlaps, and one exterior for each object.
     of_wrong_rule: usize,
     of_wrong_mode: usize,
 }
 
-fn check(make: fn(&mut Numbers) -> Description) {
+/// Returns how many of the surfaces that were met coincided with another.
+fn check(make: fn(&mut Numbers) -> Description) -> usize {
     let try_seed = |seed: u64| {
         let description = make(&mut Numbers(seed * 7919 + 1));
         let truth = Truth::new(&description);
@@ -167,6 +192,7 @@ fn check(make: fn(&mut Numbers) -> Description) {
         for mode in [Mode::Reference, Mode::Rectified] {
             let found = survey(&scene, &truth, mode, &rays);
             total.checked += found.checked;
+            total.coincident += found.coincident;
             total.faults.extend(found.faults.into_iter().map(|fault| format!("seed {seed}: {fault}")));
         }
         total.of_wrong_mode = survey(&scene, &truth, Mode::RectifiedObject, &rays).faults.len();
@@ -176,6 +202,7 @@ fn check(make: fn(&mut Numbers) -> Description) {
     };
     let total = (0..cases() as u64).into_par_iter().map(try_seed).reduce(Total::default, |mut a, b| {
         a.checked += b.checked;
+        a.coincident += b.coincident;
         a.faults.extend(b.faults);
         a.of_wrong_rule += b.of_wrong_rule;
         a.of_wrong_mode += b.of_wrong_mode;
@@ -191,21 +218,28 @@ fn check(make: fn(&mut Numbers) -> Description) {
     assert!(checked > 16 * cases(), "too little was compared: {checked}");
     assert!(total.of_wrong_rule > cases() / 4, "a wrong rule is seen by {} rays", total.of_wrong_rule);
     assert!(total.of_wrong_mode > cases() / 10, "a wrong mode is seen by {} rays", total.of_wrong_mode);
+    total.coincident
 }
 
 #[test]
 fn eccentric_nests() {
-    check(eccentric_nest);
+    assert_eq!(check(eccentric_nest), 0);
 }
 
 #[test]
 fn overlapping_objects() {
-    check(overlaps);
+    assert_eq!(check(overlaps), 0);
 }
 
 #[test]
 fn half_submerged_objects() {
-    check(half_submerged);
+    assert_eq!(check(half_submerged), 0);
+}
+
+#[test]
+fn touching_objects() {
+    let coincident = check(touching);
+    assert!(coincident > cases(), "{coincident}");
 }
 
 /// Whatever the scene, the three ways to ask agree about points in space.

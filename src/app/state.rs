@@ -235,6 +235,7 @@ impl State {
             });
             self.report = Some(report);
             if is_other {
+                self.notify("More rays have changed what rectification found. The images begin anew.");
                 self.invalidate();
             }
         }

@@ -44,6 +44,8 @@ pub struct ImageReport<'a> {
     pub threads: usize,
     pub seconds: Seconds,
     pub events: Events,
+    /// Share of the crossings that were of faces whose surroundings differ from place to place; `None` for other modes than `rectified`.
+    pub mixed_share: Option<f64>,
     pub left_out: Vec<&'static str>,
     pub output: Option<&'a Path>,
 }
@@ -179,6 +181,7 @@ impl<'a> Job<'a> {
                 render: image.seconds,
             },
             events: image.film.events,
+            mixed_share: image.film.events.mixed_share().filter(|_| image.mode == Mode::Rectified),
             left_out: if self.arguments.leave_out.0 { self.prepared.world.needs.left_out() } else { Vec::new() },
             output,
         }

@@ -52,6 +52,9 @@ fn summary(job: &Job<'_>, rendered: &Rendered, output: Option<&std::path::Path>)
         plural(report.threads)
     );
     text += &format!("  events    {}\n", events_in_words(&report.events));
+    if let Some(share) = report.mixed_share {
+        text += &format!("  mixed     {:.1} % of the crossings\n", 100.0 * share);
+    }
     text += &format!("  left out  {left_out}\n");
     if let Some(path) = output {
         text += &format!("  wrote     {}\n", path.display());

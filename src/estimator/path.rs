@@ -325,6 +325,7 @@ impl<T: Tracker> PathTracer<'_, T> {
         medium: MediumId,
         events: &mut Events,
     ) -> Result<Met, Ray> {
+        events.crossings += 1;
         let (crossing, sides) = self.ask(ray, hit, state, events);
         if let Some(sides) = sides
             && !self.world.is_consistent(medium, sides.from)
@@ -366,6 +367,11 @@ impl<T: Tracker> PathTracer<'_, T> {
         {
             return Some(ray.beyond(hit));
         }
+        // Modes that are wrong come here often, and a search this short costs them little.
+        let reach = hit.t + 2.0 * ROUNDINGS * f64::EPSILON * scale;
+        if sides.to != medium || !geometry.is_occluded(&ray.beyond(hit), reach) {
+            return None;
+        }
         let next = geometry.closest(&ray.beyond(hit)).filter(|next| is_same_place(hit.t, next.t))?;
         let object = ObjectId(geometry.object_of(next.primitive));
         if !matches!(self.world.object(object).surface, Surface::Refractor { .. }) {
@@ -373,7 +379,7 @@ impl<T: Tracker> PathTracer<'_, T> {
         }
         let (_, next_sides) = self.ask(ray, &next, state, &mut Events::default());
         let undone = Sides { from: medium, to: sides.from };
-        (next_sides == Some(undone) && sides.to == medium).then(|| ray.beyond(&next))
+        (next_sides == Some(undone)).then(|| ray.beyond(&next))
     }
 
     /// What is left of light after the part of `ray` from its start to `t`.

@@ -8,7 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// Triangles in a leaf.
-pub(super) const LEAF: usize = 4;
+pub(super) const LEAF: usize = 8;
 
 /// Bits of the curve for each axis.
 const CURVE_BITS: u32 = 21;
@@ -30,12 +30,6 @@ impl Extent {
     #[inline]
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
-    }
-
-    /// Whether the two have a point in common.
-    #[inline]
-    pub fn meets(&self, other: &Self) -> bool {
-        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 }
 

@@ -44,7 +44,7 @@ pub struct Contacts {
     /// End of each face's contacts.
     ends: Vec<u32>,
     contacts: Vec<Contact>,
-    /// Refractors whose surfaces certainly go through each other, the earlier first; each pair once.
+    /// Subjects and the refractors whose surfaces certainly go through theirs; each pair once.
     pub crossing: Vec<(ObjectId, ObjectId)>,
 }
 
@@ -71,14 +71,13 @@ impl Contacts {
     }
 }
 
-/// Finds all contacts. O(N log N) for surfaces that meet along curves.
-pub fn find(world: &World) -> Contacts {
+/// Finds all contacts of the objects `subjects`. O(N log N) for surfaces that meet along curves.
+pub fn find(world: &World, subjects: &[ObjectId]) -> Contacts {
     /// Faces that one task looks at.
     const CHUNK: u32 = 2048;
     let geometry = &*world.geometry;
-    let boxes: Vec<(DVec3, DVec3)> = (0..world.objects.len()).map(|o| geometry.bounds_of(o as u32)).collect();
     let mut tasks = Vec::new();
-    for subject in subjects(world).filter(|subject| may_be_touched(world, &boxes, *subject)) {
+    for &subject in subjects {
         let range = primitives_of(geometry, subject);
         tasks.extend(
             (range.clone()).step_by(CHUNK as usize).map(|first| (subject, first..range.end.min(first + CHUNK))),
@@ -127,19 +126,6 @@ pub fn primitives_of(geometry: &Geometry, object: ObjectId) -> std::ops::Range<P
     }
 }
 
-/// Whether another object's box reaches the subject's, or its own surface may meet itself.
-fn may_be_touched(world: &World, boxes: &[(DVec3, DVec3)], subject: ObjectId) -> bool {
-    let margin =
-        DVec3::splat(world.geometry.bounding_sphere().map_or(0.0, |s| (s.radius + s.center.length()) * ROUNDING));
-    let (min, max) = boxes[subject.0 as usize];
-    world.object(subject).enclosure == Enclosure::Union
-        || boxes.iter().enumerate().any(|(other, (other_min, other_max))| {
-            other != subject.0 as usize
-                && (min - margin).cmple(*other_max + margin).all()
-                && (*other_min - margin).cmple(max + margin).all()
-        })
-}
-
 struct Seeker<'a> {
     world: &'a World,
     subject: ObjectId,
@@ -171,7 +157,7 @@ impl Seeker<'_> {
             let matters = is_refractor(self.world, object)
                 || (self.is_refractor && matches!(relation, Relation::Coincides { .. }));
             if matters {
-                let pair = (self.subject.min(object), self.subject.max(object));
+                let pair = (self.subject, object);
                 let goes_through = relation == Relation::Crosses { through: true };
                 if self.is_refractor && goes_through && !is_own && to.crossing.last() != Some(&pair) {
                     to.crossing.push(pair);
@@ -185,6 +171,11 @@ impl Seeker<'_> {
             to.ends.push(to.contacts.len() as u32);
         }
     }
+}
+
+/// The farthest that rounding may move any surface, in scene units.
+pub fn margin(geometry: &Geometry) -> f64 {
+    geometry.bounding_sphere().map_or(0.0, |s| (s.radius + s.center.length()) * ROUNDING)
 }
 
 /// What is always allowed for, in scene units.

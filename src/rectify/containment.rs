@@ -264,7 +264,7 @@ pub fn is_inside_by_vote(world: &World, refractor: ObjectId, point: &SurfacePoin
         Enclosure::Closed => {
             let mut random = Random::from_point(point.position);
             let (mut inside, mut rays) = (0, 0);
-            while rays < FIRST_ROUND || (inside % rays != 0 && rays < LAST_ROUND) {
+            while rays < 2 || (inside % rays != 0 && rays < LAST_ROUND) {
                 let hit = world.geometry.closest_of(&outward_ray(point, &mut random), refractor.0);
                 inside += u32::from(hit.is_some_and(|hit| !hit.is_front));
                 rays += 1;

@@ -6,8 +6,10 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 use std::time::Instant;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::adjacency::{Sets, neighbours};
@@ -97,9 +99,20 @@ pub(super) struct Divided {
     pub group: u32,
 }
 
+/// What has been found out about one refractor or light. It follows from the geometry of that object and of those around it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct SubjectLayout {
+    /// In the order of their first faces, with the votes of the first pre-trace.
+    sites: Vec<(Site, SiteVotes)>,
+    divided: Vec<(PrimitiveId, Division)>,
+    /// Refractors whose surfaces go through this one's.
+    crossed_by: Vec<ObjectId>,
+}
+
 /// The layout. Answers are numbered: sites first, then the surroundings of cells.
 #[derive(Debug, Clone, Default)]
 pub struct Layout {
+    subjects: Vec<(ObjectId, Arc<SubjectLayout>)>,
     pub(super) place_of_object: Vec<Place>,
     /// Of every primitive; empty where no object needs it.
     pub(super) place_of_primitive: Vec<Place>,
@@ -110,48 +123,152 @@ pub struct Layout {
     pub(super) asks: Vec<Ask>,
     pub(super) divided: Vec<Divided>,
     pub groups: Vec<MixedGroup>,
-    /// Refractors whose surfaces go through each other.
+    /// Refractors whose surfaces go through each other, the earlier first.
     pub(super) crossing: Vec<(ObjectId, ObjectId)>,
 }
 
+/// An earlier scene, to take over what an edit cannot have changed.
+#[derive(Clone, Copy)]
+pub struct Earlier<'a> {
+    pub world: &'a World,
+    pub layout: &'a Layout,
+    /// The objects whose shapes or transforms are not the same any more.
+    pub changed: &'a [ObjectId],
+}
+
 /// Lays out `world`; also gives the votes of each site, and the time that this took.
-pub fn lay_out(world: &World) -> (Layout, Vec<SiteVotes>, RectifySeconds) {
+pub fn lay_out(world: &World, earlier: Option<Earlier<'_>>) -> (Layout, Vec<SiteVotes>, RectifySeconds) {
     let start = Instant::now();
     let mut seconds = RectifySeconds::default();
-    let contacts = contact::find(world);
+    let kept = earlier.map(|earlier| unaffected(world, earlier)).unwrap_or_default();
+    let anew: Vec<ObjectId> = contact::subjects(world).filter(|subject| !kept.contains_key(subject)).collect();
+    let contacts = contact::find(world, &anew);
     seconds.patches = start.elapsed().as_secs_f64();
-    let mut layout = Layout { place_of_object: vec![BY_FACE; world.objects.len()], ..Layout::default() };
-    let mut votes = Vec::new();
-    let mut interner = Interner::default();
-    let subjects: Vec<ObjectId> = contact::subjects(world).collect();
-    let whole: Vec<Option<(Site, SiteVotes)>> =
-        subjects.par_iter().map(|&subject| whole_object(world, subject, &contacts)).collect();
+    let whole: Vec<Option<SubjectLayout>> =
+        anew.par_iter().map(|&subject| whole_object(world, subject, &contacts)).collect();
     seconds.pretrace = start.elapsed().as_secs_f64() - seconds.patches;
-    for (subject, whole) in subjects.into_iter().zip(whole) {
-        match whole {
-            Some((site, site_votes)) => {
-                layout.place_of_object[subject.0 as usize] = layout.sites.len() as u32;
-                layout.sites.push(site);
-                votes.push(site_votes);
-            }
-            None => Splitter { world, subject, contacts: &contacts }.split(&mut layout, &mut votes, &mut interner),
-        }
+    let mut subjects: Vec<(ObjectId, Arc<SubjectLayout>)> = kept.into_iter().collect();
+    for (subject, whole) in anew.into_iter().zip(whole) {
+        let found = whole.unwrap_or_else(|| Splitter { world, subject, contacts: &contacts }.split());
+        subjects.push((subject, Arc::new(found)));
     }
-    layout.crossing.clone_from(&contacts.crossing);
-    layout.surroundings = interner.list;
-    // Cells' surroundings are numbered after the sites.
-    let sites = layout.sites.len() as u32;
-    for node in &mut layout.nodes {
-        if let Node::Known(index) = node {
-            *index += sites;
-        }
-    }
+    subjects.sort_unstable_by_key(|(subject, _)| *subject);
+    let (layout, votes) = assemble(world, subjects);
     seconds.patches = start.elapsed().as_secs_f64() - seconds.pretrace;
     (layout, votes, seconds)
 }
 
-/// The site of an object that need not be split, with its votes.
-fn whole_object(world: &World, subject: ObjectId, contacts: &Contacts) -> Option<(Site, SiteVotes)> {
+/// What has been found out about objects that the edit cannot have affected: those that are far from everything that has changed, before and after.
+fn unaffected(world: &World, earlier: Earlier<'_>) -> HashMap<ObjectId, Arc<SubjectLayout>> {
+    let (now, before) = (&*world.geometry, &*earlier.world.geometry);
+    let objects = 0..world.objects.len() as u32;
+    let is_comparable = now.origin == before.origin
+        && world.objects.len() == earlier.world.objects.len()
+        && objects.clone().all(|object| now.range(object) == before.range(object));
+    // Where a sheet's rays end at something opaque, everything depends on everything.
+    if !is_comparable || world.has_sheets || earlier.world.has_sheets {
+        return HashMap::new();
+    }
+    let margin = DVec3::splat(contact::margin(now).max(contact::margin(before)));
+    let boxes: Vec<(DVec3, DVec3)> = (earlier.changed.iter())
+        .flat_map(|changed| [now.bounds_of(changed.0), before.bounds_of(changed.0)])
+        .map(|(min, max)| (min - margin, max + margin))
+        .collect();
+    let is_far = |subject: ObjectId| {
+        let (min, max) = now.bounds_of(subject.0);
+        !boxes.iter().any(|(other_min, other_max)| min.cmple(*other_max).all() && other_min.cmple(max).all())
+    };
+    (earlier.layout.subjects.iter())
+        .filter(|(subject, _)| !earlier.changed.contains(subject) && is_far(*subject))
+        .map(|(subject, found)| (*subject, Arc::clone(found)))
+        .collect()
+}
+
+/// Puts what has been found out about all objects into tables.
+fn assemble(world: &World, subjects: Vec<(ObjectId, Arc<SubjectLayout>)>) -> (Layout, Vec<SiteVotes>) {
+    let geometry = &*world.geometry;
+    let mut layout = Layout { place_of_object: vec![BY_FACE; world.objects.len()], ..Layout::default() };
+    let mut votes = Vec::new();
+    for (subject, found) in &subjects {
+        for (site, site_votes) in &found.sites {
+            let place = layout.sites.len() as Place;
+            match &site.faces {
+                Faces::Whole => layout.place_of_object[subject.0 as usize] = place,
+                Faces::Some { faces, .. } => {
+                    let places = layout.places_of_primitives(geometry);
+                    faces.iter().for_each(|&face| places[face as usize] = place);
+                }
+            }
+            layout.sites.push(site.clone());
+            votes.push(site_votes.clone());
+        }
+        layout.crossing.extend(found.crossed_by.iter().map(|other| (*subject.min(other), *subject.max(other))));
+    }
+    layout.crossing.sort_unstable();
+    layout.crossing.dedup();
+    let mut interner = Interner { first: layout.sites.len() as u32, ..Interner::default() };
+    for (subject, found) in &subjects {
+        for (face, division) in &found.divided {
+            layout.store(geometry, *subject, *face, division, &mut interner);
+        }
+    }
+    layout.surroundings = interner.list;
+    layout.subjects = subjects;
+    (layout, votes)
+}
+
+impl Layout {
+    fn places_of_primitives(&mut self, geometry: &Geometry) -> &mut [Place] {
+        if self.place_of_primitive.is_empty() {
+            self.place_of_primitive = vec![BY_FACE; geometry.triangle_count() + geometry.sphere_count()];
+        }
+        &mut self.place_of_primitive
+    }
+
+    #[cfg(test)]
+    pub(super) fn shared_subjects(&self, earlier: &Self) -> usize {
+        let is_shared = |found: &Arc<SubjectLayout>| earlier.subjects.iter().any(|(_, e)| Arc::ptr_eq(e, found));
+        self.subjects.iter().filter(|(_, found)| is_shared(found)).count()
+    }
+
+    /// Adds a divided face.
+    fn store(
+        &mut self,
+        geometry: &Geometry,
+        subject: ObjectId,
+        face: PrimitiveId,
+        division: &Division,
+        interner: &mut Interner,
+    ) {
+        let root = self.nodes.len() as u32;
+        let mut members: Vec<ObjectId> = Vec::new();
+        for node in division {
+            self.nodes.push(match node {
+                Node::Halves { edge, first } => Node::Halves { edge: *edge, first: first + root },
+                Node::Known(surroundings) => Node::Known(interner.number(surroundings)),
+                Node::Asked(ask) => {
+                    members.extend(ask.members.iter().map(|member| member.refractor));
+                    self.asks.push(ask.clone());
+                    Node::Asked(self.asks.len() as u32 - 1)
+                }
+            });
+        }
+        members.sort_unstable();
+        members.dedup();
+        let known = self.groups.iter().rposition(|g| g.subject == subject && g.members == members);
+        let group = known.unwrap_or_else(|| {
+            self.groups.push(MixedGroup { subject, faces: 0, area: 0.0, members });
+            self.groups.len() - 1
+        });
+        self.groups[group].faces += 1;
+        self.groups[group].area += geometry.primitive_area(face);
+        self.places_of_primitives(geometry)[face as usize] = DIVIDED | self.divided.len() as Place;
+        self.divided.push(Divided { root, group: group as u32 });
+    }
+}
+
+/// The site of an object that need not be split.
+fn whole_object(world: &World, subject: ObjectId, contacts: &Contacts) -> Option<SubjectLayout> {
     let range = primitives_of(&world.geometry, subject);
     if contacts.of_range(range).next().is_some() || world.object(subject).has_several_components() {
         return None;
@@ -159,7 +276,8 @@ fn whole_object(world: &World, subject: ObjectId, contacts: &Contacts) -> Option
     let fixed = Surroundings::new(subject);
     let site = Site { subject, faces: Faces::Whole, fixed, settled: Vec::new() };
     let votes = pretrace::vote(world, &site, SiteVotes::default());
-    (!depends_on_place(world, subject, &votes)).then_some((site, votes))
+    let is_one = !depends_on_place(world, subject, &votes);
+    is_one.then(|| SubjectLayout { sites: vec![(site, votes)], divided: Vec::new(), crossed_by: Vec::new() })
 }
 
 /// Whether the votes about an open refractor differ, which its edge may be the reason of.
@@ -169,19 +287,23 @@ fn depends_on_place(world: &World, subject: ObjectId, votes: &SiteVotes) -> bool
     is_mesh && votes.list.iter().any(|vote| is_open(vote.refractor) && vote.share() < 1.0)
 }
 
-/// Numbers equal surroundings once.
+/// Numbers equal surroundings once, from `first` on.
 #[derive(Default)]
 struct Interner {
+    first: u32,
     list: Vec<Surroundings>,
     numbers: HashMap<Surroundings, u32>,
 }
 
 impl Interner {
-    fn number(&mut self, surroundings: Surroundings) -> u32 {
-        *self.numbers.entry(surroundings).or_insert_with_key(|key| {
-            self.list.push(key.clone());
-            self.list.len() as u32 - 1
-        })
+    fn number(&mut self, surroundings: &Surroundings) -> u32 {
+        if let Some(number) = self.numbers.get(surroundings) {
+            return *number;
+        }
+        let number = self.first + self.list.len() as u32;
+        self.list.push(surroundings.clone());
+        self.numbers.insert(surroundings.clone(), number);
+        number
     }
 }
 
@@ -203,30 +325,23 @@ struct Splitter<'a> {
 
 impl Splitter<'_> {
     /// Splits an object into sites and divided faces.
-    fn split(&self, layout: &mut Layout, votes: &mut Vec<SiteVotes>, interner: &mut Interner) {
-        let geometry = &*self.world.geometry;
-        if layout.place_of_primitive.is_empty() {
-            layout.place_of_primitive = vec![BY_FACE; geometry.triangle_count() + geometry.sphere_count()];
-        }
-        let range = primitives_of(geometry, self.subject);
+    fn split(&self) -> SubjectLayout {
+        let range = primitives_of(&self.world.geometry, self.subject);
         let mut fates = vec![Fate::Untouched; range.len()];
         let touched: Vec<(PrimitiveId, &[contact::Contact])> = self.contacts.of_range(range.clone()).collect();
         let divisions: Vec<Fate> = touched.par_iter().map(|(face, contacts)| self.divide(*face, contacts)).collect();
         for ((face, _), fate) in touched.iter().zip(divisions) {
             fates[(face - range.start) as usize] = fate;
         }
-        for (class, site_votes) in self.classes(&range, &mut fates) {
-            let place = layout.sites.len() as u32;
-            let Faces::Some { faces, .. } = &class.faces else { continue };
-            faces.iter().for_each(|&face| layout.place_of_primitive[face as usize] = place);
-            layout.sites.push(class);
-            votes.push(site_votes);
-        }
-        for (face, fate) in range.zip(fates) {
-            if let Fate::Divided(division) = fate {
-                self.store(face, division, layout, interner);
-            }
-        }
+        let sites = self.classes(&range, &mut fates);
+        let divided = (range.zip(fates))
+            .filter_map(|(face, fate)| if let Fate::Divided(division) = fate { Some((face, division)) } else { None })
+            .collect();
+        let crossed_by = (self.contacts.crossing.iter())
+            .filter(|(subject, _)| *subject == self.subject)
+            .map(|(_, other)| *other)
+            .collect();
+        SubjectLayout { sites, divided, crossed_by }
     }
 
     fn divide(&self, face: PrimitiveId, contacts: &[contact::Contact]) -> Fate {
@@ -371,34 +486,45 @@ impl Splitter<'_> {
         }
         Fate::Known(surroundings, Vec::new())
     }
+}
 
-    /// Puts a divided face into the layout.
-    fn store(&self, face: PrimitiveId, division: Division, layout: &mut Layout, interner: &mut Interner) {
-        let geometry = &*self.world.geometry;
-        let root = layout.nodes.len() as u32;
-        let mut members: Vec<ObjectId> = Vec::new();
-        for node in division {
-            layout.nodes.push(match node {
-                Node::Halves { edge, first } => Node::Halves { edge, first: first + root },
-                Node::Known(surroundings) => Node::Known(interner.number(surroundings)),
-                Node::Asked(ask) => {
-                    members.extend(ask.members.iter().map(|member| member.refractor));
-                    layout.asks.push(ask);
-                    Node::Asked(layout.asks.len() as u32 - 1)
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rectify::InterfaceTable;
+    use crate::scene::compile::{changed_objects, compile};
+    use crate::scene::load;
+
+    /// Each refractor of each scene is moved in turn: what is taken over and what is found anew together say what a layout from nothing says.
+    #[test]
+    fn an_edit_redoes_what_it_touches_and_no_more() {
+        for name in ["iced-water", "half-submerged", "siblings"] {
+            let mut description = load::open(name).expect("a built-in scene");
+            let mut world = compile(&description, None).expect("it is fine");
+            let mut table = InterfaceTable::new(&world);
+            let mut kept = 0;
+            for index in 0..description.refractors.len() {
+                for step in [0.13, -0.4, 0.05] {
+                    let before = description.clone();
+                    let transform = &mut description.refractors[index].transform;
+                    transform.translate += DVec3::new(0.4 * step, step, 0.0);
+                    transform.rotate.y += 100.0 * step;
+                    let moved = compile(&description, Some((&before, &world))).expect("it is fine");
+                    let changed = changed_objects(&before, &description).expect("the objects are the same");
+                    assert_eq!(changed, [ObjectId(index as u32)]);
+                    let after = table.updated(&moved, &world, &changed);
+                    let fresh = InterfaceTable::new(&moved);
+                    assert!(after.says_the_same(&fresh), "{name}, refractor {index} by {step}");
+                    let known = |table: &InterfaceTable| {
+                        let patches = table.patches.iter();
+                        patches.map(|p| (p.refractor, p.kind, p.faces, p.outside, p.inside)).collect::<Vec<_>>()
+                    };
+                    assert_eq!(known(&after), known(&fresh), "{name}, refractor {index} by {step}");
+                    kept += after.shared_subjects(&table);
+                    (world, table) = (moved, after);
                 }
-            });
+            }
+            assert!(kept > 0, "{name}: nothing was taken over");
         }
-        members.sort_unstable();
-        members.dedup();
-        let area = geometry.primitive_area(face);
-        let known = layout.groups.iter().rposition(|g| g.subject == self.subject && g.members == members);
-        let group = known.unwrap_or_else(|| {
-            layout.groups.push(MixedGroup { subject: self.subject, faces: 0, area: 0.0, members });
-            layout.groups.len() - 1
-        });
-        layout.groups[group].faces += 1;
-        layout.groups[group].area += area;
-        layout.place_of_primitive[face as usize] = DIVIDED | layout.divided.len() as u32;
-        layout.divided.push(Divided { root, group: group as u32 });
     }
 }

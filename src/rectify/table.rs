@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::cells::{self, Node};
 use super::containment::Vote;
 use super::encounters::{self, Encounter};
-use super::layout::{BY_FACE, DIVIDED, Layout, Place, Site, lay_out};
+use super::layout::{BY_FACE, DIVIDED, Earlier, Layout, Place, Site, lay_out};
 use super::object::ObjectTable;
 use super::pretrace::{self, SiteVotes};
 use super::surroundings::Answer;
@@ -114,19 +114,26 @@ pub struct InterfaceTable {
 }
 
 impl InterfaceTable {
-    /// Rectifies `world`. With `previous`, a table of the same geometry, only media and priorities are resolved anew.
-    pub fn new(world: &World, previous: Option<&Self>) -> Self {
-        match previous {
-            Some(previous) => {
-                let (layout, votes) = (Arc::clone(&previous.layout), Arc::clone(&previous.votes));
-                Self::resolve(world, layout, votes, Arc::clone(&previous.per_object), RectifySeconds::default())
-            }
-            None => {
-                let (layout, votes, mut seconds) = lay_out(world);
-                seconds.topology = world.topology_secs;
-                Self::resolve(world, Arc::new(layout), Arc::new(votes), Arc::default(), seconds)
-            }
+    /// Rectifies `world` from nothing.
+    pub fn new(world: &World) -> Self {
+        Self::lay_out(world, None)
+    }
+
+    /// Rectifies `world`, of which `before` and this table are an earlier state: what the edit cannot have changed is taken over. Where the
+    /// geometry is the same, media and priorities are resolved anew and nothing else; otherwise `changed` are the objects whose shape
+    /// or place is another, and those far from them keep what was found.
+    pub fn updated(&self, world: &World, before: &World, changed: &[ObjectId]) -> Self {
+        if Arc::ptr_eq(&world.geometry, &before.geometry) {
+            let (layout, votes) = (Arc::clone(&self.layout), Arc::clone(&self.votes));
+            return Self::resolve(world, layout, votes, Arc::clone(&self.per_object), RectifySeconds::default());
         }
+        Self::lay_out(world, Some(Earlier { world: before, layout: &self.layout, changed }))
+    }
+
+    fn lay_out(world: &World, earlier: Option<Earlier<'_>>) -> Self {
+        let (layout, votes, mut seconds) = lay_out(world, earlier);
+        seconds.topology = world.topology_secs;
+        Self::resolve(world, Arc::new(layout), Arc::new(votes), Arc::default(), seconds)
     }
 
     /// The same with another pre-trace, of fresh directions, whose votes are added.
@@ -140,6 +147,12 @@ impl InterfaceTable {
     /// Whether two tables say the same everywhere.
     pub fn says_the_same(&self, other: &Self) -> bool {
         self.answers == other.answers
+    }
+
+    /// How many objects of an earlier table's were taken over.
+    #[cfg(test)]
+    pub(super) fn shared_subjects(&self, earlier: &Self) -> usize {
+        self.layout.shared_subjects(&earlier.layout)
     }
 
     fn resolve(
@@ -206,6 +219,12 @@ impl InterfaceTable {
             // Leaves only.
             Node::Halves { .. } => Answer::MASKED,
         }
+    }
+
+    /// Whether the surroundings of that face differ from place to place.
+    #[inline]
+    pub fn is_mixed(&self, refractor: ObjectId, primitive: PrimitiveId) -> bool {
+        self.place(refractor, primitive) & DIVIDED != 0
     }
 
     #[inline]

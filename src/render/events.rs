@@ -15,6 +15,12 @@ pub struct Events {
     pub inconsistent: u64,
     /// Samples that came out NaN or infinite; they are left out of the film's mean.
     pub non_finite: u64,
+    /// Crossings of refractors' surfaces in all: no event, but what others are a share of.
+    #[serde(skip)]
+    pub crossings: u64,
+    /// Of these, crossings of faces whose surroundings differ from place to place; `rectified` counts them.
+    #[serde(skip)]
+    pub mixed: u64,
 }
 
 impl Events {
@@ -29,6 +35,11 @@ impl Events {
         ]
     }
 
+    /// Share of the crossings that were of mixed faces; `None` where there were no crossings.
+    pub fn mixed_share(&self) -> Option<f64> {
+        (self.crossings > 0).then(|| self.mixed as f64 / self.crossings as f64)
+    }
+
     pub fn total(&self) -> u64 {
         self.named().iter().map(|(_, count)| count).sum()
     }
@@ -41,5 +52,7 @@ impl AddAssign for Events {
         self.ambiguous += other.ambiguous;
         self.inconsistent += other.inconsistent;
         self.non_finite += other.non_finite;
+        self.crossings += other.crossings;
+        self.mixed += other.mixed;
     }
 }

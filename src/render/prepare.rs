@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::rectify::InterfaceTable;
-use crate::scene::compile::compile;
+use crate::scene::compile::{changed_objects, compile};
 use crate::scene::{Description, SceneError, World};
 
 /// A compiled and rectified scene. Cheap to clone.
@@ -25,8 +25,8 @@ pub struct PrepareSeconds {
     pub rectify: f64,
 }
 
-/// Compiles and rectifies `description`. With `previous`, geometry and its tree are kept where no shape or transform changed, and the
-/// votes of earlier pre-traces count on.
+/// Compiles and rectifies `description`. With `previous`, only what the edit can have changed is done again: geometry and its tree are
+/// kept where no shape or transform changed, and what was found about objects far from those that did.
 ///
 /// # Errors
 /// When the scene is impossible: see [`SceneError`].
@@ -35,8 +35,13 @@ pub fn prepare(description: Arc<Description>, previous: Option<&Prepared>) -> Re
     let world = compile(&description, previous.map(|p| (&*p.description, &*p.world)))?;
     let bvh = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let kept = previous.filter(|p| Arc::ptr_eq(&p.world.geometry, &world.geometry)).map(|p| &*p.table);
-    let table = InterfaceTable::new(&world, kept);
+    let table = match previous {
+        Some(previous) => match changed_objects(&previous.description, &description) {
+            Some(changed) => previous.table.updated(&world, &previous.world, &changed),
+            None => InterfaceTable::new(&world),
+        },
+        None => InterfaceTable::new(&world),
+    };
     let seconds = PrepareSeconds { bvh, rectify: start.elapsed().as_secs_f64() };
     Ok(Prepared { description, world: Arc::new(world), table: Arc::new(table), seconds })
 }

@@ -274,7 +274,8 @@ impl Leisure {
             return (prepared.clone(), Some(guarded(|| Ok(check(prepared))).unwrap_or_default()));
         }
         self.repeats += 1;
-        // Nobody has asked for this: where it fails, the scene stays as it is known.
+        // Fresh directions: their votes are added, and what one ray in a million has missed may be seen now. Nobody has asked for this:
+        // where it fails, the scene stays as it is known.
         let Ok(table) = guarded(|| Ok(prepared.table.repeated(&prepared.world))) else {
             return (prepared.clone(), None);
         };

@@ -369,20 +369,31 @@ fn paint(paint: &description::Paint, shape: &Shape, transform: &Transform, local
 
 /// Whether two descriptions give the same primitives, object by object.
 fn has_same_geometry(a: &Description, b: &Description) -> bool {
-    let same = |x: (&Shape, &Transform, bool, bool), y: (&Shape, &Transform, bool, bool)| {
-        x.1 == y.1 && (x.2, x.3) == (y.2, y.3) && is_same_shape(x.0, y.0)
+    changed_objects(a, b).is_some_and(|changed| changed.is_empty())
+}
+
+/// The objects whose primitives differ between two descriptions, in ascending order; `None` where the objects themselves are others.
+pub fn changed_objects(a: &Description, b: &Description) -> Option<Vec<ObjectId>> {
+    let counts = |d: &Description| [d.refractors.len(), d.solids.len(), d.lights.len()];
+    let is_same = |((shape_a, rest_a), (shape_b, rest_b)): &(Surfaced, Surfaced)| {
+        rest_a == rest_b && is_same_shape(shape_a, shape_b)
     };
-    a.refractors.len() == b.refractors.len()
-        && a.solids.len() == b.solids.len()
-        && a.lights.len() == b.lights.len()
-        && (a.refractors.iter().zip(&b.refractors)).all(|(x, y)| {
-            same((&x.shape, &x.transform, x.smooth, x.visible), (&y.shape, &y.transform, y.smooth, y.visible))
-        })
-        && (a.solids.iter().zip(&b.solids)).all(|(x, y)| {
-            same((&x.shape, &x.transform, x.smooth, x.visible), (&y.shape, &y.transform, y.smooth, y.visible))
-        })
-        && (a.lights.iter().zip(&b.lights))
-            .all(|(x, y)| same((&x.shape, &x.transform, false, x.visible), (&y.shape, &y.transform, false, y.visible)))
+    (counts(a) == counts(b)).then(|| {
+        (surfaces(a).zip(surfaces(b)).zip(0..))
+            .filter(|(pair, _)| !is_same(pair))
+            .map(|(_, index)| ObjectId(index))
+            .collect()
+    })
+}
+
+/// Shape; transform, smoothness and visibility.
+type Surfaced<'a> = (&'a Shape, (&'a Transform, bool, bool));
+
+/// What decides the primitives of every object, in the order of object ids.
+fn surfaces(description: &Description) -> impl Iterator<Item = Surfaced<'_>> {
+    (description.refractors.iter().map(|r| (&r.shape, (&r.transform, r.smooth, r.visible))))
+        .chain(description.solids.iter().map(|s| (&s.shape, (&s.transform, s.smooth, s.visible))))
+        .chain(description.lights.iter().map(|l| (&l.shape, (&l.transform, false, l.visible))))
 }
 
 fn is_same_shape(a: &Shape, b: &Shape) -> bool {

@@ -20,7 +20,8 @@ impl Tracker for Rectified<'_> {
     fn start(&self, (): &mut ()) {}
 
     #[inline]
-    fn sides(&self, (): &(), crossing: &Crossing, _: &mut Events) -> Option<Sides> {
+    fn sides(&self, (): &(), crossing: &Crossing, events: &mut Events) -> Option<Sides> {
+        events.mixed += u64::from(self.table.is_mixed(crossing.refractor, crossing.point.primitive));
         let answer = self.table.look(self.world, crossing.refractor, &crossing.point, crossing.barycentric);
         if answer.is_masked() {
             return None;

@@ -2,6 +2,7 @@
 //! where the solid angles of all its triangles say so; overlaps are resolved here once more; Snell's law is written in vectors. Of the
 //! program it uses nothing but the shapes' tessellation and their transforms. Slow and simple.
 
+use std::cell::Cell;
 use std::f64::consts::PI;
 
 use glam::DVec3;
@@ -44,6 +45,8 @@ pub struct Truth {
     pub grazing: f64,
     /// How overlaps are resolved. Made wrong on purpose by tests of the tests.
     top: fn(Candidate, Candidate) -> bool,
+    /// Places so far where surfaces of several bodies were one.
+    coincident: Cell<usize>,
 }
 
 /// A refractor that contains a point.
@@ -110,7 +113,16 @@ impl Truth {
         let min = bodies.iter().fold(DVec3::INFINITY, |m, b| m.min(b.min));
         let max = bodies.iter().fold(DVec3::NEG_INFINITY, |m, b| m.max(b.max));
         let size = (max - min).max_element();
-        Self { bodies, media, size, together: 1e-7 * size, margin: 1e-5 * size, grazing: 0.02, top: is_above }
+        Self {
+            bodies,
+            media,
+            size,
+            together: 1e-6 * size,
+            margin: 1e-5 * size,
+            grazing: 0.02,
+            top: is_above,
+            coincident: Cell::new(0),
+        }
     }
 
     /// The refractors that contain a point, by index.
@@ -252,6 +264,8 @@ impl Truth {
             if !is_clear || nearest.t - previous < self.margin || until - group[group.len() - 1].t < self.margin {
                 return Found::IllConditioned;
             }
+            let is_coincident = here.iter().any(|&body| body != here[0]);
+            self.coincident.set(self.coincident.get() + usize::from(is_coincident));
             let from = *before.get_or_insert_with(|| self.medium_index_at(ray.at(0.5 * (previous + nearest.t))));
             if group.iter().any(|m| self.bodies[m.body].medium.is_none()) {
                 return Found::Next(Next { position, normal: nearest.normal, from, to: None });
@@ -380,7 +394,7 @@ fn line_meets_box(ray: &Ray, min: DVec3, max: DVec3) -> bool {
     to_center.cross(ray.direction).length() <= radius
 }
 
-/// Möller and Trumbore 1997, edges included.
+/// Möller and Trumbore 1997. Edges are included with some room, so that no ray slips between two triangles; meeting both does no harm.
 fn meet_triangle(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<Meeting> {
     let (ab, ac) = (b - a, c - a);
     let p = ray.direction.cross(ac);
@@ -393,7 +407,7 @@ fn meet_triangle(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<Meeting> {
     let q = s.cross(ab);
     let v = ray.direction.dot(q) / determinant;
     let w = 1.0 - u - v;
-    if u < 0.0 || v < 0.0 || w < 0.0 {
+    if u.min(v).min(w) < -1e-12 {
         return None;
     }
     let area_vector = ab.cross(ac);
@@ -421,6 +435,8 @@ fn distance_to_triangle([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
 pub struct Survey {
     /// Vertices and ends of paths that were compared.
     pub checked: usize,
+    /// Surfaces on the way that coincided with another body's.
+    pub coincident: usize,
     pub faults: Vec<String>,
     /// Of paths that were well-conditioned from end to end.
     pub events: u64,
@@ -429,6 +445,7 @@ pub struct Survey {
 /// Traces rays in a mode and compares every vertex with the truth.
 pub fn survey(scene: &Prepared, truth: &Truth, mode: Mode, rays: &[Ray]) -> Survey {
     let mut survey = Survey::default();
+    truth.coincident.set(0);
     for (index, ray) in rays.iter().enumerate() {
         let follow = if index % 3 == 0 { Follow::Transmit } else { Follow::Sample };
         let path = trace(scene, mode, *ray, follow, index as u64, Some(14));
@@ -446,6 +463,7 @@ pub fn survey(scene: &Prepared, truth: &Truth, mode: Mode, rays: &[Ray]) -> Surv
             }
         }
     }
+    survey.coincident = truth.coincident.get();
     survey
 }
 
@@ -479,15 +497,18 @@ impl Truth {
 /// The media that a path goes through, each different from the one before. Stretches no longer than `together`, between faces that meet
 /// in an edge or a vertex, do not count.
 ///
-/// # Panics
-/// When the path leaves another medium than the one it was in.
-pub fn media_along(path: &TracedPath, together: f64) -> Vec<String> {
+/// # Errors
+/// When the path leaves another medium than the one it was in: all its vertices.
+pub fn media_along(path: &TracedPath, together: f64) -> Result<Vec<String>, String> {
     let mut names = vec![path.camera_medium.clone()];
     let mut last = None;
     for vertex in path.vertices.iter().filter(|v| v.from != v.to) {
         let (from, to) = (vertex.from.as_ref().unwrap(), vertex.to.as_ref().unwrap());
         let position = DVec3::from(vertex.position);
-        assert_eq!(names.last(), Some(from), "{path:#?}");
+        if names.last() != Some(from) {
+            let vertices = path.vertices.iter().map(|v| format!("{:?} {:?} to {:?}", v.position, v.from, v.to));
+            return Err(format!("{names:?}: {:#?}", vertices.collect::<Vec<_>>()));
+        }
         if last.is_some_and(|last| position.distance(last) <= together) {
             names.pop();
         }
@@ -496,5 +517,5 @@ pub fn media_along(path: &TracedPath, together: f64) -> Vec<String> {
         }
         last = Some(position);
     }
-    names
+    Ok(names)
 }

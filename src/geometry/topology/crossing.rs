@@ -3,7 +3,7 @@
 //! Signs of volumes are trusted only beyond their rounding error (Shewchuk 1997, the static bound of `orient3d`), so a crossing that is
 //! reported is one, and touching neighbours are none.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
 use crate::geometry::hierarchy::{Extent, Hierarchy, LEAF};
@@ -24,18 +24,27 @@ const PARTS: usize = 256;
 /// Crossings that each part reports at the most.
 const MOST_PAIRS: usize = 64;
 /// Pairs of nodes that each part looks at: so many, and so many for each leaf of the tree over all parts.
-const PATIENCE: (usize, usize) = (20_000, 400);
+const PATIENCE: (usize, usize) = (5_000, 100);
 
 /// Searches the faces in `tree`. `faces` are welded corners.
 pub(super) fn crossings(tree: &Hierarchy, faces: &[[u32; 3]], positions: &[DVec3]) -> Crossings {
     let Some(leaves) = tree.levels.first().map(Vec::len) else { return Crossings::default() };
     let level = tree.levels.iter().position(|level| level.len() <= PARTS).unwrap_or(0);
     let parts = tree.levels[level].len();
+    let (faces, positions) = along_the_curve(tree, faces, positions);
+    let boxes = Boxes::new(tree, &faces, &positions);
     let patience = PATIENCE.0 + PATIENCE.1 * leaves / parts;
     let found: Vec<Crossings> = (0..parts)
         .into_par_iter()
         .map(|part| {
-            let mut search = Search { tree, faces, positions, found: Crossings::default(), patience };
+            let mut search = Search {
+                tree,
+                boxes: &boxes,
+                faces: &faces,
+                positions: &positions,
+                found: Crossings::default(),
+                patience,
+            };
             search.within(level, part);
             for other in part + 1..parts {
                 search.between(level, part, other);
@@ -53,26 +62,74 @@ pub(super) fn crossings(tree: &Hierarchy, faces: &[[u32; 3]], positions: &[DVec3
     all
 }
 
+/// Faces and the positions that they name, both in the tree's order, so that what is near in space is near in memory.
+fn along_the_curve(tree: &Hierarchy, faces: &[[u32; 3]], positions: &[DVec3]) -> (Vec<[u32; 3]>, Vec<DVec3>) {
+    let mut new_ids = vec![u32::MAX; positions.len()];
+    let mut moved = Vec::with_capacity(faces.len() / 2 + 3);
+    let renumbered = (tree.order.iter())
+        .map(|&face| {
+            faces[face as usize].map(|v| {
+                let id = &mut new_ids[v as usize];
+                if *id == u32::MAX {
+                    *id = moved.len() as u32;
+                    moved.push(positions[v as usize]);
+                }
+                *id
+            })
+        })
+        .collect();
+    (renumbered, moved)
+}
+
+/// A box in single precision, rounded outward: half the room, and compared in two instructions.
+#[derive(Clone, Copy)]
+struct Box32 {
+    min: Vec3A,
+    max: Vec3A,
+}
+
+impl Box32 {
+    #[inline]
+    fn meets(&self, other: &Self) -> bool {
+        (self.min.cmple(other.max) & other.min.cmple(self.max)).all()
+    }
+}
+
+/// Boxes of faces and nodes, relative to the whole mesh, whose box has sides of at most 2.
+struct Boxes {
+    /// In the tree's order.
+    of_faces: Vec<Box32>,
+    /// As the tree's levels.
+    of_nodes: Vec<Vec<Box32>>,
+}
+
+impl Boxes {
+    fn new(tree: &Hierarchy, faces: &[[u32; 3]], positions: &[DVec3]) -> Self {
+        let all = tree.levels.last().and_then(|level| level.first()).copied().unwrap_or(Extent::EMPTY);
+        let center = (all.min + all.max) / 2.0;
+        let size = ((all.max - all.min) / 2.0).max_element();
+        let rounded = |e: Extent| {
+            let (min, max) = ((e.min - center) / size, (e.max - center) / size);
+            Box32 {
+                min: Vec3A::from_array(min.to_array().map(|x| (x as f32).next_down())),
+                max: Vec3A::from_array(max.to_array().map(|x| (x as f32).next_up())),
+            }
+        };
+        Self {
+            of_faces: faces.par_iter().map(|f| rounded(Extent::of(f.map(|v| positions[v as usize])))).collect(),
+            of_nodes: tree.levels.iter().map(|level| level.par_iter().map(|&e| rounded(e)).collect()).collect(),
+        }
+    }
+}
+
 struct Search<'a> {
     tree: &'a Hierarchy,
+    boxes: &'a Boxes,
+    /// Corners and positions, in the tree's order.
     faces: &'a [[u32; 3]],
     positions: &'a [DVec3],
     found: Crossings,
     patience: usize,
-}
-
-/// A face with what its tests need.
-#[derive(Clone, Copy)]
-struct Face {
-    id: u32,
-    vertices: [u32; 3],
-    corners: [DVec3; 3],
-    extent: Extent,
-}
-
-impl Face {
-    /// What fills unused room.
-    const NOTHING: Self = Self { id: 0, vertices: [0; 3], corners: [DVec3::ZERO; 3], extent: Extent::EMPTY };
 }
 
 impl Search<'_> {
@@ -86,24 +143,12 @@ impl Search<'_> {
         self.found.is_given_up || self.found.pairs.len() >= MOST_PAIRS
     }
 
-    /// Faces of a leaf; those beyond the number returned are unused.
-    fn load(&self, leaf: usize) -> ([Face; LEAF], usize) {
-        let mut room = [Face::NOTHING; LEAF];
-        let ids = self.tree.leaf(leaf);
-        for (place, &id) in room.iter_mut().zip(ids) {
-            let vertices = self.faces[id as usize];
-            let corners = vertices.map(|v| self.positions[v as usize]);
-            *place = Face { id, vertices, corners, extent: Extent::of(corners) };
-        }
-        (room, ids.len())
-    }
-
     /// Tests the faces below a node against each other.
     fn within(&mut self, level: usize, index: usize) {
         if level == 0 {
-            let (faces, count) = self.load(index);
-            for (i, a) in faces[..count].iter().enumerate() {
-                for b in &faces[i + 1..count] {
+            let faces = self.tree.leaf_range(index);
+            for a in faces.clone() {
+                for b in a + 1..faces.end {
                     self.test(a, b);
                 }
             }
@@ -120,15 +165,26 @@ impl Search<'_> {
 
     /// Tests the faces below one node against those below another of the same level.
     fn between(&mut self, level: usize, a: usize, b: usize) {
-        let boxes = &self.tree.levels[level];
+        let boxes = &self.boxes.of_nodes[level];
         if !boxes[a].meets(&boxes[b]) || self.is_over() {
             return;
         }
         if level == 0 {
-            let ((faces_a, count_a), (faces_b, count_b)) = (self.load(a), self.load(b));
-            for x in faces_a[..count_a].iter().filter(|x| x.extent.meets(&boxes[b])) {
-                for y in &faces_b[..count_b] {
-                    self.test(x, y);
+            let (box_a, box_b) = (boxes[a], boxes[b]);
+            let mut near_a = [0; LEAF];
+            let mut count = 0;
+            for y in self.tree.leaf_range(b) {
+                near_a[count] = y;
+                count += usize::from(self.boxes.of_faces[y].meets(&box_a));
+            }
+            if count == 0 {
+                return;
+            }
+            for x in self.tree.leaf_range(a) {
+                if self.boxes.of_faces[x].meets(&box_b) {
+                    for &y in &near_a[..count] {
+                        self.test(x, y);
+                    }
                 }
             }
             return;
@@ -140,29 +196,37 @@ impl Search<'_> {
         }
     }
 
-    fn test(&mut self, a: &Face, b: &Face) {
-        if !a.extent.meets(&b.extent) {
+    /// Tests the faces at two places of the tree's order.
+    fn test(&mut self, a: usize, b: usize) {
+        if !self.boxes.of_faces[a].meets(&self.boxes.of_faces[b]) {
             return;
         }
-        let shared = |i: usize| b.vertices.iter().position(|&v| v == a.vertices[i]);
-        let mut joints = (0..3).filter_map(|i| Some((i, shared(i)?)));
+        let places = [a, b];
+        let [a, b] = places.map(|place| self.faces[place]);
+        let corner = |v: u32| &self.positions[v as usize];
+        let corners = |[i, j, k]: [u32; 3]| [corner(i), corner(j), corner(k)];
+        let mut joints = (0..3).filter_map(|i| Some((i, b.iter().position(|&v| v == a[i])?)));
         let contact = match (joints.next(), joints.next()) {
-            (None, _) => meet(a.corners, b.corners),
-            (Some((i, j)), None) => meet_at_a_vertex(a.corners, i, b.corners, j),
+            (None, _) => meet(corners(a), corners(b)),
+            (Some((i, j)), None) => meet_at_a_vertex(corners(a), i, corners(b), j),
             // Neighbours meet along their edge and, both being flat, nowhere else, unless one is folded onto the other.
             (Some(_), Some(_)) => Contact::None,
         };
         match contact {
             Contact::None => {}
             Contact::Touch => self.found.touches = true,
-            Contact::Cross => self.found.pairs.push([a.id.min(b.id), a.id.max(b.id)]),
+            Contact::Cross => {
+                let mut ids = places.map(|place| self.tree.order[place]);
+                ids.sort_unstable();
+                self.found.pairs.push(ids);
+            }
         }
     }
 }
 
 /// How two triangles meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Contact {
+enum Contact {
     None,
     /// They touch, or it cannot be told.
     Touch,
@@ -170,13 +234,16 @@ pub(super) enum Contact {
     Cross,
 }
 
+/// A triangle in place: copying corners about costs more than most tests do.
+type Triangle<'a> = [&'a DVec3; 3];
+
 /// Two triangles without a common vertex.
-pub(super) fn meet(a: [DVec3; 3], b: [DVec3; 3]) -> Contact {
-    let sides_of_b = b.map(|p| orientation(a[0], a[1], a[2], p));
+fn meet(a: Triangle<'_>, b: Triangle<'_>) -> Contact {
+    let sides_of_b = sides(a, b);
     if all_beyond(sides_of_b) {
         return Contact::None;
     }
-    let sides_of_a = a.map(|p| orientation(b[0], b[1], b[2], p));
+    let sides_of_a = sides(b, a);
     if all_beyond(sides_of_a) {
         return Contact::None;
     }
@@ -193,20 +260,34 @@ pub(super) fn meet(a: [DVec3; 3], b: [DVec3; 3]) -> Contact {
             }
         }
     }
-    if is_clear || are_apart(a, b) { Contact::None } else { Contact::Touch }
+    if is_clear || are_apart(a.map(|p| *p), b.map(|p| *p)) { Contact::None } else { Contact::Touch }
 }
 
 /// Two triangles that share corner `i` of `a`, which is corner `j` of `b`: whether they meet elsewhere too. Flat on one another is not
 /// looked for.
-fn meet_at_a_vertex(a: [DVec3; 3], i: usize, b: [DVec3; 3], j: usize) -> Contact {
-    let far = |t: [DVec3; 3], corner: usize| [t[(corner + 1) % 3], t[(corner + 2) % 3]];
-    for (edge, triangle) in [(far(a, i), b), (far(b, j), a)] {
-        let sides = edge.map(|p| orientation(triangle[0], triangle[1], triangle[2], p));
-        if sides[0] * sides[1] < 0 && goes_through(edge[0], edge[1], triangle) == Contact::Cross {
-            return Contact::Cross;
-        }
+fn meet_at_a_vertex(a: Triangle<'_>, i: usize, b: Triangle<'_>, j: usize) -> Contact {
+    if is_pierced(b, a[i], a[(i + 1) % 3], a[(i + 2) % 3]) || is_pierced(a, a[i], b[(j + 1) % 3], b[(j + 2) % 3]) {
+        Contact::Cross
+    } else {
+        Contact::None
     }
-    Contact::None
+}
+
+/// Whether the edge from `p` to `q` certainly goes through the inside of a triangle, one corner of which is `shared`.
+fn is_pierced(triangle: Triangle<'_>, shared: &DVec3, p: &DVec3, q: &DVec3) -> bool {
+    let [a, b, c] = triangle;
+    // A first look, which need not be exact: what is a matter of rounding is no certain crossing.
+    let normal = (*b - *a).cross(*c - *a);
+    if normal.dot(*p - *shared) * normal.dot(*q - *shared) >= 0.0 {
+        return false;
+    }
+    orientation(a, b, c, p) * orientation(a, b, c, q) < 0 && goes_through(p, q, triangle) == Contact::Cross
+}
+
+/// On which side of a triangle's plane the corners of another lie.
+#[inline]
+fn sides([a, b, c]: Triangle<'_>, [p, q, r]: Triangle<'_>) -> [i32; 3] {
+    [orientation(a, b, c, p), orientation(a, b, c, q), orientation(a, b, c, r)]
 }
 
 fn all_beyond(sides: [i32; 3]) -> bool {
@@ -214,7 +295,7 @@ fn all_beyond(sides: [i32; 3]) -> bool {
 }
 
 /// Whether the line through `p` and `q`, which lie on either side of the triangle's plane, meets the triangle.
-fn goes_through(p: DVec3, q: DVec3, [a, b, c]: [DVec3; 3]) -> Contact {
+fn goes_through(p: &DVec3, q: &DVec3, [a, b, c]: Triangle<'_>) -> Contact {
     let around = [orientation(p, q, a, b), orientation(p, q, b, c), orientation(p, q, c, a)];
     if all_beyond(around) {
         Contact::Cross
@@ -228,10 +309,10 @@ fn goes_through(p: DVec3, q: DVec3, [a, b, c]: [DVec3; 3]) -> Contact {
 /// Sign of six times the volume of the tetrahedron a, b, c, d: 1 where d lies on the side from which a, b, c turn clockwise, 0 where
 /// rounding leaves it open.
 #[inline]
-pub(super) fn orientation(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> i32 {
+fn orientation(a: &DVec3, b: &DVec3, c: &DVec3, d: &DVec3) -> i32 {
     /// (7 + 56 ε) ε with ε = 2⁻⁵³.
     const BOUND: f64 = 7.771_561_172_376_103e-16;
-    let (a, b, c) = (a - d, b - d, c - d);
+    let (a, b, c) = (*a - *d, *b - *d, *c - *d);
     let [bc, cb] = [b.x * c.y, c.x * b.y];
     let [ca, ac] = [c.x * a.y, a.x * c.y];
     let [ab, ba] = [a.x * b.y, b.x * a.y];
@@ -274,6 +355,18 @@ fn are_apart(a: [DVec3; 3], b: [DVec3; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn orientation(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> i32 {
+        super::orientation(&a, &b, &c, &d)
+    }
+
+    fn meet(a: [DVec3; 3], b: [DVec3; 3]) -> Contact {
+        super::meet(a.each_ref(), b.each_ref())
+    }
+
+    fn meet_at_a_vertex(a: [DVec3; 3], i: usize, b: [DVec3; 3], j: usize) -> Contact {
+        super::meet_at_a_vertex(a.each_ref(), i, b.each_ref(), j)
+    }
 
     fn p(x: f64, y: f64, z: f64) -> DVec3 {
         DVec3::new(x, y, z)

@@ -7,6 +7,7 @@ use std::str::SplitAsciiWhitespace;
 use glam::DVec3;
 
 use super::mesh::{Builder, Fault};
+use super::polygon::{MAX_CORNERS, too_many_corners};
 
 /// Statements that say nothing about the surface.
 const PASSED_OVER: [&str; 15] =
@@ -66,6 +67,7 @@ impl Reader {
         }
         match self.corners.len() - start {
             0..=2 => Err(format!("a face has {} corners, must have 3 or more", self.corners.len() - start)),
+            corners if corners > MAX_CORNERS => Err(too_many_corners(corners)),
             _ => {
                 self.ends.push(self.corners.len());
                 Ok(())

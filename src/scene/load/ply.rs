@@ -4,6 +4,7 @@
 use glam::DVec3;
 
 use super::mesh::{Builder, Fault};
+use super::polygon::{MAX_CORNERS, too_many_corners};
 
 pub(super) fn read(bytes: &[u8]) -> Result<Builder, Fault> {
     let (header, body) = Header::read(bytes)?;
@@ -344,6 +345,9 @@ impl Faces {
                 rows.fault(format!("face {row} has {length} corners, must have 3 or more (that fit into the file)"))
             );
         };
+        if length > MAX_CORNERS {
+            return Err(rows.fault(format!("face {row}: {}", too_many_corners(length))));
+        }
         for _ in 0..length {
             let number = rows.next(kind)?;
             if !(number >= 0.0 && number < f64::from(u32::MAX) && number.fract() == 0.0) {

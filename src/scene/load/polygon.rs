@@ -2,10 +2,27 @@
 
 use glam::{DVec2, DVec3};
 
+/// Most corners of a polygon: clipping ears can take the square of their number.
+pub(super) const MAX_CORNERS: usize = 1 << 14;
+
+/// What is said of a polygon of more than [`MAX_CORNERS`].
+pub(super) fn too_many_corners(corners: usize) -> String {
+    format!("a face has {corners} corners, at most {MAX_CORNERS} are read: cut it into triangles")
+}
+
+/// Polygons of more corners than this are cut ear by ear as they come, without choosing the best: that takes the cube of their number.
+const MOST_TO_CHOOSE_FROM: usize = 48;
+
+/// Corners that are looked at, at the most, in search of the ears of one such polygon: about a second's work.
+const PATIENCE: usize = 1 << 29;
+
 /// Triangles over the corners of a simple polygon of three or more corners, flat or nearly so, that keep its orientation. A polygon
 /// that crosses itself still gives n − 2 triangles.
 pub(super) fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
     let flat = flatten(points);
+    if points.len() > MOST_TO_CHOOSE_FROM {
+        return clip_any(&flat);
+    }
     let mut remaining: Vec<usize> = (0..points.len()).collect();
     let mut triangles = Vec::with_capacity(points.len().saturating_sub(2));
     while remaining.len() > 3 {
@@ -23,6 +40,47 @@ pub(super) fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
     if let [a, b, c] = remaining[..] {
         triangles.push([a, b, c]);
     }
+    triangles
+}
+
+/// Clips one ear after the other around the polygon, leaving out every second corner, so that a round polygon gives no fan of needles. Only
+/// reflex corners can lie in an ear (and corners that are clipped never become reflex), so convex polygons take linear time.
+fn clip_any(flat: &[DVec2]) -> Vec<[usize; 3]> {
+    let n = flat.len();
+    let mut next: Vec<usize> = (1..=n).map(|i| i % n).collect();
+    let mut previous: Vec<usize> = (0..n).map(|i| (i + n - 1) % n).collect();
+    let is_reflex = |corner: [usize; 3]| {
+        let [p, q, r] = corner.map(|i| flat[i]);
+        turn(p, q, r) <= 0.0
+    };
+    let mut reflex: Vec<usize> = (0..n).filter(|&i| is_reflex([previous[i], i, next[i]])).collect();
+    let mut triangles = Vec::with_capacity(n - 2);
+    let (mut left, mut at, mut failures, mut patience) = (n, 0, 0, PATIENCE);
+    while left > 3 {
+        let corner = [previous[at], at, next[at]];
+        // A polygon that crosses itself may have no ear, and one that winds without end hides its ears well: then any corner goes.
+        if failures < left && patience > 0 {
+            let is_ear = !is_reflex(corner) && {
+                patience = patience.saturating_sub(reflex.len());
+                is_ear(flat, corner, &reflex)
+            };
+            if !is_ear {
+                at = next[at];
+                failures += 1;
+                continue;
+            }
+        }
+        triangles.push(corner);
+        let [before, _, after] = corner;
+        next[before] = after;
+        previous[after] = before;
+        left -= 1;
+        reflex.retain(|&i| i != at && is_reflex([previous[i], i, next[i]]));
+        // Where ears are rare, the next is likely to be beside this one.
+        at = if failures == 0 { next[after] } else { before };
+        failures = 0;
+    }
+    triangles.push([previous[at], at, next[at]]);
     triangles
 }
 
@@ -91,16 +149,49 @@ mod tests {
     }
 
     #[test]
-    fn a_comb() {
-        let mut points: Vec<DVec3> =
-            (0..20).map(|i| DVec3::new(f64::from(i), f64::from(i % 2) * 5.0 + 1.0, 0.0)).collect();
-        points.extend([DVec3::new(19.0, 0.0, 0.0), DVec3::ZERO]);
-        points.reverse();
+    fn combs() {
+        for teeth in [20, 100, 2000] {
+            let mut points: Vec<DVec3> =
+                (0..teeth).map(|i| DVec3::new(f64::from(i), f64::from(i % 2) * 5.0 + 1.0, 0.0)).collect();
+            points.extend([DVec3::new(f64::from(teeth - 1), 0.0, 0.0), DVec3::ZERO]);
+            points.reverse();
+            let exact =
+                points.iter().zip(points.iter().cycle().skip(1)).map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>() / 2.0;
+            let triangles = triangulate(&points);
+            assert_eq!(triangles.len(), points.len() - 2);
+            assert!((area(&points, &triangles).z - exact).abs() < 1e-9 * exact && exact > 0.0);
+            assert!(least_area(&points, &triangles, DVec3::Z) > 0.0);
+        }
+    }
+
+    /// As many corners as there may be: round, and crossing itself everywhere.
+    #[test]
+    fn the_largest_polygons() {
+        let n = MAX_CORNERS as u32;
+        let angle = |i: u32| std::f64::consts::TAU * f64::from(i) / f64::from(n);
+        let circle: Vec<DVec3> = (0..n).map(|i| DVec3::new(angle(i).cos(), angle(i).sin(), 0.0)).collect();
+        let triangles = triangulate(&circle);
+        assert_eq!(triangles.len(), circle.len() - 2);
+        assert!((area(&circle, &triangles).z / (f64::from(n) / 2.0 * angle(1).sin()) - 1.0).abs() < 1e-9);
+        assert!(least_area(&circle, &triangles, DVec3::Z) > 0.0);
+        // Not a fan: no corner is in more than a few triangles for each time that half of the corners are gone.
+        let mut uses = vec![0; circle.len()];
+        triangles.iter().flatten().for_each(|&i| uses[i] += 1);
+        assert!(uses.iter().all(|&uses| uses < 60), "{:?}", uses.iter().max());
+        let star = |i: u32| angle(i * 7 % n) + angle(i) * 0.01;
+        let tangle: Vec<DVec3> = (0..n).map(|i| DVec3::new(star(i).cos(), star(i).sin(), 0.0)).collect();
+        assert_eq!(triangulate(&tangle).len(), tangle.len() - 2);
+        // A spiral: a strip that winds about itself, eight times. (Of the largest, not every ear is found.)
+        let n = 2048;
+        let arm = |i: u32, out: f64| {
+            let turn = f64::from(i) * 0.05;
+            DVec3::new(turn.cos(), turn.sin(), 0.0) * (1.0 + turn + out)
+        };
+        let spiral: Vec<DVec3> = (0..n / 2).map(|i| arm(i, 2.0)).chain((0..n / 2).rev().map(|i| arm(i, 0.0))).collect();
+        let triangles = triangulate(&spiral);
         let exact =
-            points.iter().zip(points.iter().cycle().skip(1)).map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>() / 2.0;
-        let triangles = triangulate(&points);
-        assert_eq!(triangles.len(), points.len() - 2);
-        assert!((area(&points, &triangles).z - exact).abs() < 1e-9 && exact > 0.0);
-        assert!(least_area(&points, &triangles, DVec3::Z) > 0.0);
+            spiral.iter().zip(spiral.iter().cycle().skip(1)).map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>() / 2.0;
+        assert!((area(&spiral, &triangles).z / exact - 1.0).abs() < 1e-9);
+        assert!(least_area(&spiral, &triangles, DVec3::Z) > 0.0);
     }
 }
