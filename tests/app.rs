@@ -468,14 +468,14 @@ fn a_handle_moves_an_object_in_one_undoable_step_and_elsewhere_one_orbits() {
 fn rotating_and_scaling_keep_the_middle_where_it_is() {
     let settings = Settings { pane_count: 1, ..quick() };
     let mut harness = window_of("iced-water", settings, [1280.0, 720.0]);
-    apply(&mut harness, Command::SelectObject(Some("ice cube".into())));
+    apply(&mut harness, Command::SelectObject(Some("ice cube 1".into())));
     let shape = {
         let description = harness.state().state().document.description();
-        description.refractors.iter().find(|r| r.name == "ice cube").expect("there is ice").shape.clone()
+        description.refractors.iter().find(|r| r.name == "ice cube 1").expect("there is ice").shape.clone()
     };
     let (min, max) = shape.bounds();
     let pivot = (min + max) / 2.0;
-    let start = transform_of(&harness, "ice cube");
+    let start = transform_of(&harness, "ice cube 1");
     let place = start.matrix().transform_point3(pivot);
     let picture = picture_of(&harness);
     let middle = on_screen(&harness, picture, place);
@@ -485,7 +485,7 @@ fn rotating_and_scaling_keep_the_middle_where_it_is() {
     let ring = middle + egui::vec2(86.5, 0.0);
     drag(&mut harness, ring, egui::vec2(-20.0, 60.0));
     drop_here(&mut harness, ring + egui::vec2(-20.0, 60.0));
-    let turned = transform_of(&harness, "ice cube");
+    let turned = transform_of(&harness, "ice cube 1");
     assert_ne!(turned.rotate, start.rotate);
     assert_eq!(turned.scale, start.scale);
     assert!(turned.matrix().transform_point3(pivot).distance(place) < 1e-9);
@@ -500,7 +500,7 @@ fn rotating_and_scaling_keep_the_middle_where_it_is() {
     harness.run_steps(2);
     drag(&mut harness, ring, egui::vec2(86.5, 0.0));
     drop_here(&mut harness, ring + egui::vec2(86.5, 0.0));
-    let scaled = transform_of(&harness, "ice cube");
+    let scaled = transform_of(&harness, "ice cube 1");
     assert!((scaled.scale / turned.scale - DVec3::splat(2.0)).abs().max_element() < 0.03, "{:?}", scaled.scale);
     assert!(scaled.matrix().transform_point3(pivot).distance(place) < 1e-9);
     // The same key again puts the handles away: the gesture orbits.
@@ -508,7 +508,7 @@ fn rotating_and_scaling_keep_the_middle_where_it_is() {
     harness.run_steps(2);
     drag(&mut harness, ring, egui::vec2(40.0, 0.0));
     drop_here(&mut harness, ring + egui::vec2(40.0, 0.0));
-    assert_eq!(transform_of(&harness, "ice cube"), scaled);
+    assert_eq!(transform_of(&harness, "ice cube 1"), scaled);
 }
 
 #[test]

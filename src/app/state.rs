@@ -224,12 +224,6 @@ impl State {
         if Arc::ptr_eq(&report.prepared.description, self.document.description()) {
             self.last_good = Some(self.document.clone());
         }
-        let is_same_scene =
-            |known: &&Arc<SceneReport>| Arc::ptr_eq(&known.prepared.description, &report.prepared.description);
-        if report.revisions > self.report.as_ref().filter(is_same_scene).map_or(0, |known| known.revisions) {
-            self.notify("More rays have changed what rectification found. The images begin anew.");
-            self.invalidate();
-        }
         if report.epoch >= self.epoch_floor {
             if report.problems.is_some() {
                 self.problems = Some(Arc::clone(&report));
@@ -241,6 +235,7 @@ impl State {
             });
             self.report = Some(report);
             if is_other {
+                self.notify("More rays have changed what rectification found. The images begin anew.");
                 self.invalidate();
             }
         }

@@ -122,8 +122,6 @@ pub struct SceneReport {
     pub prepared: Prepared,
     /// What is doubtful in it, worst first; `None` until it has been looked for.
     pub problems: Option<Vec<Problem>>,
-    /// How many of the later pre-traces have changed an answer of rectification: images made before are wrong somewhere.
-    pub revisions: u32,
 }
 
 /// What the threads publish and the window reads.
@@ -269,21 +267,21 @@ impl Leisure {
         self.is_checked && self.repeats >= REPEATS
     }
 
-    /// One piece of work. Returns the scene as it is known now, its problems if they have been looked for, and whether an answer of
-    /// rectification has changed.
-    fn work(&mut self, prepared: &Prepared) -> (Prepared, Option<Vec<Problem>>, bool) {
+    /// One piece of work. Returns the scene as it is known now, and its problems if they have been looked for.
+    fn work(&mut self, prepared: &Prepared) -> (Prepared, Option<Vec<Problem>>) {
         if !self.is_checked {
             self.is_checked = true;
-            return (prepared.clone(), Some(guarded(|| Ok(check(prepared))).unwrap_or_default()), false);
+            return (prepared.clone(), Some(guarded(|| Ok(check(prepared))).unwrap_or_default()));
         }
         self.repeats += 1;
-        // Nobody has asked for this: where it fails, the scene stays as it is known.
+        // Fresh directions: their votes are added, and what one ray in a million has missed may be seen now. Nobody has asked for this:
+        // where it fails, the scene stays as it is known.
         let Ok(table) = guarded(|| Ok(prepared.table.repeated(&prepared.world))) else {
-            return (prepared.clone(), None, false);
+            return (prepared.clone(), None);
         };
         // Other answers may have other problems.
         self.is_checked = table.says_the_same(&prepared.table);
-        (Prepared { table: Arc::new(table), ..prepared.clone() }, None, !self.is_checked)
+        (Prepared { table: Arc::new(table), ..prepared.clone() }, None)
     }
 }
 
@@ -298,13 +296,11 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
             Taken::Closed => return,
             Taken::Empty => {
                 if let (Some(leisure), Some(prepared)) = (&mut leisure, &mut current) {
-                    let (known, problems, is_revised) = leisure.work(prepared);
+                    let (known, problems) = leisure.work(prepared);
                     *prepared = known.clone();
                     let mut state = board.lock();
-                    let revisions = state.scene.as_ref().map_or(0, |scene| scene.revisions) + u32::from(is_revised);
                     let problems = problems.or_else(|| state.scene.as_ref().and_then(|scene| scene.problems.clone()));
-                    state.scene =
-                        Some(Arc::new(SceneReport { epoch: leisure.epoch, prepared: known, problems, revisions }));
+                    state.scene = Some(Arc::new(SceneReport { epoch: leisure.epoch, prepared: known, problems }));
                     drop(state);
                     wake(News::Scene);
                 }
@@ -332,7 +328,7 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
             }
         };
         if is_new {
-            let report = SceneReport { epoch: request.epoch, prepared: prepared.clone(), problems: None, revisions: 0 };
+            let report = SceneReport { epoch: request.epoch, prepared: prepared.clone(), problems: None };
             board.lock().scene = Some(Arc::new(report));
             wake(News::Scene);
         }
