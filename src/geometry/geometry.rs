@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 use super::bvh::{Bounds, Tree};
 #[cfg(target_arch = "x86_64")]
@@ -56,6 +57,8 @@ pub struct Geometry {
     spheres: Vec<Sphere>,
     object_of_primitive: Vec<u32>,
     ranges: Vec<ObjectRange>,
+    /// Lowest and highest coordinates of each object.
+    bounds_of_objects: Vec<(DVec3, DVec3)>,
     /// Running sums of triangle areas, restarting at each object.
     areas: Vec<f64>,
     triangle_tree: Tree,
@@ -80,6 +83,7 @@ impl Geometry {
             spheres: Vec::new(),
             object_of_primitive: Vec::new(),
             ranges: Vec::with_capacity(parts.len()),
+            bounds_of_objects: Vec::new(),
             areas: Vec::new(),
             triangle_tree: Tree::default(),
             packs: Vec::new(),
@@ -107,6 +111,7 @@ impl Geometry {
                 *id += triangles;
             }
         }
+        geometry.bounds_of_objects = geometry.ranges.par_iter().map(|range| geometry.measure_bounds(range)).collect();
         geometry.build_trees();
         geometry
     }
@@ -344,16 +349,18 @@ impl Geometry {
         self.bounds.as_ref()
     }
 
-    /// Lowest and highest coordinates of an object.
+    /// Lowest and highest coordinates of an object; the highest first, and infinite, where it has no primitives.
     pub fn bounds_of(&self, object: u32) -> (DVec3, DVec3) {
-        match self.range(object) {
-            ObjectRange::Sphere(id) => self
-                .sphere(*id)
-                .map_or((DVec3::INFINITY, DVec3::NEG_INFINITY), |s| (s.center - s.radius, s.center + s.radius)),
-            ObjectRange::Triangles(range) => range
-                .clone()
-                .flat_map(|id| self.corners(id))
-                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p))),
+        self.bounds_of_objects[object as usize]
+    }
+
+    fn measure_bounds(&self, range: &ObjectRange) -> (DVec3, DVec3) {
+        const NOTHING: (DVec3, DVec3) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        match range {
+            ObjectRange::Sphere(id) => self.sphere(*id).map_or(NOTHING, |s| (s.center - s.radius, s.center + s.radius)),
+            ObjectRange::Triangles(range) => {
+                (range.clone().flat_map(|id| self.corners(id))).fold(NOTHING, |(min, max), p| (min.min(p), max.max(p)))
+            }
         }
     }
 

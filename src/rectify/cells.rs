@@ -138,8 +138,25 @@ pub fn descend<K, A>(nodes: &[Node<K, A>], root: u32, mut weights: [f64; 3]) -> 
     node
 }
 
-/// Divides a touched face.
-pub fn divide(world: &World, face: PrimitiveId, contacts: &[Contact]) -> Division {
+/// The objects that touch a face, in ascending order.
+pub fn touching(world: &World, contacts: &[Contact]) -> Vec<ObjectId> {
+    let mut objects: Vec<ObjectId> =
+        contacts.iter().map(|contact| ObjectId(world.geometry.object_of(contact.primitive))).collect();
+    objects.sort_unstable();
+    objects.dedup();
+    objects
+}
+
+/// The refractors that contain the outer side of a face all over, without asking about those that touch it.
+pub fn containers(world: &World, face: PrimitiveId, touching: &[ObjectId]) -> Vec<ObjectId> {
+    let Some(point) = world.geometry.sample_primitive(face, [1.0 / 3.0, 1.0 / 3.0]) else { return Vec::new() };
+    let mut refractors = containment_beside(world, &point, true).refractors;
+    refractors.retain(|refractor| !touching.contains(refractor));
+    refractors
+}
+
+/// Divides a touched face. `containers` are the refractors that contain its outer side and do not touch it.
+pub fn divide(world: &World, face: PrimitiveId, contacts: &[Contact], containers: &[ObjectId]) -> Division {
     let subject = ObjectId(world.geometry.object_of(face));
     let shape = Face::of(&world.geometry, face);
     let pool: Vec<(Contact, Face)> =
@@ -176,9 +193,14 @@ pub fn divide(world: &World, face: PrimitiveId, contacts: &[Contact]) -> Divisio
         base.is_masked = true;
         return vec![Node::Known(base)];
     };
-    for refractor in containment_beside(world, &middle, true).refractors {
-        if !actives.iter().any(|active| active.object == refractor) {
-            base.add(refractor, State::In);
+    for &refractor in containers {
+        base.add(refractor, State::In);
+    }
+    // What touches it at its edges only is the same all over it.
+    for object in touching(world, contacts) {
+        let is_active = actives.iter().any(|active| active.object == object);
+        if !is_active && is_refractor(world, object) && is_inside_by_vote(world, object, &middle) {
+            base.add(object, State::In);
         }
     }
     let roots = roots(matches!(shape, Face::Sphere(_)));

@@ -329,11 +329,15 @@ impl Splitter<'_> {
         let range = primitives_of(&self.world.geometry, self.subject);
         let mut fates = vec![Fate::Untouched; range.len()];
         let touched: Vec<(PrimitiveId, &[contact::Contact])> = self.contacts.of_range(range.clone()).collect();
-        let divisions: Vec<Fate> = touched.par_iter().map(|(face, contacts)| self.divide(*face, contacts)).collect();
+        let neighbours = self.neighbours(&range);
+        let containers = self.containers(&range, &neighbours, &touched);
+        let divisions: Vec<Fate> = (touched.par_iter().zip(&containers))
+            .map(|((face, contacts), containers)| self.divide(*face, contacts, containers))
+            .collect();
         for ((face, _), fate) in touched.iter().zip(divisions) {
             fates[(face - range.start) as usize] = fate;
         }
-        let sites = self.classes(&range, &mut fates);
+        let sites = self.classes(&range, &neighbours, &mut fates);
         let divided = (range.zip(fates))
             .filter_map(|(face, fate)| if let Fate::Divided(division) = fate { Some((face, division)) } else { None })
             .collect();
@@ -344,8 +348,48 @@ impl Splitter<'_> {
         SubjectLayout { sites, divided, crossed_by }
     }
 
-    fn divide(&self, face: PrimitiveId, contacts: &[contact::Contact]) -> Fate {
-        let division = cells::divide(self.world, face, contacts);
+    /// For each face of the object the faces across its edges, by offset in its range.
+    fn neighbours(&self, range: &Range<PrimitiveId>) -> Cow<'_, [[u32; 3]]> {
+        match &self.world.object(self.subject).topology {
+            Some(topology) => Cow::Borrowed(&topology.neighbours),
+            None if self.world.geometry.sphere_of(self.subject.0).is_some() => Cow::Owned(vec![[u32::MAX; 3]]),
+            None => Cow::Owned(neighbours(&self.world.geometry, range)),
+        }
+    }
+
+    /// For each touched face the refractors that contain it and do not touch it. Neighbours that the same objects touch have the same ones, and
+    /// only one of them is asked, unless open refractors make every face a case of its own.
+    fn containers(
+        &self,
+        range: &Range<PrimitiveId>,
+        neighbours: &[[u32; 3]],
+        touched: &[(PrimitiveId, &[contact::Contact])],
+    ) -> Vec<Vec<ObjectId>> {
+        let touching: Vec<Vec<ObjectId>> =
+            touched.par_iter().map(|(_, contacts)| cells::touching(self.world, contacts)).collect();
+        let mut sets = Sets::new(touched.len());
+        if !self.world.has_sheets && self.world.holed.is_empty() {
+            let number = |face: PrimitiveId| touched.binary_search_by_key(&face, |(face, _)| *face).ok();
+            for (at, (face, _)) in touched.iter().enumerate() {
+                for &across in neighbours[(face - range.start) as usize].iter().filter(|across| **across != u32::MAX) {
+                    if let Some(other) = number(range.start + across)
+                        && touching[at] == touching[other]
+                    {
+                        sets.join(at as u32, other as u32);
+                    }
+                }
+            }
+        }
+        let roots: Vec<usize> = (0..touched.len()).map(|at| sets.find(at as u32) as usize).collect();
+        let asked: Vec<Option<Vec<ObjectId>>> = (0..touched.len())
+            .into_par_iter()
+            .map(|at| (roots[at] == at).then(|| cells::containers(self.world, touched[at].0, &touching[at])))
+            .collect();
+        roots.into_iter().map(|root| asked[root].clone().unwrap_or_default()).collect()
+    }
+
+    fn divide(&self, face: PrimitiveId, contacts: &[contact::Contact], containers: &[ObjectId]) -> Fate {
+        let division = cells::divide(self.world, face, contacts, containers);
         match &division[..] {
             [Node::Known(surroundings)] => {
                 let settled = (contacts.iter())
@@ -363,13 +407,12 @@ impl Splitter<'_> {
     }
 
     /// The sites of all faces that are not divided.
-    fn classes(&self, range: &Range<PrimitiveId>, fates: &mut [Fate]) -> Vec<(Site, SiteVotes)> {
-        let geometry = &*self.world.geometry;
-        let neighbours: Cow<'_, [[u32; 3]]> = match &self.world.object(self.subject).topology {
-            Some(topology) => Cow::Borrowed(&topology.neighbours),
-            None if geometry.sphere_of(self.subject.0).is_some() => Cow::Owned(vec![[u32::MAX; 3]]),
-            None => Cow::Owned(neighbours(geometry, range)),
-        };
+    fn classes(
+        &self,
+        range: &Range<PrimitiveId>,
+        neighbours: &[[u32; 3]],
+        fates: &mut [Fate],
+    ) -> Vec<(Site, SiteVotes)> {
         let is_untouched: Vec<bool> = fates.iter().map(|fate| matches!(fate, Fate::Untouched)).collect();
         let mut sets = Sets::new(fates.len());
         let each_pair = |visit: &mut dyn FnMut(u32, u32)| {
