@@ -1,8 +1,19 @@
 //! Bad scenes: each is one clear error that names file and place, and nothing panics.
 
-use std::path::Path;
+mod common;
 
+use std::path::Path;
+use std::sync::Arc;
+
+use common::{Numbers, add, empty, ready, render, sphere};
+use glam::DVec3;
+use iorect::check::check;
+use iorect::geometry::Mesh;
+use iorect::rectify::PatchKind;
+use iorect::render::Prepared;
+use iorect::scene::description::{Description, Paint, Shape, Solid, Transform};
 use iorect::scene::{builtin, load, save};
+use iorect::tracking::Mode;
 
 const CAMERA: &str = "[camera]\nposition = [0, 0, 4]\ntarget = [0, 0, 0]\n";
 const GLASS: &str = "[[medium]]\nname = \"glass\"\nior = 1.5\n";
@@ -275,4 +286,199 @@ fn no_damage_makes_it_panic() {
         }
     }
     assert!(read > 0, "some damage, as in a comment or a digit, leaves a scene");
+}
+
+/// Every mode renders it, and `rectified` sees what `reference` does, but for paths that graze.
+fn renders(scene: &Prepared, size: u32) {
+    let [rectified, reference] =
+        [Mode::Rectified, Mode::Reference].map(|mode| render(scene, mode, (size, size), 1, Some(32)));
+    let differing = rectified.sums.iter().zip(&reference.sums).filter(|(a, b)| a != b).count();
+    assert!(100 * differing <= rectified.sums.len(), "{differing} pixels differ");
+    for mode in Mode::ALL {
+        let film = render(scene, mode, (size, size), 1, Some(32));
+        assert!(film.sums.iter().all(|sum| sum.is_finite()), "{mode}");
+        assert_eq!(film.events.non_finite, 0, "{mode}");
+    }
+}
+
+fn kinds(scene: &Prepared) -> Vec<&'static str> {
+    check(scene).into_iter().map(|problem| problem.kind).collect()
+}
+
+/// Objects of scenes that have many: 100,000 by hand, with `IORECT_TEST_OBJECTS`.
+fn many() -> u32 {
+    std::env::var("IORECT_TEST_OBJECTS").ok().and_then(|text| text.parse().ok()).unwrap_or(4000)
+}
+
+/// As near to a cube of `count` places as can be, 2 units apart, about the origin.
+fn lattice(count: u32) -> impl Iterator<Item = DVec3> {
+    let side = f64::from(count).cbrt().ceil() as u32;
+    let at = move |k: u32| 2.0 * f64::from(k) - f64::from(side - 1);
+    (0..count).map(move |k| DVec3::new(at(k % side), at(k / side % side), at(k / side / side)))
+}
+
+fn before_all(mut description: Description, count: u32) -> Description {
+    description.camera.position = DVec3::new(0.3, 0.4, 4.0 * f64::from(count).cbrt());
+    description
+}
+
+#[test]
+fn many_objects_that_are_apart() {
+    let count = many();
+    let mut description = before_all(empty(1.0), count);
+    lattice(count).for_each(|center| add(&mut description, sphere(center, 0.9), 1.5, 0.0));
+    let scene = ready(description);
+    assert_eq!(scene.table.patches.len() as u32, count);
+    assert!(scene.table.patches.iter().all(|p| p.kind == PatchKind::Clear && p.outside_refractor.is_none()));
+    assert_eq!(check(&scene), []);
+    renders(&scene, 12);
+}
+
+#[test]
+fn many_pairs_in_one_medium() {
+    let count = many();
+    let mut description = before_all(empty(1.0), count);
+    add(&mut description, sphere(DVec3::ZERO, 4.0 * f64::from(count).cbrt()), 1.1, 0.0);
+    for center in lattice(count / 2) {
+        add(&mut description, sphere(center, 0.9), 1.3, 0.0);
+        add(&mut description, sphere(center + 0.1, 0.5), 1.5, 0.0);
+    }
+    let scene = ready(description);
+    for pair in scene.table.patches[1..].chunks(2) {
+        assert_eq!(pair[0].outside_refractor, Some(scene.table.patches[0].refractor));
+        assert_eq!(pair[1].outside_refractor, Some(pair[0].refractor));
+    }
+    assert!(kinds(&scene).iter().all(|kind| *kind == "camera_inside"));
+    renders(&scene, 12);
+}
+
+/// Each reaches into its six neighbours.
+#[test]
+fn many_objects_that_overlap() {
+    let count = many() / 4;
+    let mut description = before_all(empty(1.0), count);
+    lattice(count).for_each(|center| add(&mut description, sphere(center, 1.2), 1.5, 0.0));
+    let scene = ready(description);
+    let ties = kinds(&scene).iter().filter(|kind| **kind == "overlap_tie").count() as f64;
+    let side = f64::from(count).cbrt();
+    assert!(ties <= 3.0 * f64::from(count) && ties > 3.0 * (f64::from(count) - 3.0 * side * side), "{ties}");
+    renders(&scene, 8);
+}
+
+/// Forty spheres through one circle: where they meet there are 2⁴⁰ ways in which a point may lie in them or not.
+#[test]
+fn many_surfaces_through_one_curve() {
+    let mut description = empty(1.0);
+    description.camera.position = DVec3::new(0.0, 3.0, 6.0);
+    for k in -20..20 {
+        let height = 0.05 * f64::from(k) + 0.025;
+        add(&mut description, sphere(DVec3::Y * height, (1.0 + height * height).sqrt()), 1.3, 0.0);
+    }
+    let scene = ready(description);
+    assert!(kinds(&scene).contains(&"overlap_tie"));
+    renders(&scene, 16);
+}
+
+/// Sheets, bowls and boxes without a lid, here and there.
+#[test]
+fn only_open_meshes() {
+    let mut random = Numbers(5);
+    let mut description = empty(1.0);
+    description.camera.position = DVec3::new(0.0, 0.0, 12.0);
+    for k in 0..120 {
+        let center = random.point(DVec3::splat(-3.0), DVec3::splat(3.0));
+        let shape = if k % 2 == 0 {
+            Shape::Quad { center, edge_u: random.direction(), edge_v: random.direction() }
+        } else {
+            let mut corners: Vec<DVec3> = (0..4).map(|_| center + random.direction()).collect();
+            corners.push(center);
+            let triangles = vec![[0, 1, 4], [1, 2, 4], [2, 3, 4]];
+            Shape::Mesh {
+                path: "fan.obj".into(),
+                mesh: Arc::new(Mesh { positions: corners, normals: Vec::new(), triangles }),
+                dropped: 0,
+            }
+        };
+        add(&mut description, shape, 1.2 + 0.002 * f64::from(k), 0.0);
+    }
+    let scene = ready(description);
+    let open = kinds(&scene).iter().filter(|kind| **kind == "open_mesh").count();
+    assert_eq!(open, 120);
+    for mode in Mode::ALL {
+        let film = render(&scene, mode, (8, 8), 1, Some(16));
+        assert!(film.sums.iter().all(|sum| sum.is_finite()), "{mode}");
+    }
+}
+
+/// Faces that lie back to back, which is said, and a ball pressed flat, all in one ball.
+#[test]
+fn objects_without_volume() {
+    let mut description = empty(1.0);
+    description.camera.position = DVec3::new(0.0, 2.0, 6.0);
+    let positions = [DVec3::ZERO, DVec3::X, DVec3::Z].map(|p| p + DVec3::Y * 1.2).to_vec();
+    let mesh = Mesh { positions, normals: Vec::new(), triangles: vec![[0, 1, 2], [0, 2, 1]] };
+    add(&mut description, Shape::Mesh { path: "flat.obj".into(), mesh: Arc::new(mesh), dropped: 0 }, 1.5, 0.0);
+    add(&mut description, Shape::Icosphere { center: DVec3::ZERO, radius: 1.0, subdivisions: 3 }, 1.4, 0.0);
+    description.refractors[1].transform.scale.y = 1e-12;
+    add(&mut description, sphere(DVec3::ZERO, 2.0), 1.33, 0.0);
+    let scene = ready(description);
+    assert!(kinds(&scene).contains(&"double_faces"), "{:?}", check(&scene));
+    // What is thinner than rounding is not the same to every mode.
+    for mode in Mode::ALL {
+        let film = render(&scene, mode, (16, 16), 1, Some(32));
+        assert!(film.sums.iter().all(|sum| sum.is_finite()), "{mode}");
+    }
+}
+
+/// The later one fills both, and the picture is that of one.
+#[test]
+fn two_identical_objects() {
+    let shapes = [
+        sphere(DVec3::ZERO, 1.0),
+        Shape::Icosphere { center: DVec3::new(0.1, 0.0, 0.0), radius: 1.0, subdivisions: 3 },
+    ];
+    for shape in shapes {
+        let [mut twins, mut one] = [(); 2].map(|()| empty(1.1));
+        add(&mut twins, shape.clone(), 1.4, 0.2);
+        add(&mut twins, shape.clone(), 1.5, 0.1);
+        add(&mut one, shape, 1.5, 0.1);
+        let [twins, one] = [twins, one].map(ready);
+        assert_eq!(kinds(&twins), ["coincident"]);
+        let [twins, one] = [twins, one].map(|scene| {
+            renders(&scene, 16);
+            render(&scene, Mode::Rectified, (16, 16), 4, None)
+        });
+        assert_eq!(twins.events.total(), 0);
+        assert_eq!(twins.sums, one.sums);
+    }
+}
+
+/// What lies in a stone is not seen, and changes nothing.
+#[test]
+fn an_object_inside_an_opaque_one() {
+    let stone = |with_ball: bool| {
+        let mut description = empty(1.0);
+        add(&mut description, sphere(DVec3::X * 2.0, 1.0), 1.5, 0.0);
+        description.solids.push(Solid {
+            name: "stone".into(),
+            shape: sphere(DVec3::ZERO, 1.0),
+            paint: Paint::Color([0.5; 3]),
+            mirror: false,
+            smooth: false,
+            visible: true,
+            transform: Transform::IDENTITY,
+        });
+        if with_ball {
+            add(&mut description, sphere(DVec3::new(0.1, 0.0, 0.0), 0.5), 1.3, 0.0);
+        }
+        ready(description)
+    };
+    let [with, without] = [true, false].map(|with_ball| {
+        let scene = stone(with_ball);
+        assert_eq!(check(&scene), []);
+        renders(&scene, 16);
+        render(&scene, Mode::Rectified, (32, 32), 4, None)
+    });
+    assert_eq!(with.sums, without.sums);
+    assert_eq!(with.events.total(), 0);
 }

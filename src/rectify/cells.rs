@@ -15,6 +15,8 @@ use crate::scene::world::ObjectId;
 
 /// Cells get no smaller than this share of the smallest object that has to do with them.
 const FINEST: f64 = 1.0 / 96.0;
+/// Answers of one cell that are worked out beforehand, at the most.
+const MOST_LISTED: usize = 256;
 /// Halvings at the most.
 const DEEPEST: u32 = 18;
 
@@ -49,14 +51,18 @@ pub struct Ask {
 }
 
 impl Ask {
-    /// How many answers there are: one for each combination of the members' states.
-    pub fn combinations(&self) -> usize {
-        self.members.iter().map(Member::states).product()
+    /// How many answers there are: one for each combination of the members' states. `None` where those are too many to be listed, and an
+    /// answer is worked out when it is wanted.
+    fn combinations(&self) -> Option<usize> {
+        (self.members.iter())
+            .try_fold(1, |product: usize, member| product.checked_mul(member.states()))
+            .filter(|product| *product <= MOST_LISTED)
     }
 
-    /// Every possible answer, in the order of [`Self::look`].
-    pub fn answers<'a>(&'a self, world: &'a World) -> impl Iterator<Item = Answer> + 'a {
-        (0..self.combinations()).map(move |index| {
+    /// Every possible answer, in the order of [`Self::look`]; `None` where there are too many.
+    pub fn answers<'a>(&'a self, world: &'a World) -> Option<impl Iterator<Item = Answer> + 'a> {
+        let combinations = self.combinations()?;
+        Some((0..combinations).map(move |index| {
             let mut surroundings = self.base.clone();
             let mut rest = index;
             for member in &self.members {
@@ -64,18 +70,37 @@ impl Ask {
                 rest /= member.states();
             }
             surroundings.resolve(world)
-        })
+        }))
     }
 
-    /// Which of the answers holds at a point; `None` where a coincident face stands for this one.
+    /// The answer at a point.
+    pub fn answer(&self, world: &World, point: &SurfacePoint) -> Answer {
+        let mut surroundings = self.base.clone();
+        match self.states_at(world, point, |member, state| surroundings.add(member.refractor, state)) {
+            Some(()) => surroundings.resolve(world),
+            None => Answer::MASKED,
+        }
+    }
+
+    /// Which of the listed answers holds at a point; `None` where a coincident face stands for this one.
     pub fn look(&self, world: &World, point: &SurfacePoint) -> Option<usize> {
+        let (mut index, mut stride) = (0, 1);
+        self.states_at(world, point, |member, state| {
+            index += state as usize * stride;
+            stride *= member.states();
+        })?;
+        Some(index)
+    }
+
+    /// Asks about each member in turn; `None` where a coincident face stands for this one.
+    #[inline]
+    fn states_at(&self, world: &World, point: &SurfacePoint, mut tell: impl FnMut(&Member, State)) -> Option<()> {
         let covers = |primitive: PrimitiveId| {
             Face::of(&world.geometry, primitive).cover(&[point.position], least(&world.geometry)) == Cover::All
         };
         if self.opaque.iter().any(|&primitive| covers(primitive)) {
             return None;
         }
-        let (mut index, mut stride) = (0, 1);
         for member in &self.members {
             let state = match member.coincident.iter().find(|(primitive, _)| covers(*primitive)) {
                 // Of twins, the first one stands for both.
@@ -84,10 +109,9 @@ impl Ask {
                 None if is_inside(world, member.refractor, point) => State::In,
                 None => State::Out,
             };
-            index += state as usize * stride;
-            stride *= member.states();
+            tell(member, state);
         }
-        Some(index)
+        Some(())
     }
 }
 
@@ -155,8 +179,15 @@ pub fn containers(world: &World, face: PrimitiveId, touching: &[ObjectId]) -> Ve
     refractors
 }
 
-/// Divides a touched face. `containers` are the refractors that contain its outer side and do not touch it.
-pub fn divide(world: &World, face: PrimitiveId, contacts: &[Contact], containers: &[ObjectId]) -> Division {
+/// Divides a touched face. `containers` are the refractors that contain its outer side and do not touch it. Cells may be coarser than the
+/// finest by the factor `coarseness` ≥ 1: more hits are then asked about at their own place, and the answers are the same.
+pub fn divide(
+    world: &World,
+    face: PrimitiveId,
+    contacts: &[Contact],
+    containers: &[ObjectId],
+    coarseness: f64,
+) -> Division {
     let subject = ObjectId(world.geometry.object_of(face));
     let shape = Face::of(&world.geometry, face);
     let pool: Vec<(Contact, Face)> =
@@ -167,9 +198,10 @@ pub fn divide(world: &World, face: PrimitiveId, contacts: &[Contact], containers
             continue;
         }
         let object = ObjectId(world.geometry.object_of(contact.primitive));
-        let active = match actives.iter_mut().find(|active| active.object == object) {
-            Some(active) => active,
-            None => {
+        // Contacts are in the order of primitives, and those of one object follow each other.
+        let active = match actives.last_mut() {
+            Some(active) if active.object == object => active,
+            _ => {
                 let is_refractor = is_refractor(world, object);
                 actives.push(Active { object, is_refractor, crossing: Vec::new(), coincident: Vec::new() });
                 actives.last_mut().expect("it has just been added")
@@ -185,7 +217,7 @@ pub fn divide(world: &World, face: PrimitiveId, contacts: &[Contact], containers
         (max - min).length()
     };
     let smallest = actives.iter().filter(|a| a.is_refractor).map(|a| size(a.object)).fold(size(subject), f64::min);
-    let mut divider = Divider { world, face, shape, pool, finest: smallest * FINEST, nodes: Vec::new() };
+    let mut divider = Divider { world, face, shape, pool, finest: smallest * FINEST * coarseness, nodes: Vec::new() };
 
     let mut base = Surroundings::new(subject);
     let Some(middle) = divider.point(&divider.root_corners(0)) else {

@@ -57,6 +57,11 @@ impl Contacts {
         self.faces.len()
     }
 
+    /// The touched faces, in ascending order, with their contacts.
+    pub fn iter(&self) -> impl Iterator<Item = (PrimitiveId, &[Contact])> {
+        self.of_range(0..PrimitiveId::MAX)
+    }
+
     /// The touched faces among `primitives`, with their contacts.
     pub fn of_range(
         &self,

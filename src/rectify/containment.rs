@@ -81,7 +81,7 @@ thread_local! {
 }
 
 impl Poll {
-    pub(super) fn clear(&mut self, world: &World) {
+    fn clear(&mut self, world: &World) {
         for candidate in self.candidates.drain(..) {
             self.votes[candidate as usize] = (0, 0);
         }
@@ -192,9 +192,16 @@ pub(super) fn is_at_start(world: &World, point: &SurfacePoint, hit: &Hit) -> boo
     hit.t < NEAR * scale && contact::coincides(&world.geometry, point.primitive, hit.primitive).is_some()
 }
 
-fn poll(world: &World, point: DVec3, ray: impl Fn(&mut Random) -> Ray, is_ignored: impl Fn(&Hit) -> bool) -> Vec<Vote> {
+/// Lends this thread's votes, cleared. Clearing costs as much as the last question touched, not as much as there are objects.
+pub(super) fn with_poll<R>(world: &World, ask: impl FnOnce(&mut Poll) -> R) -> R {
     POLL.with_borrow_mut(|poll| {
         poll.clear(world);
+        ask(poll)
+    })
+}
+
+fn poll(world: &World, point: DVec3, ray: impl Fn(&mut Random) -> Ray, is_ignored: impl Fn(&Hit) -> bool) -> Vec<Vote> {
+    with_poll(world, |poll| {
         let mut random = Random::from_point(point);
         for _ in 0..FIRST_ROUND {
             poll.ask(world, &ray(&mut random), &is_ignored);

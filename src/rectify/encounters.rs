@@ -1,5 +1,7 @@
 //! Which refractors meet: volumes that overlap in part, and surfaces that coincide.
 
+use std::collections::BTreeMap;
+
 use super::layout::{Layout, Site};
 use super::pretrace::SiteVotes;
 use super::surroundings::Surroundings;
@@ -55,21 +57,23 @@ pub(super) fn encounters(world: &World, layout: &Layout, votes: &[SiteVotes]) ->
     let mut found = Vec::new();
     for group in pieces.chunk_by(|x, y| x.0 == y.0) {
         let subject = group[0].0;
-        let mut others: Vec<ObjectId> =
-            group.iter().flat_map(|(_, s)| s.outer.iter().chain(&s.inner).copied()).collect();
-        others.sort_unstable();
-        others.dedup();
-        for other in others.into_iter().filter(|other| *other != subject) {
-            let mut seen = Seen::default();
-            for (_, s) in group {
-                match (s.outer.contains(&other), s.inner.contains(&other)) {
-                    (true, true) => seen.inside = true,
-                    (false, true) => seen.same = true,
-                    (true, false) => seen.opposed = true,
-                    // A masked cell does not say what else is there.
-                    (false, false) => seen.outside |= !s.is_masked,
-                }
+        // A masked piece does not say what else is there. Of the others, those that name a refractor on neither side lie outside it.
+        let telling = group.iter().filter(|(_, s)| !s.is_masked).count();
+        let mut all: BTreeMap<ObjectId, (Seen, usize)> = BTreeMap::new();
+        for (_, s) in group {
+            for (&other, both) in s.outer.iter().map(|other| (other, s.inner.binary_search(other).is_ok())) {
+                let (seen, named) = all.entry(other).or_default();
+                *(if both { &mut seen.inside } else { &mut seen.opposed }) = true;
+                *named += usize::from(!s.is_masked);
             }
+            for other in s.inner.iter().filter(|other| s.outer.binary_search(other).is_err()) {
+                let (seen, named) = all.entry(*other).or_default();
+                seen.same = true;
+                *named += usize::from(!s.is_masked);
+            }
+        }
+        for (other, (mut seen, named)) in all.into_iter().filter(|(other, _)| *other != subject) {
+            seen.outside = named < telling;
             let (a, b) = (subject.min(other), subject.max(other));
             if seen.inside && seen.outside {
                 found.push(Encounter { a, b, meeting: Meeting::Overlap });

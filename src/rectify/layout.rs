@@ -143,19 +143,36 @@ pub fn lay_out(world: &World, earlier: Option<Earlier<'_>>) -> (Layout, Vec<Site
     let kept = earlier.map(|earlier| unaffected(world, earlier)).unwrap_or_default();
     let anew: Vec<ObjectId> = contact::subjects(world).filter(|subject| !kept.contains_key(subject)).collect();
     let contacts = contact::find(world, &anew);
+    let coarseness = coarseness(world, &contacts);
     seconds.patches = start.elapsed().as_secs_f64();
     let whole: Vec<Option<SubjectLayout>> =
         anew.par_iter().map(|&subject| whole_object(world, subject, &contacts)).collect();
     seconds.pretrace = start.elapsed().as_secs_f64() - seconds.patches;
     let mut subjects: Vec<(ObjectId, Arc<SubjectLayout>)> = kept.into_iter().collect();
     for (subject, whole) in anew.into_iter().zip(whole) {
-        let found = whole.unwrap_or_else(|| Splitter { world, subject, contacts: &contacts }.split());
+        let found = whole.unwrap_or_else(|| Splitter { world, subject, contacts: &contacts, coarseness }.split());
         subjects.push((subject, Arc::new(found)));
     }
     subjects.sort_unstable_by_key(|(subject, _)| *subject);
     let (layout, votes) = assemble(world, subjects);
     seconds.patches = start.elapsed().as_secs_f64() - seconds.pretrace;
     (layout, votes, seconds)
+}
+
+/// How coarse cells may be, as in [`cells::divide`]: time and memory for cells are spent on some thousands of meetings with large faces, and
+/// not on more.
+fn coarseness(world: &World, contacts: &Contacts) -> f64 {
+    /// Meetings for which cells are as fine as can be.
+    const AMPLE: f64 = 4000.0;
+    /// A triangle is large from this share of its object's size on; smaller ones are cells themselves.
+    const LARGE: f64 = 1.0 / 16.0;
+    let geometry = &*world.geometry;
+    let is_large = |face: PrimitiveId| {
+        let (min, max) = geometry.bounds_of(geometry.object_of(face));
+        geometry.sphere(face).is_some() || geometry.primitive_area(face) > (LARGE * (max - min).length()).powi(2)
+    };
+    let meetings = contacts.iter().filter(|(face, _)| is_large(*face)).map(|(_, others)| others.len());
+    (meetings.sum::<usize>() as f64 / AMPLE).max(1.0)
 }
 
 /// What has been found out about objects that the edit cannot have affected: those that are far from everything that has changed, before and after.
@@ -255,9 +272,8 @@ impl Layout {
         }
         members.sort_unstable();
         members.dedup();
-        let known = self.groups.iter().rposition(|g| g.subject == subject && g.members == members);
-        let group = known.unwrap_or_else(|| {
-            self.groups.push(MixedGroup { subject, faces: 0, area: 0.0, members });
+        let group = *interner.groups.entry((subject, members)).or_insert_with_key(|(_, members)| {
+            self.groups.push(MixedGroup { subject, faces: 0, area: 0.0, members: members.clone() });
             self.groups.len() - 1
         });
         self.groups[group].faces += 1;
@@ -287,9 +303,10 @@ fn depends_on_place(world: &World, subject: ObjectId, votes: &SiteVotes) -> bool
     is_mesh && votes.list.iter().any(|vote| is_open(vote.refractor) && vote.share() < 1.0)
 }
 
-/// Numbers equal surroundings once, from `first` on.
+/// Numbers equal surroundings once, from `first` on, and equal groups.
 #[derive(Default)]
 struct Interner {
+    groups: HashMap<(ObjectId, Vec<ObjectId>), usize>,
     first: u32,
     list: Vec<Surroundings>,
     numbers: HashMap<Surroundings, u32>,
@@ -321,6 +338,8 @@ struct Splitter<'a> {
     world: &'a World,
     subject: ObjectId,
     contacts: &'a Contacts,
+    /// As in [`cells::divide`].
+    coarseness: f64,
 }
 
 impl Splitter<'_> {
@@ -389,7 +408,7 @@ impl Splitter<'_> {
     }
 
     fn divide(&self, face: PrimitiveId, contacts: &[contact::Contact], containers: &[ObjectId]) -> Fate {
-        let division = cells::divide(self.world, face, contacts, containers);
+        let division = cells::divide(self.world, face, contacts, containers, self.coarseness);
         match &division[..] {
             [Node::Known(surroundings)] => {
                 let settled = (contacts.iter())

@@ -1,12 +1,14 @@
 //! One exterior for each object: the source's method, kept to be compared with. Rays go outward from area-weighted points; the first
 //! dielectric whose *first hit is from behind* contains the object and is its exterior; several rays vote, against rare misses.
 
+use std::collections::HashSet;
+
 use rayon::prelude::*;
 
 use super::contact::is_refractor;
 use super::containment::medium_of;
 use super::random::Random;
-use crate::geometry::{Ray, uniform_direction};
+use crate::geometry::{Hit, Ray, uniform_direction};
 use crate::scene::World;
 use crate::scene::world::{MediumId, ObjectId};
 
@@ -89,16 +91,23 @@ fn vote(world: &World, refractor: ObjectId) -> Vec<(Option<ObjectId>, u32)> {
 
 /// The first refractor along `ray` whose first hit is from behind. Opaque objects are looked through, and `own` never counts.
 fn container_along(world: &World, mut ray: Ray, own: ObjectId) -> Option<ObjectId> {
-    let mut met_from_outside: Vec<ObjectId> = Vec::new();
-    while let Some(hit) = world.geometry.closest(&ray) {
+    /// Hits that are looked for one by one: most containers are near. Where there are more, all are found in one walk.
+    const NEAR: u32 = 8;
+    let mut met_from_outside: HashSet<ObjectId> = HashSet::new();
+    let mut is_container = |hit: &Hit| {
         let object = ObjectId(world.geometry.object_of(hit.primitive));
-        if object != own && is_refractor(world, object) && !met_from_outside.contains(&object) {
-            if !hit.is_front {
-                return Some(object);
-            }
-            met_from_outside.push(object);
+        let counts = object != own && is_refractor(world, object) && !met_from_outside.contains(&object);
+        if counts && hit.is_front {
+            met_from_outside.insert(object);
+        }
+        (counts && !hit.is_front).then_some(object)
+    };
+    for _ in 0..NEAR {
+        let hit = world.geometry.closest(&ray)?;
+        if let Some(container) = is_container(&hit) {
+            return Some(container);
         }
         ray = ray.beyond(&hit);
     }
-    None
+    world.geometry.all_hits(&ray).iter().find_map(is_container)
 }

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::contact::is_refractor;
-use super::containment::{Poll, Vote, is_at_start, outward_ray};
+use super::containment::{Vote, is_at_start, outward_ray, with_poll};
 use super::layout::{Layout, Site};
 use super::random::Random;
 use super::surroundings::{State, Surroundings};
@@ -42,7 +42,13 @@ impl SiteVotes {
         surroundings
     }
 
+    /// Adds the votes of another round, in ascending order of refractors.
     fn add(&mut self, round: &[Vote], rays: u32) {
+        if self.list.is_empty() && self.rays == 0 {
+            self.list = round.to_vec();
+            self.rays = rays;
+            return;
+        }
         for vote in round {
             match self.list.binary_search_by_key(&vote.refractor, |v| v.refractor) {
                 Ok(at) => {
@@ -57,7 +63,8 @@ impl SiteVotes {
         }
         // A member that no ray of this round found has as many votes against it.
         for known in &mut self.list {
-            if !round.iter().any(|vote| vote.refractor == known.refractor) && known.asked == self.rays {
+            let is_found = round.binary_search_by_key(&known.refractor, |vote| vote.refractor).is_ok();
+            if !is_found && known.asked == self.rays {
                 known.asked += rays;
             }
         }
@@ -84,27 +91,27 @@ pub fn vote(world: &World, site: &Site, mut votes: SiteVotes) -> SiteVotes {
     };
     let seed = (u64::from(site.subject.0) << 32) ^ (u64::from(first) << 12) ^ (u64::from(votes.rays) << 44);
     let mut random = Random::new(seed);
-    let mut poll = Poll::default();
-    poll.clear(world);
     let mut holed: Vec<Vote> = world.holed.iter().map(|&refractor| Vote { refractor, inside: 0, asked: 0 }).collect();
     let mut rays = 0;
-    while rays < RAYS || (rays < MOST_RAYS && !poll.is_unanimous(world)) {
-        let u = [random.next(), random.next(), random.next()];
-        let Some(point) = site.sample(&world.geometry, u) else { break };
-        let ray = outward_ray(&point, &mut random);
-        // Only settled refractors can coincide with the site.
-        let is_ignored = |hit: &crate::geometry::Hit| !site.settled.is_empty() && is_at_start(world, &point, hit);
-        poll.ask(world, &ray, is_ignored);
-        if world.has_sheets {
-            poll.ask_sheets(world, &Ray { direction: -ray.direction, ..ray }, is_ignored);
+    let mut round = with_poll(world, |poll| {
+        while rays < RAYS || (rays < MOST_RAYS && !poll.is_unanimous(world)) {
+            let u = [random.next(), random.next(), random.next()];
+            let Some(point) = site.sample(&world.geometry, u) else { break };
+            let ray = outward_ray(&point, &mut random);
+            // Only settled refractors can coincide with the site.
+            let is_ignored = |hit: &crate::geometry::Hit| !site.settled.is_empty() && is_at_start(world, &point, hit);
+            poll.ask(world, &ray, is_ignored);
+            if world.has_sheets {
+                poll.ask_sheets(world, &Ray { direction: -ray.direction, ..ray }, is_ignored);
+            }
+            for vote in &mut holed {
+                vote.inside += u32::from(world.object(vote.refractor).winding_at(point.position) > 0.5);
+                vote.asked += 1;
+            }
+            rays += 1;
         }
-        for vote in &mut holed {
-            vote.inside += u32::from(world.object(vote.refractor).winding_at(point.position) > 0.5);
-            vote.asked += 1;
-        }
-        rays += 1;
-    }
-    let mut round = poll.votes(world);
+        poll.votes(world)
+    });
     round.extend(holed.into_iter().filter(|vote| vote.inside > 0));
     round.retain(|vote| vote.refractor != site.subject || asks_itself);
     round.sort_unstable_by_key(|vote| vote.refractor);

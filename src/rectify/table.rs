@@ -15,6 +15,9 @@ use crate::rectify::contact::is_refractor;
 use crate::scene::World;
 use crate::scene::world::{MediumId, ObjectId};
 
+/// Instead of a block of answers: there would be too many, and each is worked out when it is wanted.
+const NOT_LISTED: u32 = u32::MAX;
+
 /// What kind of interface a patch is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -98,7 +101,7 @@ pub struct InterfaceTable {
     votes: Arc<Vec<SiteVotes>>,
     /// Of sites, then of the surroundings of cells, then of cells that are asked: those in blocks, one answer for each combination.
     answers: Vec<Answer>,
-    /// The block of each cell that is asked, by its first answer.
+    /// The block of each cell that is asked, by its first answer, or [`NOT_LISTED`].
     blocks: Vec<u32>,
     /// Sorted by refractor; within one, patches proper first, then mixed ones.
     pub patches: Vec<Patch>,
@@ -169,8 +172,17 @@ impl InterfaceTable {
         let mut has_coincident = false;
         let mut blocks = Vec::with_capacity(layout.asks.len());
         for ask in &layout.asks {
-            blocks.push(answers.len() as u32);
-            answers.extend(ask.answers(world));
+            match ask.answers(world) {
+                Some(listed) => {
+                    blocks.push(answers.len() as u32);
+                    answers.extend(listed);
+                }
+                None => {
+                    blocks.push(NOT_LISTED);
+                    // Of so many some are sure to be.
+                    has_coincident = true;
+                }
+            }
             has_coincident |= !ask.opaque.is_empty() || ask.members.iter().any(|member| !member.coincident.is_empty());
         }
         let has_passable =
@@ -212,10 +224,13 @@ impl InterfaceTable {
         let (offset, weights) = cells::locate(world, point, barycentric);
         match *cells::descend(&layout.nodes, divided.root + offset, weights) {
             Node::Known(answer) => self.answers[answer as usize],
-            Node::Asked(ask) => match layout.asks[ask as usize].look(world, point) {
-                Some(combination) => self.answers[self.blocks[ask as usize] as usize + combination],
-                None => Answer::MASKED,
-            },
+            Node::Asked(number) => {
+                let ask = &layout.asks[number as usize];
+                match self.blocks[number as usize] {
+                    NOT_LISTED => ask.answer(world, point),
+                    first => ask.look(world, point).map_or(Answer::MASKED, |at| self.answers[first as usize + at]),
+                }
+            }
             // Leaves only.
             Node::Halves { .. } => Answer::MASKED,
         }

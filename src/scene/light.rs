@@ -12,6 +12,7 @@ use crate::scatter::frame;
 /// Every light of the scene, chosen in proportion to its power.
 #[derive(Debug, Clone, Default)]
 pub struct Emitters {
+    /// In ascending order of objects.
     list: Vec<Emitter>,
 }
 
@@ -24,7 +25,7 @@ struct Emitter {
 }
 
 impl Emitters {
-    /// From objects and their radiances; black ones and ones without area are left out.
+    /// From objects, in ascending order, and their radiances; black ones and ones without area are left out.
     pub fn new(geometry: &Geometry, lights: impl IntoIterator<Item = (ObjectId, DVec3)>) -> Self {
         let mut list: Vec<Emitter> = lights
             .into_iter()
@@ -96,7 +97,8 @@ impl Emitters {
         object: ObjectId,
         point: &SurfacePoint,
     ) -> f64 {
-        let Some(emitter) = self.list.iter().find(|e| e.object == object) else { return 0.0 };
+        let Ok(index) = self.list.binary_search_by_key(&object, |e| e.object) else { return 0.0 };
+        let emitter = &self.list[index];
         match geometry.sphere(point.primitive) {
             Some(sphere) => one_minus_cos_of_cone((sphere.center - from).length(), sphere.radius)
                 .map_or(0.0, |one_minus_cos| emitter.probability / (TAU * one_minus_cos)),
