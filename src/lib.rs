@@ -11,7 +11,7 @@
 //! | [`optics`] | Fresnel and Snell, dispersion formulas, media, the catalogue: physics without geometry |
 //! | [`geometry`] | rays, triangles, spheres, meshes with their analysis and repair, and the tree that finds what a ray hits |
 //! | [`scene`] | the scene as the user wrote it ([`scene::Description`]), its files, and its compiled form ([`scene::World`]) |
-//! | [`rectify`] | what lies on the other side of every refractor: the pre-trace, its votes, the interface table |
+//! | [`rectify`] | what lies on both sides of every place on every refractor: contacts, cells, patches, votes, the interface table |
 //! | [`tracking`] | the modes: given a crossing, which medium is left and which is entered |
 //! | [`scatter`] | dielectric and diffuse scattering, given a pair of indices |
 //! | [`estimator`] | one sample of one pixel; one path, vertex by vertex |
