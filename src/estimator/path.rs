@@ -96,7 +96,7 @@ impl<T: Tracker> PathTracer<'_, T> {
         let mut last: Option<LastScatter> = None;
         let mut segment = 1;
         loop {
-            let Some(hit) = world.geometry.closest(&ray) else {
+            let Some(hit) = self.closest(&ray) else {
                 beta *= self.transmittance(medium, &ray, f64::INFINITY);
                 let weight = last.map_or(1.0, |l| power_heuristic(l.pdf, self.environment_pdf(ray.direction)));
                 return radiance + beta * world.environment.radiance(ray.direction) * (scale * weight);
@@ -203,6 +203,15 @@ impl<T: Tracker> PathTracer<'_, T> {
         }
     }
 
+    /// The first surface that a ray meets and that may matter to the tracker.
+    #[inline]
+    fn closest(&self, ray: &Ray) -> Option<Hit> {
+        match self.tracker.mask() {
+            Some(mask) => self.world.geometry.closest_but(ray, mask),
+            None => self.world.geometry.closest(ray),
+        }
+    }
+
     /// Light that reaches a diffuse point directly, times 1/π and cosine: the albedo is the caller's.
     #[inline]
     fn direct(
@@ -274,13 +283,16 @@ impl<T: Tracker> PathTracer<'_, T> {
         // Whether the ray may pass through a refractor unbent, and so must look at each one it meets.
         let can_pass = self.needs.index_matching || self.tracker.can_skip();
         if target.is_none() && !can_pass {
-            let is_open = !world.geometry.is_occluded(&ray, f64::INFINITY);
+            let is_open = match self.tracker.mask() {
+                Some(mask) => !world.geometry.is_occluded_but(&ray, f64::INFINITY, mask),
+                None => !world.geometry.is_occluded(&ray, f64::INFINITY),
+            };
             return is_open.then(|| self.transmittance(medium, &ray, f64::INFINITY));
         }
         let mut transmittance = DVec3::ONE;
         let mut has_state = false;
         loop {
-            let Some(hit) = world.geometry.closest(&ray) else {
+            let Some(hit) = self.closest(&ray) else {
                 return target.is_none().then(|| transmittance * self.transmittance(medium, &ray, f64::INFINITY));
             };
             transmittance *= self.transmittance(medium, &ray, hit.t);
@@ -372,7 +384,7 @@ impl<T: Tracker> PathTracer<'_, T> {
         if sides.to != medium || !geometry.is_occluded(&ray.beyond(hit), reach) {
             return None;
         }
-        let next = geometry.closest(&ray.beyond(hit)).filter(|next| is_same_place(hit.t, next.t))?;
+        let next = self.closest(&ray.beyond(hit)).filter(|next| is_same_place(hit.t, next.t))?;
         let object = ObjectId(geometry.object_of(next.primitive));
         if !matches!(self.world.object(object).surface, Surface::Refractor { .. }) {
             return None;

@@ -44,6 +44,31 @@ pub struct SurfacePoint {
     pub primitive: PrimitiveId,
 }
 
+/// A set of primitives.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Mask {
+    bits: Vec<u64>,
+}
+
+impl Mask {
+    pub fn is_empty(&self) -> bool {
+        self.bits.is_empty()
+    }
+
+    pub fn insert(&mut self, primitive: PrimitiveId) {
+        let word = primitive as usize / 64;
+        if word >= self.bits.len() {
+            self.bits.resize(word + 1, 0);
+        }
+        self.bits[word] |= 1 << (primitive % 64);
+    }
+
+    #[inline]
+    pub fn contains(&self, primitive: PrimitiveId) -> bool {
+        self.bits.get(primitive as usize / 64).is_some_and(|word| word >> (primitive % 64) & 1 == 1)
+    }
+}
+
 /// Primitives and trees. Object ids are the indices of the parts it was built from. All coordinates are relative to `origin`.
 #[derive(Debug)]
 pub struct Geometry {
@@ -188,6 +213,22 @@ impl Geometry {
         let mut search = Closest { best: None };
         self.search(ray, f64::INFINITY, &mut search);
         search.best
+    }
+
+    /// The first hit, as if the primitives of `mask` were not there.
+    #[inline]
+    pub fn closest_but(&self, ray: &Ray, mask: &Mask) -> Option<Hit> {
+        let mut search = But { mask, search: Closest { best: None } };
+        self.search(ray, f64::INFINITY, &mut search);
+        search.search.best
+    }
+
+    /// Whether anything lies nearer than `t_max`, as if the primitives of `mask` were not there.
+    #[inline]
+    pub fn is_occluded_but(&self, ray: &Ray, t_max: f64, mask: &Mask) -> bool {
+        let mut search = But { mask, search: Any { found: false } };
+        self.search(ray, t_max, &mut search);
+        search.search.found
     }
 
     /// Whether anything lies nearer than `t_max`.
@@ -454,6 +495,19 @@ impl Search for Closest {
             *t_max = hit.t;
         }
         false
+    }
+}
+
+/// Another search that passes over some primitives.
+struct But<'a, S> {
+    mask: &'a Mask,
+    search: S,
+}
+
+impl<S: Search> Search for But<'_, S> {
+    #[inline(always)]
+    fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool {
+        !self.mask.contains(hit.primitive) && self.search.found(hit, t_max)
     }
 }
 

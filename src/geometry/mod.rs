@@ -13,7 +13,7 @@ mod triangle;
 mod winding;
 
 pub use distance::closest_point;
-pub use geometry::{Geometry, ObjectRange, Part, SurfacePoint, uniform_direction};
+pub use geometry::{Geometry, Mask, ObjectRange, Part, SurfacePoint, uniform_direction};
 pub use mesh::Mesh;
 pub use ray::{Hit, PrimitiveId, Ray};
 pub use topology::{Enclosure, Topology};

@@ -6,12 +6,12 @@ use std::time::Instant;
 use super::cells::{self, Node};
 use super::containment::Vote;
 use super::encounters::{self, Encounter};
-use super::layout::{BY_FACE, DIVIDED, Earlier, Layout, Place, Site, lay_out};
+use super::layout::{BY_FACE, DIVIDED, Earlier, Faces, Layout, Place, Site, lay_out};
 use super::object::ObjectTable;
 use super::pretrace::{self, SiteVotes};
 use super::surroundings::Answer;
-use crate::geometry::{Geometry, PrimitiveId, SurfacePoint};
-use crate::rectify::contact::is_refractor;
+use crate::geometry::{Geometry, Mask, PrimitiveId, SurfacePoint};
+use crate::rectify::contact::{is_refractor, primitives_of};
 use crate::scene::World;
 use crate::scene::world::{MediumId, ObjectId};
 
@@ -110,7 +110,9 @@ pub struct InterfaceTable {
     /// Where the patches of sites and of groups of divided faces stand in `patches` or `lights`.
     patch_of_site: Vec<u32>,
     patch_of_group: Vec<u32>,
-    /// Whether some crossing is to be passed over, or has the same medium on both sides.
+    /// Primitives that are no interface anywhere: with the same medium on both sides, or stood for by a coincident one.
+    mask: Mask,
+    /// Whether some place of a divided face is no interface.
     has_passable: bool,
     per_object: Arc<OnceLock<ObjectTable>>,
     pub seconds: RectifySeconds,
@@ -185,11 +187,23 @@ impl InterfaceTable {
             }
             has_coincident |= !ask.opaque.is_empty() || ask.members.iter().any(|member| !member.coincident.is_empty());
         }
-        let has_passable =
-            has_coincident || answers.iter().any(|answer| answer.is_masked() || answer.outside == answer.inside);
+        let is_passable = |answer: &Answer| answer.is_masked() || answer.outside == answer.inside;
+        let has_passable = has_coincident || answers[layout.sites.len()..].iter().any(is_passable);
+        let mut mask = Mask::default();
+        for (site, answer) in layout.sites.iter().zip(&answers) {
+            // What is behind the surface of a light is not asked.
+            if !is_passable(answer) || !is_refractor(world, site.subject) {
+                continue;
+            }
+            match &site.faces {
+                Faces::Whole => primitives_of(&world.geometry, site.subject).for_each(|face| mask.insert(face)),
+                Faces::Some { faces, .. } => faces.iter().for_each(|&face| mask.insert(face)),
+            }
+        }
         let mut table = Self {
             answers,
             blocks,
+            mask,
             has_passable,
             patches: Vec::new(),
             lights: Vec::new(),
@@ -250,7 +264,12 @@ impl InterfaceTable {
         }
     }
 
-    /// Whether some crossings are to be passed over, or have the same medium on both sides.
+    /// Primitives that are no interface anywhere, if there are any.
+    pub fn mask(&self) -> Option<&Mask> {
+        (!self.mask.is_empty()).then_some(&self.mask)
+    }
+
+    /// Whether some place of a face that is not in [`Self::mask`] is no interface.
     pub fn has_passable(&self) -> bool {
         self.has_passable
     }

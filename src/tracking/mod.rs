@@ -9,7 +9,7 @@ pub mod stack;
 use std::fmt;
 use std::str::FromStr;
 
-use crate::geometry::SurfacePoint;
+use crate::geometry::{Mask, SurfacePoint};
 use crate::render::Events;
 use crate::scene::world::{MediumId, ObjectId};
 
@@ -57,6 +57,12 @@ pub trait Tracker: Sync {
     #[inline]
     fn can_skip(&self) -> bool {
         false
+    }
+
+    /// Primitives of refractors that are no interface anywhere: rays need not meet them.
+    #[inline]
+    fn mask(&self) -> Option<&Mask> {
+        None
     }
 
     /// Which media the crossing lies between. Reflection there leaves the state as it is.

@@ -1,6 +1,7 @@
 //! `rectified` and `rectified-object`: the media are looked up in what rectification stored. No state per path.
 
 use super::{Crossing, Sides, Tracker};
+use crate::geometry::Mask;
 use crate::rectify::InterfaceTable;
 use crate::render::Events;
 use crate::scene::World;
@@ -33,6 +34,11 @@ impl Tracker for Rectified<'_> {
 
     #[inline]
     fn transmit(&self, (): &mut (), _: &Crossing) {}
+
+    #[inline]
+    fn mask(&self) -> Option<&Mask> {
+        self.table.mask()
+    }
 
     fn can_skip(&self) -> bool {
         self.table.has_passable()
