@@ -49,14 +49,6 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    pub fn is_empty(&self) -> bool {
-        self.faces.is_empty()
-    }
-
-    pub fn len(&self) -> usize {
-        self.faces.len()
-    }
-
     /// The touched faces, in ascending order, with their contacts.
     pub fn iter(&self) -> impl Iterator<Item = (PrimitiveId, &[Contact])> {
         self.of_range(0..PrimitiveId::MAX)
