@@ -20,6 +20,9 @@ use crate::tracking::{Crossing, Sides, Tracker};
 
 /// Segments after which Russian roulette looks at the throughput.
 const ROULETTE_FROM: u32 = 4;
+/// Share of the throughput at the first diffuse vertex below which paths are ended at random. What such a path still brings counts against
+/// what its pixel shows, so a dark surface seen directly is no reason to end it; at that share the noise of ending it is small.
+const ROULETTE_SHARE: f64 = 0.25;
 /// Segments after which every path may be ended whatever its throughput, or trapped lossless paths would never end.
 const LONG_PATH: u32 = 64;
 
@@ -94,6 +97,9 @@ impl<T: Tracker> PathTracer<'_, T> {
         let mut beta = DVec3::ONE;
         let mut scale = 1.0;
         let mut last: Option<LastScatter> = None;
+        // Throughput below which Russian roulette sets in.
+        let mut threshold = ROULETTE_SHARE;
+        let mut has_scattered = false;
         let mut segment = 1;
         loop {
             let Some(hit) = self.closest(&ray) else {
@@ -147,7 +153,7 @@ impl<T: Tracker> PathTracer<'_, T> {
             let dimensions = dimension::FIRST_SEGMENT + (segment - 1) * dimension::PER_SEGMENT;
             segment += 1;
             if segment > ROULETTE_FROM {
-                let mut survival = beta.max_element().min(1.0);
+                let mut survival = (beta.max_element() / threshold).min(1.0);
                 if segment > LONG_PATH {
                     survival = survival.min(survival_of_long_path(segment));
                 }
@@ -190,6 +196,10 @@ impl<T: Tracker> PathTracer<'_, T> {
                     beta *= albedo(paint, point.position);
                     if beta == DVec3::ZERO {
                         return radiance;
+                    }
+                    if !has_scattered {
+                        threshold = ROULETTE_SHARE * beta.max_element();
+                        has_scattered = true;
                     }
                     let direct = self.direct(&point, normal, medium, dimensions, sampler, scratch);
                     radiance += beta * direct * scale;
