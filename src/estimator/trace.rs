@@ -1,6 +1,7 @@
 //! One path, vertex by vertex, for people to read. It asks the same questions in the same order as the path tracer.
 
-use super::path::{Met, PathTracer, dimension};
+use super::crossing::Met;
+use super::path::{PathTracer, dimension};
 use super::sampler::Sampler;
 use crate::geometry::Ray;
 use crate::rectify::start::{Start, start};

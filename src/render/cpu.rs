@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::events::Events;
 use super::film::Film;
 use super::prepare::Prepared;
-use crate::estimator::path::{PathTracer, Scratch, dimension};
+use crate::estimator::path::{Batch, PathTracer, dimension};
 use crate::estimator::sampler::Sampler;
 use crate::rectify::start::StartRegion;
 use crate::scene::camera::Camera;
@@ -76,34 +76,46 @@ impl Pass<'_> {
         let width = film.width;
         let size = DVec2::new(f64::from(film.width), f64::from(film.height));
         let first = film.samples;
+        let samples = self.samples as usize;
 
         let events = (film.sums.par_chunks_mut(width as usize))
             .zip(film.counts.par_chunks_mut(width as usize))
             .enumerate()
-            .map_init(Scratch::<T::State>::default, |scratch, (row, (sums, counts))| {
-                scratch.events = Events::default();
+            .map_init(Batch::<T::State>::default, |batch, (row, (sums, counts))| {
+                batch.events = Events::default();
                 if self.cancel.load(Ordering::Relaxed) {
                     return Events::default();
                 }
-                for (column, (sum, count)) in sums.iter_mut().zip(counts).enumerate() {
-                    let pixel = row as u32 * width + column as u32;
+                // Where the next radiance goes.
+                let mut pixels = (0..width as usize).flat_map(|column| std::iter::repeat_n(column, samples));
+                let mut add = |batch: &mut Batch<T::State>| {
+                    tracer.trace(batch);
+                    let mut non_finite = 0;
+                    for (radiance, column) in batch.drain().zip(&mut pixels) {
+                        if radiance.is_finite() {
+                            sums[column] += radiance;
+                            counts[column] += 1;
+                        } else {
+                            non_finite += 1;
+                        }
+                    }
+                    batch.events.non_finite += non_finite;
+                };
+                for column in 0..width {
+                    let pixel = row as u32 * width + column;
                     for sample in first..first + self.samples {
                         let sampler = Sampler::new(self.settings.seed, pixel, sample);
                         let [x, y] = sampler.get_2d(dimension::PIXEL);
-                        let at = DVec2::new(column as f64 + x, row as f64 + y);
+                        let at = DVec2::new(f64::from(column) + x, row as f64 + y);
                         let ray = camera.ray(at, size, lens_point(&camera, &sampler));
-                        let start = lens.start(world, ray);
-                        scratch.events.ambiguous += u64::from(start.is_ambiguous);
-                        let radiance = tracer.radiance(start.ray, start.medium, &sampler, scratch);
-                        if radiance.is_finite() {
-                            *sum += radiance;
-                            *count += 1;
-                        } else {
-                            scratch.events.non_finite += 1;
+                        batch.add(&lens.start(world, ray), sampler, tracker);
+                        if batch.is_full() {
+                            add(batch);
                         }
                     }
                 }
-                scratch.events
+                add(batch);
+                batch.events
             })
             .reduce(Events::default, |mut a, b| {
                 a += b;
