@@ -138,12 +138,12 @@ impl<S: Default> Batch<S> {
         self.count += 1;
     }
 
-    /// Empties the batch; gives the radiance of each path that was in it, in the order in which they were added.
-    pub fn drain(&mut self) -> impl Iterator<Item = DVec3> + '_ {
+    /// Empties the batch; gives the radiance and the segments of each path that was in it, in the order in which they were added.
+    pub fn drain(&mut self) -> impl Iterator<Item = (DVec3, u32)> + '_ {
         let count = std::mem::take(&mut self.count);
         self.alive.clear();
         self.rays.clear();
-        self.paths[..count].iter().map(|path| path.radiance)
+        self.paths[..count].iter().map(|path| (path.radiance, path.segment))
     }
 }
 

@@ -75,46 +75,60 @@ impl Pass<'_> {
         let lens = StartRegion::new(world, camera.position, camera.aperture_radius);
         let width = film.width;
         let size = DVec2::new(f64::from(film.width), f64::from(film.height));
-        let first = film.samples;
-        let samples = self.samples as usize;
+        let (first, last) = (film.samples, film.samples + self.samples);
+        let allocation = film.allocation.clone();
+        let range = |pixel: usize| match &allocation {
+            Some(allocation) => allocation.samples(pixel, first)..allocation.samples(pixel, last),
+            None => first..last,
+        };
+        let pilot: Vec<_> = match &mut film.pilot {
+            Some(pilot) => pilot.rows(width as usize).map(Some).collect(),
+            None => (0..film.height).map(|_| None).collect(),
+        };
 
         let events = (film.sums.par_chunks_mut(width as usize))
             .zip(film.counts.par_chunks_mut(width as usize))
+            .zip(pilot)
             .enumerate()
-            .map_init(Batch::<T::State>::default, |batch, (row, (sums, counts))| {
+            .map_init(Batch::<T::State>::default, |batch, (row, ((sums, counts), mut pilot))| {
                 batch.events = Events::default();
                 if self.cancel.load(Ordering::Relaxed) {
                     return Events::default();
                 }
+                let first_pixel = row * width as usize;
                 // Where the next radiance goes.
-                let mut pixels = (0..width as usize).flat_map(|column| std::iter::repeat_n(column, samples));
-                let mut add = |batch: &mut Batch<T::State>| {
+                let mut columns = (0..width as usize)
+                    .flat_map(|column| std::iter::repeat_n(column, range(first_pixel + column).len()));
+                let mut trace = |batch: &mut Batch<T::State>| {
                     tracer.trace(batch);
                     let mut non_finite = 0;
-                    for (radiance, column) in batch.drain().zip(&mut pixels) {
+                    for ((radiance, segments), column) in batch.drain().zip(&mut columns) {
                         if radiance.is_finite() {
                             sums[column] += radiance;
                             counts[column] += 1;
                         } else {
                             non_finite += 1;
                         }
+                        if let Some(pilot) = &mut pilot {
+                            pilot.add(column, radiance, segments);
+                        }
                     }
                     batch.events.non_finite += non_finite;
                 };
                 for column in 0..width {
-                    let pixel = row as u32 * width + column;
-                    for sample in first..first + self.samples {
-                        let sampler = Sampler::new(self.settings.seed, pixel, sample);
+                    let pixel = first_pixel + column as usize;
+                    for sample in range(pixel) {
+                        let sampler = Sampler::new(self.settings.seed, pixel as u32, sample);
                         let [x, y] = sampler.get_2d(dimension::PIXEL);
                         let at = DVec2::new(f64::from(column) + x, row as f64 + y);
                         let ray = camera.ray(at, size, lens_point(&camera, &sampler));
                         batch.add(&lens.start(world, ray), sampler, tracker);
                         if batch.is_full() {
-                            add(batch);
+                            trace(batch);
                         }
                     }
                 }
-                add(batch);
+                trace(batch);
                 batch.events
             })
             .reduce(Events::default, |mut a, b| {
@@ -125,7 +139,7 @@ impl Pass<'_> {
             return false;
         }
         film.events += events;
-        film.samples += self.samples;
+        film.samples = last;
         true
     }
 }

@@ -1,5 +1,6 @@
 //! Samples in bulk: a scene made ready, a film, and passes over it on all cores.
 
+pub mod allocation;
 pub mod cpu;
 pub mod display;
 pub mod events;
