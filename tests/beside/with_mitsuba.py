@@ -17,12 +17,12 @@ throughput. Per scene:
    its standard error and below 1e-4, or one reference cannot serve both.
 2. Time per sample without variance reduction: from the CPU time of whole processes at two sample counts, so that start-up cancels.
 3. Time to equal error: whole processes, samples doubled until relMSE is below the target. relMSE is mean (x - r)²/(r² + 0.01), less the
-   reference's own. The sample count that meets the target is interpolated on log-log; the time is start-up plus that count times the median time of a
-   sample in runs of a quarter of it and more. CPU time is user and system time of the process (wait4), so it suffers little from what
-   else runs; wall time does. Start-up is the same command for one sample of
-   16×16 pixels: for Mitsuba Python, imports, and loading kernels that an earlier run compiled (its cache is warm: each command runs once
-   small before it counts; what a cold one costs is printed), for iorect loading, its tree and rectification. Both times, with and without
-   start-up, are honest answers to different questions: the first is what a command costs, the second what a long render tends to.
+   reference's own. The sample count that meets the target is interpolated on log-log; the time is start-up plus that count times the
+   median time of a sample in runs of a quarter of it and more. CPU time is user and system time of the process (wait4), so it suffers little
+   from what else runs; wall time does. Start-up is the same command for one sample of 16×16 pixels: for Mitsuba Python, imports, and
+   loading kernels that an earlier run compiled (its cache is warm: each command runs once small before it counts; what a cold one costs is
+   printed), for iorect loading, its tree and rectification. Both times, with and without start-up, are honest answers to different
+   questions: the first is what a command costs, the second what a long render tends to.
 
 All programs take turns for each point (A, B, A, B…), each run in a fresh process. Rows marked ~ never met the target and are extrapolated.
 """
@@ -397,6 +397,8 @@ def parse():
     for name, values in full_and_quick.items():
         if getattr(options, name) is None:
             setattr(options, name, values[options.quick])
+    if options.size < 64:
+        parser.error("--size: smaller pictures than 64 say nothing about error")
     options.references = {}
     for words in options.reference:
         name, is_pair, path = words.partition("=")
