@@ -117,6 +117,7 @@ impl<'a> Job<'a> {
                     mode: image.mode,
                     seed: self.arguments.seed,
                     max_depth: self.arguments.max_depth.0,
+                    splits: self.arguments.splits,
                     leave_out: self.arguments.leave_out.0,
                 };
                 let mode_start = Instant::now();

@@ -11,17 +11,24 @@ use crate::scene::environment::DirectionSample;
 use crate::scene::world::{MediumId, ObjectId, Surface};
 use crate::tracking::Tracker;
 
+/// A diffuse point that light is looked for at.
+pub(super) struct Receiver<'a, S> {
+    pub point: &'a SurfacePoint,
+    /// Unit, on the side that the path came from.
+    pub normal: DVec3,
+    /// What the path is in, and its tracker's state.
+    pub medium: MediumId,
+    pub state: &'a S,
+}
+
 impl<T: Tracker> PathTracer<'_, T> {
     /// Light that reaches a diffuse point directly, times 1/π and cosine: the albedo is the caller's.
     #[inline]
     pub(super) fn direct(
         &self,
-        point: &SurfacePoint,
-        normal: DVec3,
-        medium: MediumId,
+        receiver: &Receiver<'_, T::State>,
         dimensions: u32,
         sampler: &Sampler,
-        state: &T::State,
         shadow: &mut T::State,
     ) -> DVec3 {
         let world = self.world;
@@ -30,14 +37,14 @@ impl<T: Tracker> PathTracer<'_, T> {
         if self.needs.image_environment {
             let u = sampler.get_2d(dimensions + dimension::ENVIRONMENT);
             if let Some(sample) = world.environment.sample(u) {
-                radiance += self.direct_from(None, &sample, point, normal, medium, state, shadow);
+                radiance += self.direct_from(None, &sample, receiver, shadow);
             }
         }
         if self.needs.emitters {
             let select = sampler.get_1d(dimensions + dimension::EMITTER_CHOICE);
             let u = sampler.get_2d(dimensions + dimension::EMITTER);
-            if let Some((object, sample)) = world.emitters.sample(&world.geometry, point.position, select, u) {
-                radiance += self.direct_from(Some(object), &sample, point, normal, medium, state, shadow);
+            if let Some((object, sample)) = world.emitters.sample(&world.geometry, receiver.point.position, select, u) {
+                radiance += self.direct_from(Some(object), &sample, receiver, shadow);
             }
         }
         radiance
@@ -49,12 +56,10 @@ impl<T: Tracker> PathTracer<'_, T> {
         &self,
         target: Option<ObjectId>,
         sample: &DirectionSample,
-        point: &SurfacePoint,
-        normal: DVec3,
-        medium: MediumId,
-        state: &T::State,
+        receiver: &Receiver<'_, T::State>,
         shadow: &mut T::State,
     ) -> DVec3 {
+        let Receiver { point, normal, .. } = *receiver;
         let cos = sample.direction.dot(normal);
         // The geometric side decides what can be reached; an interpolated normal must not let light through the surface.
         let is_above = (sample.direction.dot(point.normal) > 0.0) == (normal.dot(point.normal) > 0.0);
@@ -62,7 +67,7 @@ impl<T: Tracker> PathTracer<'_, T> {
             return DVec3::ZERO;
         }
         let ray = Ray::leaving(point.position, sample.direction, point.primitive);
-        let Some(transmittance) = self.visibility(ray, target, medium, state, shadow) else { return DVec3::ZERO };
+        let Some(transmittance) = self.visibility(ray, target, receiver, shadow) else { return DVec3::ZERO };
         let radiance = match target.map(|object| &self.world.object(object).surface) {
             Some(Surface::Light { radiance }) => *radiance,
             _ => self.world.environment.radiance(sample.direction),
@@ -78,10 +83,10 @@ impl<T: Tracker> PathTracer<'_, T> {
         &self,
         mut ray: Ray,
         target: Option<ObjectId>,
-        mut medium: MediumId,
-        state: &T::State,
+        receiver: &Receiver<'_, T::State>,
         shadow: &mut T::State,
     ) -> Option<DVec3> {
+        let mut medium = receiver.medium;
         let world = self.world;
         // Whether the ray may pass through a refractor unbent, and so must look at each one it meets.
         let can_pass = self.needs.index_matching || self.tracker.can_skip();
@@ -107,7 +112,7 @@ impl<T: Tracker> PathTracer<'_, T> {
                 return None;
             }
             if !has_state {
-                shadow.clone_from(state);
+                shadow.clone_from(receiver.state);
                 has_state = true;
             }
             // Events are counted along camera paths only.

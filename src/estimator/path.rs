@@ -10,12 +10,14 @@
 use glam::DVec3;
 
 use super::crossing::Met;
-use super::direct::power_heuristic;
+use super::direct::{Receiver, power_heuristic};
 use super::sampler::Sampler;
 use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::rectify::start::Start;
 use crate::render::Events;
-use crate::scatter::{dielectric, diffuse};
+use crate::scatter::dielectric::{self, Choice, Scattered};
+use crate::scatter::diffuse;
+
 use crate::scene::SceneNeeds;
 use crate::scene::world::{MediumId, ObjectId, Paint, Surface, World};
 use crate::tracking::Tracker;
@@ -37,6 +39,9 @@ const LONG_PATH: u32 = 64;
 fn survival_of_long_path(segment: u32) -> f64 {
     (1.0 - 1.0 / (f64::from(segment - LONG_PATH) + 19.0)).min(0.9999)
 }
+
+/// Least share of a path's light that is worth a path of its own: a branch of less is followed now and then, by chance.
+const SPLIT_SHARE: f64 = 0.03;
 
 /// Random dimensions of a path: the camera's, then a block for each segment.
 pub mod dimension {
@@ -60,6 +65,8 @@ pub struct PathTracer<'a, T> {
     pub needs: SceneNeeds,
     /// Cap on segments; `u32::MAX` for none.
     pub max_depth: u32,
+    /// How many interfaces from the camera on a path may split at, into one that is reflected and one that goes through.
+    pub splits: u32,
 }
 
 /// Where the path last scattered by a density that light sampling competes with.
@@ -70,8 +77,13 @@ struct LastScatter {
 }
 
 /// A path on its way, apart from its ray.
+#[derive(Clone)]
 struct Path<S> {
     sampler: Sampler,
+    /// The path that this one is a branch of; its own number if it is none.
+    root: u32,
+    /// How many times it may still split.
+    splits: u32,
     medium: MediumId,
     /// Segments so far, the camera's first being one.
     segment: u32,
@@ -82,15 +94,20 @@ struct Path<S> {
     /// Throughput below which Russian roulette sets in.
     roulette_below: f64,
     has_scattered: bool,
+    /// Of its root's light at the splits so far.
+    share: f64,
     radiance: DVec3,
     state: S,
 }
 
 /// Paths that advance together. One worker reuses it from batch to batch.
 pub struct Batch<S> {
-    /// In the order in which they were added. Those behind `count` are room for later ones.
+    /// In the order in which they were added, then the branches that they split off. Those behind `used` are room for later ones.
     paths: Vec<Path<S>>,
+    /// Paths that were added.
     count: usize,
+    /// These and their branches.
+    used: usize,
     /// The paths that have not ended, in order, and their rays.
     alive: Vec<u32>,
     rays: Vec<Ray>,
@@ -105,6 +122,7 @@ impl<S: Default> Default for Batch<S> {
         Self {
             paths: Vec::new(),
             count: 0,
+            used: 0,
             alive: Vec::new(),
             rays: Vec::new(),
             hits: Vec::new(),
@@ -124,33 +142,44 @@ impl<S: Default> Batch<S> {
 
     /// Adds a path that starts as `start` says (local coordinates).
     #[inline]
-    pub fn add(&mut self, start: &Start, sampler: Sampler, tracker: &impl Tracker<State = S>) {
+    pub fn add<T: Tracker<State = S>>(&mut self, start: &Start, sampler: Sampler, tracer: &PathTracer<'_, T>) {
         self.events.ambiguous += u64::from(start.is_ambiguous);
-        self.alive.push(self.count as u32);
+        let number = self.count as u32;
+        self.alive.push(number);
         self.rays.push(start.ray);
         if self.count == self.paths.len() {
-            self.paths.push(Path::new(sampler, start.medium));
+            self.paths.push(Path::new(number, sampler, start.medium));
         }
         let path = &mut self.paths[self.count];
         let state = std::mem::take(&mut path.state);
-        *path = Path { state, ..Path::new(sampler, start.medium) };
-        tracker.start(&mut path.state);
+        *path = Path { state, splits: tracer.splits, ..Path::new(number, sampler, start.medium) };
+        tracer.tracker.start(&mut path.state);
         self.count += 1;
+        self.used = self.count;
     }
 
-    /// Empties the batch; gives the radiance and the segments of each path that was in it, in the order in which they were added.
+    /// Empties the batch; gives the radiance and the segments of each path that was added, with its branches', in the order in which they were
+    /// added.
     pub fn drain(&mut self) -> impl Iterator<Item = (DVec3, u32)> + '_ {
         let count = std::mem::take(&mut self.count);
+        let (roots, branches) = self.paths[..std::mem::take(&mut self.used)].split_at_mut(count);
+        for branch in branches {
+            let root = &mut roots[branch.root as usize];
+            root.radiance += branch.radiance;
+            root.segment += branch.segment;
+        }
         self.alive.clear();
         self.rays.clear();
-        self.paths[..count].iter().map(|path| (path.radiance, path.segment))
+        roots.iter().map(|path| (path.radiance, path.segment))
     }
 }
 
 impl<S: Default> Path<S> {
-    fn new(sampler: Sampler, medium: MediumId) -> Self {
+    fn new(root: u32, sampler: Sampler, medium: MediumId) -> Self {
         Self {
             sampler,
+            root,
+            splits: 0,
             medium,
             segment: 1,
             beta: DVec3::ONE,
@@ -158,6 +187,7 @@ impl<S: Default> Path<S> {
             last: None,
             roulette_below: ROULETTE_SHARE,
             has_scattered: false,
+            share: 1.0,
             radiance: DVec3::ZERO,
             state: S::default(),
         }
@@ -167,21 +197,34 @@ impl<S: Default> Path<S> {
 impl<T: Tracker> PathTracer<'_, T> {
     /// Follows the paths of `batch` to their ends.
     pub fn trace(&self, batch: &mut Batch<T::State>) {
-        let Batch { paths, alive, rays, hits, shadow, events, .. } = batch;
+        let Batch { paths, used, alive, rays, hits, shadow, events, .. } = batch;
         while !alive.is_empty() {
             self.closest_many(rays, hits);
             let mut kept = 0;
-            for index in 0..alive.len() {
+            let last = alive.len();
+            for index in 0..last {
                 let number = alive[index];
                 let path = &mut paths[number as usize];
-                if let Some(next) = self.advance(path, &rays[index], hits[index].as_ref(), shadow, events) {
+                let (ray, hit) = (rays[index], hits[index].as_ref());
+                let mut branch = None;
+                if let Some(next) = self.advance(path, &ray, hit, shadow, events, &mut branch) {
                     rays[kept] = next;
                     alive[kept] = number;
                     kept += 1;
                 }
+                if let Some((branch, ray)) = branch {
+                    alive.push(*used as u32);
+                    rays.push(ray);
+                    if *used == paths.len() {
+                        paths.push(branch);
+                    } else {
+                        paths[*used] = branch;
+                    }
+                    *used += 1;
+                }
             }
-            alive.truncate(kept);
-            rays.truncate(kept);
+            alive.drain(kept..last);
+            rays.drain(kept..last);
         }
     }
 
@@ -194,6 +237,7 @@ impl<T: Tracker> PathTracer<'_, T> {
         hit: Option<&Hit>,
         shadow: &mut T::State,
         events: &mut Events,
+        branch: &mut Option<(Path<T::State>, Ray)>,
     ) -> Option<Ray> {
         let world = self.world;
         let Some(hit) = hit else {
@@ -250,8 +294,18 @@ impl<T: Tracker> PathTracer<'_, T> {
             let point = crossing.point;
             let outward = if hit.is_front { 1.0 } else { -1.0 };
             let shading = self.outward_normal(hit, &point, smooth) * outward;
-            let choice = dielectric::Choice::Sample(path.sampler.get_1d(dimensions + dimension::SCATTER));
-            let scattered = dielectric::scatter(&interface, ray.direction, point.normal * outward, shading, choice);
+            let normal = point.normal * outward;
+            let scatter = |choice| dielectric::scatter(&interface, ray.direction, normal, shading, choice);
+            let scattered = match self.split(path, scatter) {
+                Some([through, back]) => {
+                    let mut reflected = Path { radiance: DVec3::ZERO, last: None, ..path.clone() };
+                    reflected.take_share(back.reflectance);
+                    path.take_share(1.0 - through.reflectance);
+                    *branch = Some((reflected, Ray::leaving(point.position, back.direction, hit.primitive)));
+                    through
+                }
+                None => scatter(Choice::Sample(path.sampler.get_1d(dimensions + dimension::SCATTER))),
+            };
             if scattered.is_transmitted {
                 self.tracker.transmit(&mut path.state, &crossing);
                 path.scale *= interface.radiance_factor();
@@ -278,10 +332,11 @@ impl<T: Tracker> PathTracer<'_, T> {
                     return None;
                 }
                 if !path.has_scattered {
-                    path.roulette_below = ROULETTE_SHARE * path.beta.max_element();
+                    path.roulette_below = ROULETTE_SHARE * path.beta.max_element() / path.share;
                     path.has_scattered = true;
                 }
-                let direct = self.direct(&point, normal, path.medium, dimensions, &path.sampler, &path.state, shadow);
+                let receiver = Receiver { point: &point, normal, medium: path.medium, state: &path.state };
+                let direct = self.direct(&receiver, dimensions, &path.sampler, shadow);
                 path.radiance += path.beta * direct * path.scale;
                 let (direction, pdf) = diffuse::sample(normal, path.sampler.get_2d(dimensions + dimension::DIRECTION));
                 path.last = Some(LastScatter { position: point.position, pdf });
@@ -290,6 +345,23 @@ impl<T: Tracker> PathTracer<'_, T> {
             // Dealt with above.
             Surface::Light { .. } | Surface::Refractor { .. } => None,
         }
+    }
+
+    /// Both ways on from an interface, through and back, where a path is to split: where both bring enough to be worth a path of their own.
+    #[inline]
+    fn split(&self, path: &mut Path<T::State>, scatter: impl Fn(Choice) -> Scattered) -> Option<[Scattered; 2]> {
+        if path.splits == 0 || path.has_scattered {
+            return None;
+        }
+        let through = scatter(Choice::Transmit);
+        if !through.is_transmitted || through.reflectance.min(1.0 - through.reflectance) * path.share <= SPLIT_SHARE {
+            return None;
+        }
+        let back = scatter(Choice::Reflect);
+        // What an interpolated normal sends to the wrong side is scattered anew: only shares of one whole may be told apart.
+        let is_whole = !back.is_transmitted && back.reflectance == through.reflectance;
+        path.splits -= u32::from(is_whole);
+        is_whole.then_some([through, back])
     }
 
     /// The first surface that a ray meets and that may matter to the tracker.
@@ -352,6 +424,13 @@ impl<T: Tracker> PathTracer<'_, T> {
 }
 
 impl<S> Path<S> {
+    /// Leaves the rest of its light to another branch.
+    #[inline]
+    fn take_share(&mut self, share: f64) {
+        self.beta *= share;
+        self.share *= share;
+    }
+
     /// Russian roulette, with the random numbers of the segment that begins at `dimensions`. A survivor's throughput is raised for those that
     /// end.
     #[inline]

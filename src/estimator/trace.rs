@@ -113,7 +113,7 @@ struct Tracing<'a> {
 impl Tracing<'_> {
     fn run<T: Tracker>(&self, tracker: &T, ray: Ray) -> TracedPath {
         let world = &*self.prepared.world;
-        let tracer = PathTracer { world, tracker, needs: world.needs, max_depth: self.max_depth };
+        let tracer = PathTracer { world, tracker, needs: world.needs, max_depth: self.max_depth, splits: 0 };
         let ray = Ray::new(ray.origin - world.geometry.origin, ray.direction.normalize());
         let mut state = T::State::default();
         tracker.start(&mut state);

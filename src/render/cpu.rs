@@ -20,6 +20,9 @@ use crate::tracking::reference::Reference;
 use crate::tracking::stack::Stack;
 use crate::tracking::{Mode, Tracker};
 
+/// Splits by default: more bring less than they cost.
+pub const SPLITS: u32 = 2;
+
 /// What decides an image, next to the scene and the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RenderSettings {
@@ -27,6 +30,8 @@ pub struct RenderSettings {
     pub seed: u64,
     /// Cap on the segments of a path, the camera's first being one; `None`: no cap.
     pub max_depth: Option<u32>,
+    /// How many interfaces from the camera on paths may split at, into one that is reflected and one that goes through; 0: never.
+    pub splits: u32,
     /// Whether work that the scene does not need is left out. Off only to measure what that saves.
     pub leave_out: bool,
 }
@@ -70,6 +75,7 @@ impl Pass<'_> {
             tracker,
             needs: if self.settings.leave_out { world.needs } else { SceneNeeds::EVERYTHING.without_impossible(world) },
             max_depth: self.settings.max_depth.unwrap_or(u32::MAX),
+            splits: self.settings.splits,
         };
         let camera = Camera { position: self.camera.position - world.geometry.origin, ..*self.camera };
         let lens = StartRegion::new(world, camera.position, camera.aperture_radius);
@@ -122,7 +128,7 @@ impl Pass<'_> {
                         let [x, y] = sampler.get_2d(dimension::PIXEL);
                         let at = DVec2::new(f64::from(column) + x, row as f64 + y);
                         let ray = camera.ray(at, size, lens_point(&camera, &sampler));
-                        batch.add(&lens.start(world, ray), sampler, tracker);
+                        batch.add(&lens.start(world, ray), sampler, &tracer);
                         if batch.is_full() {
                             trace(batch);
                         }
