@@ -41,8 +41,7 @@ impl<T: Tracker> PathTracer<'_, T> {
             }
             events.inconsistent += 1;
         }
-        let ior_minus_one = |medium| self.world.medium(medium).ior_minus_one;
-        let interface = sides.map(|s| (s, Interface::new(ior_minus_one(s.from), ior_minus_one(s.to))));
+        let interface = sides.map(|s| (s, self.world.interface(s.from, s.to)));
         Ok(Met { crossing, interface })
     }
 
