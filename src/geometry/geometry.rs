@@ -223,6 +223,16 @@ impl Geometry {
         search.search.best
     }
 
+    /// The first hit of each ray, as [`Self::closest`] finds it.
+    pub fn closest_many(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.closest(ray));
+    }
+
+    /// The first hit of each ray, as [`Self::closest_but`] finds it.
+    pub fn closest_many_but(&self, rays: &[Ray], mask: &Mask, hits: &mut [Option<Hit>]) {
+        rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.closest_but(ray, mask));
+    }
+
     /// Whether anything lies nearer than `t_max`, as if the primitives of `mask` were not there.
     #[inline]
     pub fn is_occluded_but(&self, ray: &Ray, t_max: f64, mask: &Mask) -> bool {

@@ -15,6 +15,6 @@ mod winding;
 pub use distance::closest_point;
 pub use geometry::{Geometry, Mask, ObjectRange, Part, SurfacePoint, uniform_direction};
 pub use mesh::Mesh;
-pub use ray::{Hit, PrimitiveId, Ray};
+pub use ray::{Hit, NO_PRIMITIVE, PrimitiveId, Ray};
 pub use topology::{Enclosure, Topology};
 pub use winding::WindingTree;
