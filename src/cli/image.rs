@@ -147,7 +147,7 @@ impl<'a> Job<'a> {
         match self.arguments.time {
             None => {
                 let left = self.arguments.spp.unwrap_or(DEFAULT_SPP).saturating_sub(done);
-                fitting(SLICE).max(1).min(left)
+                fitting(SLICE).max(16).min(left)
             }
             Some(limit) => {
                 let left = Duration::from_secs_f64(limit).saturating_sub(elapsed);

@@ -376,8 +376,11 @@ impl<T: Tracker> PathTracer<'_, T> {
     /// The same for each ray.
     #[inline]
     fn closest_many(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
-        hits.clear();
-        hits.extend(rays.iter().map(|ray| self.closest(ray)));
+        hits.resize(rays.len(), None);
+        match self.tracker.mask() {
+            Some(mask) => self.world.geometry.closest_many_but(rays, mask, hits),
+            None => self.world.geometry.closest_many(rays, hits),
+        }
     }
 
     /// What is left of light after the part of `ray` from its start to `t`.

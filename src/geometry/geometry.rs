@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::beam::{CHUNK, Gathered};
 use super::bvh::{Bounds, Tree};
 #[cfg(target_arch = "aarch64")]
 use super::kernel::Neon;
@@ -458,17 +459,19 @@ impl Geometry {
             }
             return;
         }
-        self.search_triangles_of_many::<K, S>(
-            rays,
-            |_| t_max,
-            |_| start(),
-            |index, search, t_max| {
+        for (chunk, rays) in rays.chunks(CHUNK).enumerate() {
+            let mut finish = |index: usize, search: &mut S, t_max: f64| {
                 if !self.spheres.is_empty() {
                     self.search_spheres::<K>(&rays[index], t_max, search);
                 }
-                finish(index, search);
-            },
-        );
+                finish(chunk * CHUNK + index, search);
+            };
+            let gathered = Gathered::new(&self.triangle_tree, rays);
+            for beam in gathered.beams() {
+                self.search_triangles_of_beam::<K, S>(rays, beam, t_max, &start, &mut finish);
+            }
+            self.search_triangles_of_many::<K, S>(rays, gathered.others(), t_max, &start, &mut finish);
+        }
     }
 
     /// The surface at a hit of `ray`. The position is taken from the primitive, not from the ray.

@@ -51,28 +51,30 @@ impl List {
 }
 
 impl Geometry {
-    /// Searches triangles along each of `rays` up to `t_max`, for what `start` makes for the ray of that index; `finish` gets that back with
-    /// the distance up to which others may still search.
+    /// Searches triangles along those of `rays` that `members` lists, up to `t_max`, for what `start` makes; `finish` gets that back with the
+    /// ray's index and the distance up to which others may still search.
     #[inline(always)]
     pub(super) fn search_triangles_of_many<K: Kernel, S: Search>(
         &self,
         rays: &[Ray],
-        t_max: impl Fn(usize) -> f64,
-        start: impl Fn(usize) -> S,
+        members: &[u16],
+        t_max: f64,
+        start: impl Fn() -> S,
         mut finish: impl FnMut(usize, &mut S, f64),
     ) {
-        if rays.is_empty() {
+        if members.is_empty() {
             return;
         }
         let tree = &self.triangle_tree;
-        let begin = |index: usize| {
-            let (ray, t_max) = (rays[index], t_max(index));
+        let begin = |member: usize| {
+            let index = usize::from(members[member]);
+            let ray = rays[index];
             let boxes = BoxRay::new(&ray, tree.center, tree.radius);
             let far_limit = boxes.far_limit(t_max);
             let sheared = ShearedRay::new(&ray);
-            Walker { ray, boxes, sheared, t_max, far_limit, current: entry(0.0, 0), search: start(index), index }
+            Walker { ray, boxes, sheared, t_max, far_limit, current: entry(0.0, 0), search: start(), index }
         };
-        let count = rays.len().min(GROUP);
+        let count = members.len().min(GROUP);
         // With fewer rays than members, some stand for none.
         let mut walkers: [Walker<S>; GROUP] = from_fn(|k| begin(k.min(count - 1)));
         let mut stacks = [const { Stack::new() }; GROUP];
@@ -118,7 +120,7 @@ impl Geometry {
                 let number = at_end.members[k % GROUP] as usize % GROUP;
                 let walker = &mut walkers[number];
                 finish(walker.index, &mut walker.search, walker.t_max);
-                if next_ray < rays.len() {
+                if next_ray < members.len() {
                     *walker = begin(next_ray);
                     stacks[number].clear();
                     next_ray += 1;

@@ -1,5 +1,6 @@
 //! Rays, primitives, and the tree over them. The only module that knows obvhs, which builds the tree; the walk is ours.
 
+mod beam;
 mod bvh;
 mod collapse;
 mod distance;

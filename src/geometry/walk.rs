@@ -84,7 +84,19 @@ impl BoxRay {
     /// The distance along the ray as one to boxes, not too short and ≥ 0.
     #[inline(always)]
     pub fn far_limit(&self, t_max: f64) -> f32 {
-        upper((t_max - self.shift) as f32).max(0.0)
+        Self::far_limit_behind(self.shift, t_max)
+    }
+
+    /// The same for a ray that is `shift` longer.
+    #[inline(always)]
+    pub fn far_limit_behind(shift: f64, t_max: f64) -> f32 {
+        upper((t_max - shift) as f32).max(0.0)
+    }
+
+    /// How much shorter distances to boxes are than along the ray.
+    #[inline(always)]
+    pub fn shift(&self) -> f64 {
+        self.shift
     }
 }
 
@@ -185,7 +197,7 @@ impl Stack {
 
     /// Makes room for the children of a node.
     #[inline(always)]
-    fn make_room(&mut self) {
+    pub fn make_room(&mut self) {
         if self.length > Self::ROOM - WIDTH {
             self.spill();
         }
