@@ -111,15 +111,18 @@ impl Gathered {
         let mut gathered =
             Self { beams: [Bundle::EMPTY; CHUNK / FEWEST], beam_count: 0, others: [0; CHUNK], other_count: 0 };
         let mut open = [Bundle::EMPTY; OPEN];
-        let mut oldest = 0;
+        let (mut latest, mut oldest) = (0, 0);
         for (index, ray) in rays.iter().enumerate() {
-            let taker = open.iter().position(|bundle| bundle.length > 0 && bundle.takes(tree, rays, ray));
+            let takes = |number: &usize| open[*number].length > 0 && open[*number].takes(tree, rays, ray);
+            // Most rays go where the one before them went.
+            let taker = Some(latest).filter(takes).or_else(|| (0..OPEN).find(takes));
             let number = taker.unwrap_or_else(|| {
-                let number = open.iter().position(|bundle| bundle.length == 0).unwrap_or(oldest);
-                oldest = (number + 1) % OPEN;
+                let number = oldest;
+                oldest = (oldest + 1) % OPEN;
                 gathered.take(&mut open[number]);
                 number
             });
+            latest = number;
             let bundle = &mut open[number];
             bundle.members[bundle.length] = index as u16;
             bundle.length += 1;
@@ -204,8 +207,7 @@ impl Geometry {
             let far_limit = boxes.far_limit(t_max);
             *slot = Some(Member { ray, sheared: ShearedRay::new(&ray), t_max, far_limit, search: start(), index });
         }
-        for axis in 0..3 {
-            let [low, high] = origins[axis];
+        for (axis, [low, high]) in origins.into_iter().enumerate() {
             let (low, high) = ((low as f32).next_down(), (high as f32).next_up());
             let is_negative = bounds.near_rows[axis] & 1 == 1;
             (bounds.origin_near[axis], bounds.origin_far[axis]) = if is_negative { (low, high) } else { (high, low) };
