@@ -227,15 +227,27 @@ impl Geometry {
         search.search.best
     }
 
-    /// The first hit of each ray, as [`Self::closest`] finds it. The more rays, the less each takes: some dozens at least.
+    /// The first hit of each ray, as [`Self::closest`] finds it, in less time if there are some dozens at least. `hits` is as long as `rays`.
     pub fn closest_many(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        self.search_many(rays, f64::INFINITY, || Closest { best: None }, |index, search| hits[index] = search.best);
+        self.search_many(rays, |_| f64::INFINITY, || Closest { best: None }, |index, search| hits[index] = search.best);
     }
 
     /// The first hit of each ray, as [`Self::closest_but`] finds it.
     pub fn closest_many_but(&self, rays: &[Ray], mask: &Mask, hits: &mut [Option<Hit>]) {
         let start = || But { mask, search: Closest { best: None } };
-        self.search_many(rays, f64::INFINITY, start, |index, search| hits[index] = search.search.best);
+        self.search_many(rays, |_| f64::INFINITY, start, |index, search| hits[index] = search.search.best);
+    }
+
+    /// Whether anything lies along each ray nearer than its reach, as [`Self::is_occluded`] finds it.
+    pub fn is_occluded_many(&self, rays: &[Ray], reaches: &[f64], occluded: &mut [bool]) {
+        let start = || Any { found: false };
+        self.search_many(rays, |index| reaches[index], start, |index, search| occluded[index] = search.found);
+    }
+
+    /// Whether anything lies along each ray nearer than its reach, as [`Self::is_occluded_but`] finds it.
+    pub fn is_occluded_many_but(&self, rays: &[Ray], reaches: &[f64], mask: &Mask, occluded: &mut [bool]) {
+        let start = || But { mask, search: Any { found: false } };
+        self.search_many(rays, |index| reaches[index], start, |index, search| occluded[index] = search.search.found);
     }
 
     /// Whether anything lies nearer than `t_max`, as if the primitives of `mask` were not there.
@@ -385,7 +397,7 @@ impl Geometry {
     fn search_many<S: Search>(
         &self,
         rays: &[Ray],
-        t_max: f64,
+        t_max: impl Fn(usize) -> f64,
         start: impl Fn() -> S,
         finish: impl FnMut(usize, &mut S),
     ) {
@@ -411,7 +423,7 @@ impl Geometry {
     fn search_many_avx2<S: Search>(
         &self,
         rays: &[Ray],
-        t_max: f64,
+        t_max: impl Fn(usize) -> f64,
         start: impl Fn() -> S,
         finish: impl FnMut(usize, &mut S),
     ) {
@@ -423,7 +435,7 @@ impl Geometry {
     fn search_many_avx512<S: Search>(
         &self,
         rays: &[Ray],
-        t_max: f64,
+        t_max: impl Fn(usize) -> f64,
         start: impl Fn() -> S,
         finish: impl FnMut(usize, &mut S),
     ) {
@@ -435,7 +447,7 @@ impl Geometry {
     fn search_many_neon<S: Search>(
         &self,
         rays: &[Ray],
-        t_max: f64,
+        t_max: impl Fn(usize) -> f64,
         start: impl Fn() -> S,
         finish: impl FnMut(usize, &mut S),
     ) {
@@ -446,21 +458,21 @@ impl Geometry {
     fn search_many_with<K: Kernel, S: Search>(
         &self,
         rays: &[Ray],
-        t_max: f64,
+        t_max: impl Fn(usize) -> f64,
         start: impl Fn() -> S,
         mut finish: impl FnMut(usize, &mut S),
     ) {
         if self.packs.is_empty() {
             for (index, ray) in rays.iter().enumerate() {
                 let mut search = start();
-                self.search_with::<K>(ray, t_max, &mut search);
+                self.search_with::<K>(ray, t_max(index), &mut search);
                 finish(index, &mut search);
             }
             return;
         }
         self.search_triangles_of_many::<K, S>(
             rays,
-            |_| t_max,
+            t_max,
             |_| start(),
             |index, search, t_max| {
                 if !self.spheres.is_empty() {
