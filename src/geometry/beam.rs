@@ -31,8 +31,8 @@ impl Bounds {
     /// Distances from the origins to the boxes of a node's children: not too long, and a bit for each that some ray may meet up to
     /// `far_limit`.
     ///
-    /// With p − o computed from an origin that is rounded outwards, and i likewise, the distance (p − o)·i has two roundings, each relative to it:
-    /// far sides are moved away by more than that.
+    /// The origin's coordinate o and the reciprocal i are rounded outwards, so the distance (p − o)·i has two roundings that count, together less than
+    /// |p − o|·2⁻²² in space: boxes are grown by more, as [`BoxRay`] says.
     #[inline(always)]
     fn meet(&self, node: &Node, far_limit: f32) -> ([f32; WIDTH], u32) {
         let mut near = [self.near_limit; WIDTH];
@@ -50,7 +50,7 @@ impl Bounds {
         }
         let mut met = 0;
         for lane in 0..WIDTH {
-            met |= u32::from(near[lane] <= smaller(far[lane] * BoxRay::FAR_GROWTH, far_limit)) << lane;
+            met |= u32::from(near[lane] <= smaller(far[lane], far_limit)) << lane;
         }
         (near, met)
     }
@@ -176,7 +176,7 @@ impl Geometry {
         &self,
         rays: &[Ray],
         bundle: &Bundle,
-        t_max: f64,
+        t_max: impl Fn(usize) -> f64,
         start: impl Fn() -> S,
         mut finish: impl FnMut(usize, &mut S, f64),
     ) {
@@ -201,9 +201,10 @@ impl Geometry {
                 let [low, high] = &mut bounds.inverse[axis];
                 (*low, *high) = (low.min(boxes.inverse[axis]), high.max(boxes.inverse[axis]));
             }
-            bounds.near_rows = boxes.near_rows;
+            bounds.near_rows = boxes.near_sides.map(|side| side / WIDTH as u32);
             bounds.near_limit = bounds.near_limit.min(boxes.near_limit);
             *kept = boxes.shift();
+            let t_max = t_max(index);
             let far_limit = boxes.far_limit(t_max);
             *slot = Some(Member { ray, sheared: ShearedRay::new(&ray), t_max, far_limit, search: start(), index });
         }

@@ -228,15 +228,27 @@ impl Geometry {
         search.search.best
     }
 
-    /// The first hit of each ray, as [`Self::closest`] finds it. The more rays, the less each takes: some dozens at least.
+    /// The first hit of each ray, as [`Self::closest`] finds it, in less time if there are some dozens at least. `hits` is as long as `rays`.
     pub fn closest_many(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        self.search_many(rays, f64::INFINITY, || Closest { best: None }, |index, search| hits[index] = search.best);
+        self.search_many(rays, |_| f64::INFINITY, || Closest { best: None }, |index, search| hits[index] = search.best);
     }
 
     /// The first hit of each ray, as [`Self::closest_but`] finds it.
     pub fn closest_many_but(&self, rays: &[Ray], mask: &Mask, hits: &mut [Option<Hit>]) {
         let start = || But { mask, search: Closest { best: None } };
-        self.search_many(rays, f64::INFINITY, start, |index, search| hits[index] = search.search.best);
+        self.search_many(rays, |_| f64::INFINITY, start, |index, search| hits[index] = search.search.best);
+    }
+
+    /// Whether anything lies along each ray nearer than its reach, as [`Self::is_occluded`] finds it.
+    pub fn is_occluded_many(&self, rays: &[Ray], reaches: &[f64], occluded: &mut [bool]) {
+        let start = || Any { found: false };
+        self.search_many(rays, |index| reaches[index], start, |index, search| occluded[index] = search.found);
+    }
+
+    /// Whether anything lies along each ray nearer than its reach, as [`Self::is_occluded_but`] finds it.
+    pub fn is_occluded_many_but(&self, rays: &[Ray], reaches: &[f64], mask: &Mask, occluded: &mut [bool]) {
+        let start = || But { mask, search: Any { found: false } };
+        self.search_many(rays, |index| reaches[index], start, |index, search| occluded[index] = search.search.found);
     }
 
     /// Whether anything lies nearer than `t_max`, as if the primitives of `mask` were not there.
@@ -386,7 +398,7 @@ impl Geometry {
     fn search_many<S: Search>(
         &self,
         rays: &[Ray],
-        t_max: f64,
+        t_max: impl Fn(usize) -> f64,
         start: impl Fn() -> S,
         finish: impl FnMut(usize, &mut S),
     ) {
@@ -412,7 +424,7 @@ impl Geometry {
     fn search_many_avx2<S: Search>(
         &self,
         rays: &[Ray],
-        t_max: f64,
+        t_max: impl Fn(usize) -> f64,
         start: impl Fn() -> S,
         finish: impl FnMut(usize, &mut S),
     ) {
@@ -424,7 +436,7 @@ impl Geometry {
     fn search_many_avx512<S: Search>(
         &self,
         rays: &[Ray],
-        t_max: f64,
+        t_max: impl Fn(usize) -> f64,
         start: impl Fn() -> S,
         finish: impl FnMut(usize, &mut S),
     ) {
@@ -436,7 +448,7 @@ impl Geometry {
     fn search_many_neon<S: Search>(
         &self,
         rays: &[Ray],
-        t_max: f64,
+        t_max: impl Fn(usize) -> f64,
         start: impl Fn() -> S,
         finish: impl FnMut(usize, &mut S),
     ) {
@@ -447,19 +459,20 @@ impl Geometry {
     fn search_many_with<K: Kernel, S: Search>(
         &self,
         rays: &[Ray],
-        t_max: f64,
+        t_max: impl Fn(usize) -> f64,
         start: impl Fn() -> S,
         mut finish: impl FnMut(usize, &mut S),
     ) {
         if self.packs.is_empty() {
             for (index, ray) in rays.iter().enumerate() {
                 let mut search = start();
-                self.search_with::<K>(ray, t_max, &mut search);
+                self.search_with::<K>(ray, t_max(index), &mut search);
                 finish(index, &mut search);
             }
             return;
         }
         for (chunk, rays) in rays.chunks(CHUNK).enumerate() {
+            let t_max = |index: usize| t_max(chunk * CHUNK + index);
             let mut finish = |index: usize, search: &mut S, t_max: f64| {
                 if !self.spheres.is_empty() {
                     self.search_spheres::<K>(&rays[index], t_max, search);

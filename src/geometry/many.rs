@@ -15,7 +15,7 @@ use super::triangle::{PackTest, ShearedRay, TrianglePack};
 use super::walk::{BoxRay, END, Stack, entry};
 
 /// Rays in a group.
-const GROUP: usize = 16;
+const GROUP: usize = 32;
 
 /// A ray on its way.
 struct Walker<S> {
@@ -58,7 +58,7 @@ impl Geometry {
         &self,
         rays: &[Ray],
         members: &[u16],
-        t_max: f64,
+        t_max: impl Fn(usize) -> f64,
         start: impl Fn() -> S,
         mut finish: impl FnMut(usize, &mut S, f64),
     ) {
@@ -68,7 +68,7 @@ impl Geometry {
         let tree = &self.triangle_tree;
         let begin = |member: usize| {
             let index = usize::from(members[member]);
-            let ray = rays[index];
+            let (ray, t_max) = (rays[index], t_max(index));
             let boxes = BoxRay::new(&ray, tree.center, tree.radius);
             let far_limit = boxes.far_limit(t_max);
             let sheared = ShearedRay::new(&ray);

@@ -125,7 +125,7 @@ impl PackTest {
         while met != 0 {
             let lane = met.trailing_zeros() as usize % PACK;
             met &= met - 1;
-            let [u, v, w] = self.edges.map(|edge| edge[lane]);
+            let [u, v, w] = [self.edges[0][lane], self.edges[1][lane], self.edges[2][lane]];
             let determinant = self.determinants[lane];
             if (u == 0.0 || v == 0.0 || w == 0.0) && !ray.is_met_aside(pack, lane, [u, v, w], determinant > 0.0) {
                 continue;

@@ -11,11 +11,11 @@ use super::bvh::{LEAF, Tree, WIDTH};
 use super::kernel::Kernel;
 use super::ray::Ray;
 
-/// Relative growth of distances to box sides that covers the rounding of the reciprocal direction and of what is computed with it.
-const DISTANCE_MARGIN: f32 = 1e-6;
+/// Relative growth of the range in which boxes are met: covers the rounding of its ends.
+const LIMIT_MARGIN: f32 = 1e-6;
 
-/// Farther than every entry.
-pub(super) const NOTHING: u64 = u64::MAX;
+/// Every entry is less than this.
+pub(super) const NOTHING: u64 = (u32::MAX as u64) << 32;
 
 /// Lies under all entries: a leaf that no tree has.
 pub(super) const END: u64 = u32::MAX as u64;
@@ -28,24 +28,23 @@ pub(super) fn entry(near: f32, child: u32) -> u64 {
 
 /// A ray as boxes are tested against it: in f32, from a point moved next to the tree, so that a far origin costs no precision.
 ///
-/// The distance to a side at `p` is computed as p·i − o·i from the rounded reciprocal i of the direction's component and the product o·i,
-/// rounded once. In space, that is off by
+/// The distance to a side at p is computed as p·i − o·i from the rounded reciprocal i of the direction's component and the product o·i, rounded
+/// once. Let m be the tree's largest coordinate. Where the ray meets the sphere around the tree, which is what matters, its origin (moved) lies within √2
+/// radii of the middle, the middle within m, and the radius is at most √3·m: so |o| < 3.5·m and |p − o| < 4.5·m. In space, the side then is off by
 ///
-/// - at most |o|·2⁻²⁴ for the rounding of o·i. Where the ray meets the sphere around the tree, the origin lies within √2 radii of its middle,
-///   and with m for the tree's largest coordinate, the middle within m and the radius within √3·m: |o| < 3.5·m, together less than
-///   m·2⁻²²;
-/// - at most the distance along the ray, < 7·m, times [`Self::SMALLEST`] where a component is taken to be larger than it is: < m·2⁻³⁷;
+/// - |o|·2⁻²⁴ < 3.5·m·2⁻²⁴ for the rounding of o·i;
+/// - |p|·2⁻²⁴ ≤ m·2⁻²⁴ for that of p·i, where it is not fused with the subtraction;
+/// - |p − o|·3·2⁻²⁴ < 13.5·m·2⁻²⁴ for i, rounded, and for the difference, and for what the first two leave out;
+/// - the distance along the ray, < 7·m, times [`Self::SMALLEST`] where a component is taken to be larger than it is: < m·2⁻³⁷;
 ///
-/// less than the m·2⁻²¹ by which all boxes are grown. The rest is relative to the distance: twice 2⁻²⁴ for i, and 2⁻²⁴ each for the product (where it
-/// is not fused: its rounding is at most m·|i|·2⁻²⁴, in space m·2⁻²⁴, and has room in the first bound) and the difference; far sides are moved away by
-/// four times that.
+/// together less than 32·m·2⁻²⁴ = m·2⁻¹⁹, by which all boxes are grown: each is entered no later and left no earlier than it is.
 pub(super) struct BoxRay {
     pub inverse: [f32; 3],
     /// Origin times `inverse`, with the other sign.
     pub offset: [f32; 3],
-    /// Rows of a node that hold the sides where the ray enters. Those where it leaves are the other ones of the same axis: the number with its
-    /// lowest bit turned.
-    pub near_rows: [u32; 3],
+    /// Where in a node's rows the sides are at which the ray enters, in numbers from its beginning. The sides at which it leaves are in the other row of
+    /// the same axis, where the bit [`WIDTH`] is turned.
+    pub near_sides: [u32; 3],
     /// ≥ 0.
     pub near_limit: f32,
     /// Distances here are shorter than along the ray, by this much.
@@ -56,9 +55,6 @@ impl BoxRay {
     /// Components of a direction are taken to be at least this large: 2⁻⁴⁰.
     const SMALLEST: f64 = 1.0 / (1_u64 << 40) as f64;
 
-    /// Far sides are grown by this factor: it covers the rounding of both distances that are compared.
-    pub const FAR_GROWTH: f32 = 1.0 + 2.0 * DISTANCE_MARGIN;
-
     #[inline(always)]
     pub fn new(ray: &Ray, center: DVec3, radius: f64) -> Self {
         let shift = ((center - ray.origin).dot(ray.direction) - radius).max(0.0);
@@ -67,7 +63,7 @@ impl BoxRay {
         let mut boxes = Self {
             inverse: [0.0; 3],
             offset: [0.0; 3],
-            near_rows: [0; 3],
+            near_sides: [0; 3],
             near_limit: lower((ray.t_min - shift) as f32).max(0.0),
             shift,
         };
@@ -76,7 +72,7 @@ impl BoxRay {
             let inverse = (1.0 / direction[axis].abs().max(Self::SMALLEST).copysign(direction[axis])) as f32;
             boxes.inverse[axis] = inverse;
             boxes.offset[axis] = -(origin[axis] * f64::from(inverse)) as f32;
-            boxes.near_rows[axis] = 2 * axis as u32 + u32::from(inverse.is_sign_negative());
+            boxes.near_sides[axis] = (2 * axis as u32 + u32::from(inverse.is_sign_negative())) * WIDTH as u32;
         }
         boxes
     }
@@ -127,8 +123,7 @@ impl Tree {
                     }
                     far_limit = boxes.far_limit(*t_max);
                 }
-                let (next, length) = K::top(&stack, far_limit);
-                (current, stack.length) = (next, length);
+                current = stack.pop_within(far_limit);
             }
         }
     }
@@ -137,23 +132,24 @@ impl Tree {
     #[inline(always)]
     pub(super) fn step<K: Kernel>(&self, node: u32, boxes: &BoxRay, far_limit: f32, stack: &mut Stack) -> u64 {
         stack.make_room();
-        // Without a branch, because whether anything is met can hardly be foretold.
-        let (other, length) = K::top(stack, far_limit);
+        let other = stack.fixed[stack.length - 1];
         let nearest = K::open(&self.nodes[node as usize], boxes, far_limit, stack);
-        let is_nothing = nearest == NOTHING;
-        stack.length = select_unpredictable(is_nothing, length, stack.length);
-        select_unpredictable(is_nothing, other, nearest)
+        // Without a branch, because whether anything is met can hardly be foretold.
+        let is_nothing = nearest >= NOTHING;
+        stack.length -= usize::from(is_nothing);
+        let next = select_unpredictable(is_nothing, other, nearest);
+        if next <= entry(far_limit, u32::MAX) { next } else { stack.pop_within(far_limit) }
     }
 }
 
 #[inline]
 fn upper(t: f32) -> f32 {
-    t + t.abs() * DISTANCE_MARGIN
+    t + t.abs() * LIMIT_MARGIN
 }
 
 #[inline]
 fn lower(t: f32) -> f32 {
-    t - t.abs() * DISTANCE_MARGIN
+    t - t.abs() * LIMIT_MARGIN
 }
 
 /// What is still to be visited: fixed room for ordinary trees, more on the heap for degenerate ones. [`END`] lies at the bottom.
@@ -222,6 +218,19 @@ impl Stack {
     pub fn push_many(&mut self, entries: [u64; WIDTH], count: u32) {
         self.fixed[self.length..self.length + WIDTH].copy_from_slice(&entries);
         self.length += count as usize;
+    }
+
+    /// Takes the uppermost entry that is not farther than `far_limit`, and drops those above it.
+    #[inline(always)]
+    pub fn pop_within(&mut self, far_limit: f32) -> u64 {
+        let farthest = entry(far_limit, u32::MAX);
+        loop {
+            self.length -= 1;
+            let entry = self.fixed[self.length];
+            if entry <= farthest {
+                return entry;
+            }
+        }
     }
 
     /// At [`END`]: whether there is more, which is brought back.

@@ -4,7 +4,7 @@
 //! same incoherent rays of iorect's geometry and of Embree, in turns within one run, and prints millions of rays a second, their ratio,
 //! and the share of rays for which both found the same triangle. Rays are of two kinds: `pairs` run from one random point in the bounds towards
 //! another (as far as there, where only occlusion is asked), `bounces` leave random points of the surfaces, spread as by a diffuse reflection.
-//! `many` is [`Geometry::closest_many`] on the same rays, beside Embree's single rays as well.
+//! `closest` and `any` ask a ray at a time; `many` and `any many` ask for all at once, beside Embree's single rays as well.
 //!
 //! Times are those in which the thread had its core, where the system tells (Linux), so that other programs disturb little.
 //!
@@ -105,9 +105,10 @@ fn stop(message: &str) -> ! {
     std::process::exit(2);
 }
 
+type MakeMesh = fn() -> Mesh;
+
 /// Names, and how to make them.
-const MESHES: &[(&str, fn() -> Mesh)] =
-    &[("nest-60k", || nest(5)), ("heap-80k", || heap(1000)), ("nest-1M", || nest(7))];
+const MESHES: &[(&str, MakeMesh)] = &[("nest-60k", || nest(5)), ("heap-80k", || heap(1000)), ("nest-1M", || nest(7))];
 
 /// Three dented spheres, one in another, of 20·4^`subdivisions` triangles each.
 fn nest(subdivisions: u32) -> Mesh {
@@ -211,7 +212,9 @@ fn compare(kind: &str, geometry: &Geometry, scene: Option<&Scene>, questions: &[
     let mut ours_any = vec![false; rays.len()];
     let mut theirs_closest = vec![u32::MAX; rays.len()];
     let mut theirs_any = ours_any.clone();
-    let [mut closest, mut many, mut any, mut their_closest, mut their_any] = [f64::INFINITY; 5];
+    let reaches: Vec<f64> = questions.iter().map(|q| q.reach).collect();
+    let mut ours_any_many = ours_any.clone();
+    let [mut closest, mut many, mut any, mut any_many, mut their_closest, mut their_any] = [f64::INFINITY; 6];
     for _ in 0..rounds {
         time(&mut closest, || ours_closest.iter_mut().zip(&rays).for_each(|(hit, ray)| *hit = geometry.closest(ray)));
         if let Some(scene) = scene {
@@ -220,6 +223,7 @@ fn compare(kind: &str, geometry: &Geometry, scene: Option<&Scene>, questions: &[
             });
         }
         time(&mut many, || geometry.closest_many(&rays, &mut ours_many));
+        time(&mut any_many, || geometry.is_occluded_many(&rays, &reaches, &mut ours_any_many));
         time(&mut any, || {
             ours_any.iter_mut().zip(questions).for_each(|(any, q)| *any = geometry.is_occluded(&q.ray, q.reach));
         });
@@ -229,7 +233,7 @@ fn compare(kind: &str, geometry: &Geometry, scene: Option<&Scene>, questions: &[
             });
         }
     }
-    assert_eq!(ours_many, ours_closest, "batches and single rays find the same");
+    assert!(ours_many == ours_closest && ours_any_many == ours_any, "many rays find the same as each alone");
     let equal = |same: &dyn Fn(usize) -> bool| (0..rays.len()).filter(|k| same(*k)).count() as f64 / rays.len() as f64;
     let same_closest = equal(&|k| ours_closest[k].map_or(u32::MAX, |hit| hit.primitive) == theirs_closest[k]);
     let same_any = equal(&|k| ours_any[k] == theirs_any[k]);
@@ -238,6 +242,7 @@ fn compare(kind: &str, geometry: &Geometry, scene: Option<&Scene>, questions: &[
         ("closest", closest, their_closest, same_closest),
         ("many", many, their_closest, same_closest),
         ("any", any, their_any, same_any),
+        ("any many", any_many, their_any, same_any),
     ] {
         print!("{:<10}{:>10}  {kind:<8}{question:<9}{:>9.2}", "", "", rate(seconds));
         if scene.is_some() {

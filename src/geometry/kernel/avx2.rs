@@ -23,10 +23,8 @@ impl Kernel for Avx2 {
         // SAFETY: this kernel is chosen only where the features were detected. Registers and arrays that are turned into each other are as long
         // as each other; `members` has the eight bytes that are loaded from it.
         unsafe {
-            let [near, far] = distances(node, ray);
-            let far = _mm256_mul_ps(far, _mm256_set1_ps(BoxRay::FAR_GROWTH));
-            let near = _mm256_max_ps(near, _mm256_set1_ps(ray.near_limit));
-            let is_met = _mm256_cmp_ps::<_CMP_LE_OQ>(near, _mm256_min_ps(far, _mm256_set1_ps(far_limit)));
+            let [near, far] = distances(node, ray, far_limit);
+            let is_met = _mm256_cmp_ps::<_CMP_LE_OQ>(near, far);
             let met = _mm256_movemask_ps(is_met) as u32;
 
             // The nearest is the smallest of the numbers made of a distance's bits and, in place of the lowest three, its lane. Distances are ≥ 0, and
@@ -95,21 +93,24 @@ static MEMBERS: [[u8; WIDTH]; 256] = {
     members
 };
 
-/// Distances to where the ray has entered the children's boxes along all axes, and to where it leaves them along any.
+/// Distances to where the ray has entered the children's boxes along all axes, and to where it leaves them along any, within the limits.
 #[inline(always)]
-pub(super) fn distances(node: &Node, ray: &BoxRay) -> [__m256; 2] {
-    // SAFETY: called by kernels whose features were detected, AVX2 and FMA among them. Rows are numbered from 0 to 5, and with the lowest bit
-    // turned as well.
+pub(super) fn distances(node: &Node, ray: &BoxRay, far_limit: f32) -> [__m256; 2] {
+    // SAFETY: called by kernels whose features were detected, AVX2 and FMA among them. Each side is the beginning of one of the six rows, and so
+    // is the one with its lowest bit turned; a node is aligned to a multiple of the register's length.
     unsafe {
         let mut near = [_mm256_setzero_ps(); 3];
         let mut far = near;
-        let row = |number: u32| _mm256_load_ps(node.rows.as_ptr().add(number as usize).cast());
+        let row = |side: u32| _mm256_load_ps(node.rows.as_ptr().cast::<f32>().add(side as usize));
         for axis in 0..3 {
             let (inverse, offset) = (_mm256_set1_ps(ray.inverse[axis]), _mm256_set1_ps(ray.offset[axis]));
-            near[axis] = _mm256_fmadd_ps(row(ray.near_rows[axis]), inverse, offset);
-            far[axis] = _mm256_fmadd_ps(row(ray.near_rows[axis] ^ 1), inverse, offset);
+            near[axis] = _mm256_fmadd_ps(row(ray.near_sides[axis]), inverse, offset);
+            far[axis] = _mm256_fmadd_ps(row(ray.near_sides[axis] ^ WIDTH as u32), inverse, offset);
         }
-        [_mm256_max_ps(_mm256_max_ps(near[0], near[1]), near[2]), _mm256_min_ps(_mm256_min_ps(far[0], far[1]), far[2])]
+        let far = _mm256_min_ps(_mm256_min_ps(far[0], far[1]), _mm256_min_ps(far[2], _mm256_set1_ps(far_limit)));
+        let near =
+            _mm256_max_ps(_mm256_max_ps(near[0], near[1]), _mm256_max_ps(near[2], _mm256_set1_ps(ray.near_limit)));
+        [near, far]
     }
 }
 

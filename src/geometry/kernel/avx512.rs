@@ -8,8 +8,8 @@ use std::arch::x86_64::*;
 use std::array::from_fn;
 use std::mem::transmute;
 
-use super::Kernel;
 use super::avx2::distances;
+use super::{Kernel, LONGER, SHORTER};
 use crate::geometry::bvh::{Node, WIDTH};
 use crate::geometry::triangle::{PACK, PackTest, ShearedRay, TrianglePack};
 use crate::geometry::walk::{BoxRay, Stack, entry};
@@ -23,22 +23,20 @@ impl Kernel for Avx512 {
         // SAFETY: this kernel is chosen only where the features were detected. Registers and arrays that are turned into each other are as long
         // as each other.
         unsafe {
-            let [near, far] = distances(node, ray);
-            let far = _mm256_mul_ps(far, _mm256_set1_ps(BoxRay::FAR_GROWTH));
-            let near = _mm256_max_ps(near, _mm256_set1_ps(ray.near_limit));
-            let met = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(near, _mm256_min_ps(far, _mm256_set1_ps(far_limit)));
-
-            // Each child with its distance above it, all in one register; those not met are all ones.
+            let [near, far] = distances(node, ray, far_limit);
+            // Each child with its distance above it, all in one register; the distances of those not met are all ones.
+            let is_missed = _mm256_cmp_ps::<_CMP_NLE_UQ>(near, far);
+            let distances = _mm256_castps_si256(_mm256_or_ps(near, is_missed));
             let entries = _mm512_permutex2var_epi32(
                 _mm512_castsi256_si512(transmute::<[u32; WIDTH], __m256i>(node.children)),
                 _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23),
-                _mm512_castsi256_si512(_mm256_castps_si256(near)),
+                _mm512_castsi256_si512(distances),
             );
-            let entries = _mm512_mask_mov_epi64(_mm512_set1_epi64(-1), met, entries);
             let four = _mm256_min_epu64(_mm512_castsi512_si256(entries), _mm512_extracti64x4_epi64::<1>(entries));
             let two = _mm_min_epu64(_mm256_castsi256_si128(four), _mm256_extracti128_si256::<1>(four));
             let nearest = _mm_min_epu64(two, _mm_unpackhi_epi64(two, two));
-            let others = _mm512_mask_cmpneq_epu64_mask(met, entries, _mm512_broadcastq_epi64(nearest));
+            let others = _mm512_cmpneq_epu64_mask(entries, _mm512_broadcastq_epi64(nearest))
+                & !(_mm256_movemask_ps(is_missed) as u8);
             let others_first = _mm512_maskz_compress_epi64(others, entries);
             stack.push_many(transmute::<__m512i, [u64; WIDTH]>(others_first), u32::from(others).count_ones());
             _mm_cvtsi128_si64(nearest) as u64
@@ -97,22 +95,30 @@ impl Kernel for Avx512 {
             let lowest = _mm512_min_pd(_mm512_min_pd(u, v), w);
             let highest = _mm512_max_pd(_mm512_max_pd(u, v), w);
             let met = _mm512_cmp_pd_mask::<_CMP_GE_OQ>(lowest, zero) | _mm512_cmp_pd_mask::<_CMP_LE_OQ>(highest, zero);
-            if met == 0 {
-                return 0;
-            }
             let determinant = _mm512_add_pd(_mm512_add_pd(u, v), w);
             let mut sum = _mm512_mul_pd(u, _mm512_mul_pd(sz, depths[0]));
             sum = _mm512_add_pd(sum, _mm512_mul_pd(v, _mm512_mul_pd(sz, depths[1])));
             sum = _mm512_add_pd(sum, _mm512_mul_pd(w, _mm512_mul_pd(sz, depths[2])));
+            // First without the division, erring towards meeting: it is seldom needed then.
+            let size = _mm512_abs_pd(determinant);
+            let sign = _mm512_and_pd(determinant, _mm512_set1_pd(-0.0));
+            let signed_sum = _mm512_xor_pd(sum, sign);
+            let met =
+                _mm512_mask_cmp_pd_mask::<_CMP_GE_OQ>(
+                    met,
+                    signed_sum,
+                    _mm512_mul_pd(size, _mm512_set1_pd(t_min * SHORTER)),
+                ) & _mm512_cmp_pd_mask::<_CMP_LE_OQ>(signed_sum, _mm512_mul_pd(size, _mm512_set1_pd(t_max * LONGER)));
+            if met == 0 {
+                return 0;
+            }
             let t = _mm512_div_pd(sum, determinant);
             let met = _mm512_mask_cmp_pd_mask::<_CMP_GE_OQ>(met, t, _mm512_set1_pd(t_min))
                 & _mm512_cmp_pd_mask::<_CMP_LE_OQ>(t, _mm512_set1_pd(t_max))
                 & _mm512_cmp_pd_mask::<_CMP_NEQ_OQ>(determinant, zero);
-            if met != 0 {
-                test.edges = [u, v, w].map(|edge| transmute::<__m512d, [f64; PACK]>(edge));
-                test.determinants = transmute::<__m512d, [f64; PACK]>(determinant);
-                test.distances = transmute::<__m512d, [f64; PACK]>(t);
-            }
+            test.edges = [u, v, w].map(|edge| transmute::<__m512d, [f64; PACK]>(edge));
+            test.determinants = transmute::<__m512d, [f64; PACK]>(determinant);
+            test.distances = transmute::<__m512d, [f64; PACK]>(t);
             u32::from(met)
         }
     }

@@ -29,7 +29,7 @@ use super::walk::{BoxRay, Stack};
 /// An implementation of both steps.
 pub(super) trait Kernel {
     /// Which children's boxes `ray` meets, up to `far_limit` (≥ 0): puts all but the nearest on the stack, in no particular order, and
-    /// returns the nearest; [`super::walk::NOTHING`] if none is met. Errs only towards meeting a box. The stack has room for eight more.
+    /// returns the nearest; [`super::walk::NOTHING`] or more if none is met. Errs only towards meeting a box. The stack has room for eight more.
     fn open(node: &Node, ray: &BoxRay, far_limit: f32, stack: &mut Stack) -> u64;
 
     /// Asks for the 320 bytes from `start` on to be brought near, whether or not they exist.
@@ -42,6 +42,13 @@ pub(super) trait Kernel {
     /// where there is any. Triangles that are points or seen edge-on are met nowhere.
     fn meet_triangles(ray: &ShearedRay, pack: &TrianglePack, t_min: f64, t_max: f64, test: &mut PackTest) -> u32;
 }
+
+/// A quotient that is at least t is not less than t·`SHORTER` before it is rounded, and one that is at most t no more than t·`LONGER`, rounding of
+/// the products included.
+#[cfg(target_arch = "x86_64")]
+const SHORTER: f64 = 1.0 - 4.0 * f64::EPSILON;
+#[cfg(target_arch = "x86_64")]
+const LONGER: f64 = 1.0 + 4.0 * f64::EPSILON;
 
 /// Which kernel to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -54,14 +54,14 @@ fn open_four<const FIRST: usize>(node: &Node, ray: &BoxRay, far_limit: f32, dist
     // SAFETY: this kernel is chosen only where the feature was detected. Four numbers follow `FIRST` in arrays of eight.
     unsafe {
         let mut near = vdupq_n_f32(ray.near_limit);
-        let mut far = vdupq_n_f32(f32::INFINITY);
+        let mut far = vdupq_n_f32(far_limit);
         for axis in 0..3 {
             let (inverse, offset) = (vdupq_n_f32(ray.inverse[axis]), vdupq_n_f32(ray.offset[axis]));
-            let row = ray.near_rows[axis] as usize;
+            let row = ray.near_sides[axis] as usize / WIDTH;
             near = vmaxq_f32(near, vfmaq_f32(offset, vld1q_f32(node.rows[row].as_ptr().add(FIRST)), inverse));
             far = vminq_f32(far, vfmaq_f32(offset, vld1q_f32(node.rows[row ^ 1].as_ptr().add(FIRST)), inverse));
         }
-        let far = vminq_f32(vmulq_f32(far, vdupq_n_f32(BoxRay::FAR_GROWTH)), vdupq_n_f32(far_limit));
+
         vst1q_f32(distances.as_mut_ptr().add(FIRST), near);
         vaddvq_u32(vandq_u32(vcleq_f32(near, far), vld1q_u32([1, 2, 4, 8].as_ptr())))
     }

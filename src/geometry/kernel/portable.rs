@@ -15,7 +15,7 @@ impl Kernel for Portable {
         let mut near = [ray.near_limit; WIDTH];
         let mut far = [f32::INFINITY; WIDTH];
         for axis in 0..3 {
-            let near_row = ray.near_rows[axis] as usize;
+            let near_row = ray.near_sides[axis] as usize / WIDTH;
             let (near_row, far_row) = (&node.rows[near_row], &node.rows[near_row ^ 1]);
             for lane in 0..WIDTH {
                 // Not fused: that would be slow where it is no instruction.
@@ -27,7 +27,7 @@ impl Kernel for Portable {
         }
         let mut nearest = NOTHING;
         for lane in 0..WIDTH {
-            if near[lane] <= far[lane] * BoxRay::FAR_GROWTH && near[lane] <= far_limit {
+            if near[lane] <= far[lane] && near[lane] <= far_limit {
                 let child = entry(near[lane], node.children[lane]);
                 if nearest != NOTHING {
                     stack.push(nearest.max(child));

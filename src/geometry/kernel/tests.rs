@@ -181,12 +181,24 @@ fn groups_of_any_size() {
     (0..geometry.triangle_count() as u32 + 20).filter(|k| k % 3 == 0).for_each(|k| mask.insert(k));
     for kernel in KernelChoice::available() {
         geometry.kernel = kernel;
-        for count in [0, 1, 2, 7, 15, 16, 17, 100] {
+        for count in [0, 1, 2, 31, 32, 33, 300] {
             let rays = &rays[..count];
             let mut hits = vec![None; count];
             geometry.closest_many_but(rays, &mask, &mut hits);
             let alone: Vec<Option<Hit>> = rays.iter().map(|ray| geometry.closest_but(ray, &mask)).collect();
             assert_eq!(hits, alone, "{kernel:?}, {count} rays");
+
+            let reaches: Vec<f64> = (0..count).map(|k| [0.3, 1.0, f64::INFINITY][k % 3]).collect();
+            let mut occluded = vec![false; count];
+            geometry.is_occluded_many(rays, &reaches, &mut occluded);
+            assert!(
+                occluded.iter().zip(rays.iter().zip(&reaches)).all(|(is, (r, t))| *is == geometry.is_occluded(r, *t))
+            );
+            geometry.is_occluded_many_but(rays, &reaches, &mask, &mut occluded);
+            let alone: Vec<bool> =
+                rays.iter().zip(&reaches).map(|(ray, reach)| geometry.is_occluded_but(ray, *reach, &mask)).collect();
+            assert_eq!(occluded, alone, "{kernel:?}, {count} rays");
+            assert!(count < 300 || (alone.contains(&true) && alone.contains(&false)));
         }
     }
 }
