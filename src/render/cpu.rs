@@ -82,10 +82,11 @@ impl Pass<'_> {
             .enumerate()
             .map_init(Scratch::<T::State>::default, |scratch, (row, (sums, counts))| {
                 scratch.events = Events::default();
-                if self.cancel.load(Ordering::Relaxed) {
-                    return Events::default();
-                }
                 for (column, (sum, count)) in sums.iter_mut().zip(counts).enumerate() {
+                    // A row can take a third of a second, which is too long to wait for an image that is out of date.
+                    if self.cancel.load(Ordering::Relaxed) {
+                        return Events::default();
+                    }
                     let pixel = row as u32 * width + column as u32;
                     for sample in first..first + self.samples {
                         let sampler = Sampler::new(self.settings.seed, pixel, sample);

@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use self::lane::{Job, LaneMessage, run_lane};
 use self::mailbox::{Mailbox, Taken};
@@ -176,9 +176,15 @@ pub enum News {
 /// Called from the threads after each publication; must be quick.
 pub type Wake = Arc<dyn Fn(News) + Send + Sync>;
 
+/// A request, and when it came.
+struct Asked {
+    request: Request,
+    at: Instant,
+}
+
 /// The handle to the threads. Dropping it cancels and joins them.
 pub struct Worker {
-    requests: Arc<Mailbox<Request>>,
+    requests: Arc<Mailbox<Asked>>,
     lanes: [Arc<Mailbox<LaneMessage>>; 3],
     board: Arc<Board>,
     threads: Vec<JoinHandle<()>>,
@@ -220,7 +226,7 @@ impl Worker {
 
     /// Asks for images. Returns at once; an older request that has not been looked at is dropped.
     pub fn submit(&self, request: Request) {
-        self.requests.post(request);
+        self.requests.post(Asked { request, at: Instant::now() });
     }
 
     /// Where results appear.
@@ -285,14 +291,14 @@ impl Leisure {
     }
 }
 
-fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>>; 3], board: &Board, wake: &Wake) {
+fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &[Arc<Mailbox<LaneMessage>>; 3], board: &Board, wake: &Wake) {
     let mut current: Option<Prepared> = None;
     let mut leisure: Option<Leisure> = None;
     loop {
         let is_free = leisure.as_ref().is_some_and(|leisure| !leisure.is_over());
         let taken = if is_free { requests.wait_for(QUIET) } else { requests.wait().into() };
-        let request = match taken {
-            Taken::Message(request) => request,
+        let Asked { request, at: asked_at } = match taken {
+            Taken::Message(asked) => asked,
             Taken::Closed => return,
             Taken::Empty => {
                 if let (Some(leisure), Some(prepared)) = (&mut leisure, &mut current) {
@@ -345,6 +351,7 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
                     camera,
                     modes,
                     request: request.clone(),
+                    asked_at,
                 }))
             });
         }
@@ -362,8 +369,6 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
 
 #[cfg(test)]
 mod tests {
-    use std::time::Instant;
-
     use super::*;
 
     fn request(epoch: u64, modes: &[Mode]) -> Request {

@@ -38,9 +38,9 @@ pub fn compile(description: &Description, previous: Option<(&Description, &World
         }
     };
     let objects = objects(description, geometry.origin, bodies)?;
-    let environment = match kept.zip(previous) {
+    let environment = match previous {
         // An image's sampling tables are worth keeping.
-        Some((world, (before, _))) if is_same_environment(&before.environment, &description.environment) => {
+        Some((before, world)) if is_same_environment(&before.environment, &description.environment) => {
             world.environment.clone()
         }
         _ => EnvironmentLight::new(&description.environment),

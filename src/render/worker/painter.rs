@@ -93,7 +93,7 @@ impl Progress {
         let Some(painting) = self.paintings.get_mut(&quantity) else { return false };
         let grace_end = if stage == 0 { Instant::now() + FIRST_PASS_GRACE } else { Instant::now() };
         let job = &self.job;
-        let is_complete = cancellable(pool, mailbox, job.request.epoch, grace_end, |cancel| {
+        let is_complete = cancellable(pool, mailbox, job.request.epoch, grace_end, None, |cancel| {
             painting.add(&job.prepared, &job.camera, quantity, cancel)
         });
         if is_complete {
