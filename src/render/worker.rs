@@ -461,6 +461,54 @@ mod tests {
         until(&worker, |s| s.len() == 1 && s.values().all(|s| s.epoch == 2 && s.is_done));
     }
 
+    /// Every image that is shown, the coarse ones of a drag too, is the one of its size.
+    #[test]
+    fn previews_are_images_of_their_size() {
+        type Shown = Mutex<Vec<(u64, Arc<Snapshot>)>>;
+        let seen: Arc<Shown> = Arc::default();
+        let board: Arc<Mutex<Option<Arc<Board>>>> = Arc::default();
+        let worker = {
+            let (seen, board) = (Arc::clone(&seen), Arc::clone(&board));
+            Worker::start(Arc::new(move |_| {
+                let Some(board) = board.lock().unwrap().clone() else { return };
+                let shown = board.snapshots().into_values().map(|snapshot| (snapshot.epoch, snapshot));
+                seen.lock().unwrap().extend(shown);
+            }))
+            .unwrap()
+        };
+        *board.lock().unwrap() = Some(Arc::clone(worker.board()));
+        let modes = [Mode::Stack, Mode::Rectified, Mode::Reference];
+        let first = Request { size: [480, 320], sample_limit: Some(1), ..request(1, &modes) };
+        let asked = |epoch: u64| {
+            let mut asked = Request { epoch, ..first.clone() };
+            asked.camera.position.x += 0.05 * epoch as f64;
+            asked
+        };
+        for epoch in 1..6 {
+            worker.submit(asked(epoch));
+            std::thread::sleep(Duration::from_millis(30));
+        }
+        until(&worker, |s| s.len() == 3 && s.values().all(|s| s.epoch == 5 && s.is_done));
+        let mut seen = seen.lock().unwrap().clone();
+        seen.dedup_by(|a, b| Arc::ptr_eq(&a.1, &b.1));
+        // (How many of them are previews is a matter of the machine's speed.)
+        assert!(seen.len() >= 3);
+        let prepared = prepare(Arc::clone(&first.description), None).unwrap();
+        for (epoch, snapshot) in seen {
+            let camera = Camera::new(&asked(epoch).camera).unwrap();
+            let settings = crate::render::RenderSettings {
+                mode: snapshot.mode,
+                seed: first.seed,
+                max_depth: first.max_depth,
+                leave_out: true,
+            };
+            let mut film = crate::render::Film::new(snapshot.size[0], snapshot.size[1]);
+            let never = std::sync::atomic::AtomicBool::new(false);
+            crate::render::accumulate(&prepared, &camera, &settings, &mut film, snapshot.samples, &never);
+            assert_eq!(film.to_rgb(), snapshot.rgb, "{} at {:?}", snapshot.mode, snapshot.size);
+        }
+    }
+
     #[test]
     fn what_can_wait_is_done_when_nothing_else_is_wanted() {
         let worker = Worker::start(quiet()).unwrap();

@@ -5,8 +5,8 @@
 //! cargo bench --bench first_image -- SCENE… [--edits N] some, with so many edits of each kind (default 12)
 //! ```
 //!
-//! Panes share a picture of 1280×720: one of that size (`rectified`), two of half the width (`stack` beside it), four of half each way (`naive`
-//! and `reference` too). Edits come while the worker is at work, at irregular moments after the last one was answered. Under `cargo
+//! Panes share a picture of 1280×720: one of that size (`rectified`), two of half the width (`stack` beside it, or surfaces painted by what
+//! lies outside), four of half each way (`naive`, `stack`, `rectified`, `reference`). Edits come while the worker is at work, at irregular moments after the last one was answered. Under `cargo
 //! test`, it tries itself on one small case.
 
 use std::io::Write;
@@ -17,16 +17,34 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 use iorect::optics::IorModel;
 use iorect::optics::dispersion::WAVELENGTH_D_UM;
+use iorect::render::surfaces::SurfaceQuantity;
 use iorect::render::worker::{Request, Worker};
 use iorect::scene::{Description, builtin};
 use iorect::tracking::Mode;
 
-/// How panes divide the picture: modes, and the size of each pane.
-const PANES: [(&[Mode], [u32; 2]); 3] = [
-    (&[Mode::Rectified], [1280, 720]),
-    (&[Mode::Stack, Mode::Rectified], [640, 720]),
-    (&[Mode::Naive, Mode::Stack, Mode::Rectified, Mode::Reference], [640, 360]),
+/// How panes divide the picture.
+struct Panes {
+    modes: &'static [Mode],
+    surfaces: &'static [SurfaceQuantity],
+    /// Of each pane.
+    size: [u32; 2],
+}
+
+const PANES: [Panes; 4] = [
+    Panes { modes: &[Mode::Rectified], surfaces: &[], size: [1280, 720] },
+    Panes { modes: &[Mode::Stack, Mode::Rectified], surfaces: &[], size: [640, 720] },
+    Panes { modes: &[Mode::Rectified], surfaces: &[SurfaceQuantity::Outside], size: [640, 720] },
+    Panes { modes: &[Mode::Naive, Mode::Stack, Mode::Rectified, Mode::Reference], surfaces: &[], size: [640, 360] },
 ];
+
+impl Panes {
+    fn name(&self) -> String {
+        match self.surfaces.len() {
+            0 => self.modes.len().to_string(),
+            painted => format!("{}+{painted}", self.modes.len()),
+        }
+    }
+}
 
 const EDITS: [Edit; 3] = [Edit::Ior, Edit::Transform, Edit::Camera];
 
@@ -61,13 +79,16 @@ fn main() -> ExitCode {
         [] => builtin::all().iter().map(|scene| scene.name).collect(),
         some => some.iter().map(String::as_str).collect(),
     };
-    let is_done =
-        if is_bench { measure(&names, edits, &PANES) } else { measure(&["plain-glass"], 1, &[(PANES[2].0, [64, 48])]) };
+    let is_done = if is_bench {
+        measure(&names, edits, &PANES)
+    } else {
+        measure(&["plain-glass"], 1, &PANES.map(|panes| Panes { size: [64, 48], ..panes }))
+    };
     if is_done.is_ok() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// Prints a table: for each scene and division, the median and the worst of each kind of edit, and the first image's width.
-fn measure(names: &[&str], edits: usize, panes: &[(&[Mode], [u32; 2])]) -> std::io::Result<()> {
+fn measure(names: &[&str], edits: usize, divisions: &[Panes]) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     writeln!(
         out,
@@ -77,9 +98,9 @@ fn measure(names: &[&str], edits: usize, panes: &[(&[Mode], [u32; 2])]) -> std::
     let mut worst_of_all: f64 = 0.0;
     for name in names {
         let description = iorect::scene::load::open(name).map_err(std::io::Error::other)?;
-        for (modes, size) in panes {
-            write!(out, "{name:16} {:>5}", modes.len())?;
-            for answers in run(&description, modes, *size, edits)? {
+        for panes in divisions {
+            write!(out, "{name:16} {:>5}", panes.name())?;
+            for answers in run(&description, panes, edits)? {
                 let mut millis: Vec<f64> = answers.iter().map(|answer| answer.seconds * 1e3).collect();
                 millis.sort_by(f64::total_cmp);
                 let (median, worst) = (millis[millis.len() / 2], millis[millis.len() - 1]);
@@ -101,7 +122,7 @@ struct Answer {
 }
 
 /// The answers to each kind of edit, in the order of [`EDITS`].
-fn run(description: &Description, modes: &[Mode], size: [u32; 2], edits: usize) -> std::io::Result<[Vec<Answer>; 3]> {
+fn run(description: &Description, panes: &Panes, edits: usize) -> std::io::Result<[Vec<Answer>; 3]> {
     let news = Arc::new((Mutex::new(0_u64), Condvar::new()));
     let bell = Arc::clone(&news);
     let worker = Worker::start(Arc::new(move |_| {
@@ -112,9 +133,9 @@ fn run(description: &Description, modes: &[Mode], size: [u32; 2], edits: usize) 
         epoch: 1,
         description: Arc::new(description.clone()),
         camera: description.camera,
-        modes: modes.to_vec(),
-        surfaces: Vec::new(),
-        size,
+        modes: panes.modes.to_vec(),
+        surfaces: panes.surfaces.to_vec(),
+        size: panes.size,
         seed: 0,
         max_depth: None,
         sample_limit: Some(4096),
@@ -158,15 +179,22 @@ fn edited(before: &Request, edit: Edit, index: usize) -> Request {
     request
 }
 
-/// Submits and waits until each mode has an image of that epoch.
+/// Submits and waits until each pane has an image of that epoch.
 fn answer(worker: &Worker, (count, changed): &(Mutex<u64>, Condvar), request: &Request) -> Answer {
     let start = Instant::now();
     worker.submit(request.clone());
     let mut seen = count.lock().expect("no holder panics");
     loop {
-        let snapshots = worker.board().snapshots();
-        let is_new = |mode| snapshots.get(mode).filter(|snapshot| snapshot.epoch == request.epoch);
-        let widths: Option<Vec<u32>> = request.modes.iter().map(|mode| Some(is_new(mode)?.size[0])).collect();
+        let (snapshots, paintings) = (worker.board().snapshots(), worker.board().paintings());
+        let film = |mode| snapshots.get(mode).filter(|film| film.epoch == request.epoch).map(|film| film.size[0]);
+        let painted = |quantity| {
+            paintings
+                .get(quantity)
+                .filter(|painted| painted.epoch == request.epoch)
+                .map(|painted| painted.painting.width)
+        };
+        let widths: Option<Vec<u32>> =
+            request.modes.iter().map(film).chain(request.surfaces.iter().map(painted)).collect();
         if let Some(widths) = widths {
             return Answer { seconds: start.elapsed().as_secs_f64(), width: widths.into_iter().min().unwrap_or(0) };
         }

@@ -31,12 +31,19 @@ pub(super) struct Job {
     pub(super) asked_at: Instant,
 }
 
+impl Job {
+    /// When the first image must be there, if work on it begins at `begun`.
+    pub(super) fn first_image_due(&self, begun: Instant) -> Instant {
+        (self.asked_at + FIRST_IMAGE).max(begun + LEAST_FIRST_IMAGE)
+    }
+}
+
 /// When the first image of an epoch is there, counted from the request: the rest of 100 ms is for display and the screen.
 const FIRST_IMAGE: Duration = Duration::from_millis(60);
 /// What the first image may take at least, however late it is already: after a long preparation, or in a stream of edits.
 const LEAST_FIRST_IMAGE: Duration = Duration::from_millis(30);
 /// The pilot's share of the time for the first image.
-const PILOT_SHARE: f64 = 0.125;
+const PILOT_SHARE: f64 = 0.2;
 /// How much of the time that the pilot has left the first image may be expected to take: other lanes and programs may want the cores.
 const FIRST_IMAGE_SHARE: f64 = 0.7;
 /// Time that a slice of samples should take, in seconds.
@@ -46,7 +53,7 @@ const FIRST_IMAGE_GRACE: Duration = Duration::from_millis(150);
 /// Pixels of the first pass of a mode that has not been timed in this scene.
 const UNTIMED_PIXELS: f64 = 600.0;
 /// Coarsest preview: one pixel for this many squared.
-const MAX_DIVISOR: u32 = 40;
+pub(super) const MAX_DIVISOR: u32 = 40;
 
 /// The films of one epoch.
 struct Progress {
@@ -113,7 +120,7 @@ impl Progress {
     /// Begins with a pilot: a picture so coarse that it takes little of the time for the first image, and says how fine that can be.
     fn new(job: Job, speed: &Speed) -> Self {
         let begun = Instant::now();
-        let first_image_due = (job.asked_at + FIRST_IMAGE).max(begun + LEAST_FIRST_IMAGE);
+        let first_image_due = job.first_image_due(begun);
         let seconds = PILOT_SHARE * (first_image_due - begun).as_secs_f64();
         let divisor = divisor_for(speed.seconds_of(&job), seconds).min(MAX_DIVISOR);
         let mut progress = Self {
@@ -346,7 +353,7 @@ impl Speed {
 }
 
 /// The least divisor at which what takes `full_seconds` at full size takes at most `seconds`.
-fn divisor_for(full_seconds: f64, seconds: f64) -> u32 {
+pub(super) fn divisor_for(full_seconds: f64, seconds: f64) -> u32 {
     (full_seconds / seconds.max(1e-6)).sqrt().ceil().max(1.0) as u32
 }
 

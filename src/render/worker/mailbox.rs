@@ -128,10 +128,10 @@ impl<T> Mailbox<T> {
                 continue;
             }
             let is_wanted = interrupt.is_some() && slot.message.as_ref().is_some_and(&matters);
-            if slot.is_closed || (is_wanted && not_before <= now) {
-                if let Some(interrupt) = interrupt.take() {
-                    interrupt();
-                }
+            if (slot.is_closed || (is_wanted && not_before <= now))
+                && let Some(interrupt) = interrupt.take()
+            {
+                interrupt();
             }
             let interrupt_at = (is_wanted && interrupt.is_some()).then_some(not_before);
             let next = interrupt_at.into_iter().chain(alarm.as_ref().map(|alarm| alarm.at)).min();
