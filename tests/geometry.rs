@@ -30,7 +30,7 @@ fn mesh_part(mesh: Mesh) -> Part {
 
 /// Nested shells of tessellated spheres.
 fn shells(radii: &[f64], center: DVec3) -> Geometry {
-    Geometry::build(&radii.iter().map(|&r| mesh_part(icosphere(center, r, 3))).collect::<Vec<_>>())
+    Geometry::build(radii.iter().map(|&r| mesh_part(icosphere(center, r, 3))).collect::<Vec<_>>())
 }
 
 /// Whether the walk along `ray` from the middle of `count` nested closed shells meets each exactly once, from behind.
@@ -236,5 +236,31 @@ fn slivers_and_points() {
     let mut numbers = Numbers(8);
     for _ in 0..1000 {
         assert!(leaves_all_shells(&geometry, &Ray::new(DVec3::ZERO, numbers.direction()), 1));
+    }
+}
+
+/// Tables that are filled in parallel, over more triangles than one thread takes at a time.
+#[test]
+fn areas_and_bounds_are_the_same_on_any_number_of_threads() {
+    let mesh = icosphere(DVec3::new(0.5, -0.25, 0.0), 1.5, 5);
+    let expected: f64 = (mesh.triangles.iter())
+        .map(|t| t.map(|i| mesh.positions[i as usize].as_vec3().as_dvec3()))
+        .map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0)
+        .sum();
+    let on_threads = |count: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
+        let parts = || vec![mesh_part(mesh.clone()), mesh_part(icosphere(DVec3::ZERO, 0.5, 2))];
+        let geometry = pool.install(|| Geometry::build(parts()));
+        let of_object = |object| (geometry.area(object), geometry.bounds_of(object));
+        (of_object(0), of_object(1), *geometry.bounding_sphere().unwrap())
+    };
+    let one = on_threads(1);
+    assert_eq!(one.0.0, expected, "the sum runs from the first face to the last");
+    let (min, max) = one.0.1;
+    let extreme =
+        |of: fn(DVec3, DVec3) -> DVec3| mesh.positions.iter().map(|p| p.as_vec3().as_dvec3()).reduce(of).unwrap();
+    assert_eq!((min, max), (extreme(DVec3::min), extreme(DVec3::max)));
+    for count in [2, 3, 7] {
+        assert_eq!(on_threads(count), one, "{count} threads");
     }
 }

@@ -95,21 +95,21 @@ impl Bundle {
 }
 
 /// Rays that are looked at together: indices are short, and lists have fixed lengths.
-pub(super) const CHUNK: usize = 128;
+pub(super) const GATHERED: usize = 128;
 
 /// What has become of a chunk of rays.
 pub(super) struct Gathered {
-    beams: [Bundle; CHUNK / FEWEST],
+    beams: [Bundle; GATHERED / FEWEST],
     beam_count: usize,
-    others: [u16; CHUNK],
+    others: [u16; GATHERED],
     other_count: usize,
 }
 
 impl Gathered {
-    /// Divides `rays`, at most [`CHUNK`], into beams and others, in an order that depends on the rays alone.
+    /// Divides `rays`, at most [`GATHERED`], into beams and others, in an order that depends on the rays alone.
     pub(super) fn new(tree: &Tree, rays: &[Ray]) -> Self {
         let mut gathered =
-            Self { beams: [Bundle::EMPTY; CHUNK / FEWEST], beam_count: 0, others: [0; CHUNK], other_count: 0 };
+            Self { beams: [Bundle::EMPTY; GATHERED / FEWEST], beam_count: 0, others: [0; GATHERED], other_count: 0 };
         let mut open = [Bundle::EMPTY; OPEN];
         let (mut latest, mut oldest) = (0, 0);
         for (index, ray) in rays.iter().enumerate() {

@@ -1,11 +1,12 @@
 //! All primitives of a scene, the trees over them, and every question that is asked of them.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::beam::{CHUNK, Gathered};
+use super::beam::{GATHERED, Gathered};
 use super::bvh::{Bounds, Tree};
 #[cfg(target_arch = "aarch64")]
 use super::kernel::Neon;
@@ -97,13 +98,20 @@ pub struct Geometry {
     pub(super) kernel: KernelChoice,
 }
 
+/// Triangles that one thread looks at before they are put together: not as many as threads happen to take, since the sign of a zero
+/// depends on the order.
+const CHUNK: usize = 1 << 14;
+
 /// A scene farther from zero than this many times its own size is moved.
 const FAR: f64 = 16.0;
 
 impl Geometry {
     /// Builds everything. Every coordinate is finite, every radius > 0, every index in range.
-    pub fn build(parts: &[Part]) -> Self {
-        let origin = local_origin(parts);
+    ///
+    /// Parts that are handed over are let go one by one: building the tree takes most memory, and needs none of them.
+    pub fn build<'a>(parts: impl Into<Cow<'a, [Part]>>) -> Self {
+        let parts = parts.into().into_owned();
+        let origin = local_origin(&parts);
         let mut geometry = Self {
             origin,
             positions: Vec::new(),
@@ -122,13 +130,14 @@ impl Geometry {
             kernel: KernelChoice::best(),
         };
         let any_smooth = parts.iter().any(|p| matches!(p, Part::Mesh { smooth: true, .. }));
+        geometry.reserve(&parts, any_smooth);
         let mut object_of_sphere = Vec::new();
-        for (object, part) in parts.iter().enumerate() {
+        for (object, part) in parts.into_iter().enumerate() {
             match part {
-                Part::Mesh { mesh, smooth } => geometry.add_mesh(object as u32, mesh, *smooth, any_smooth),
+                Part::Mesh { mesh, smooth } => geometry.add_mesh(object as u32, &mesh, smooth, any_smooth),
                 Part::Sphere { center, radius } => {
                     geometry.ranges.push(ObjectRange::Sphere(geometry.spheres.len() as u32));
-                    geometry.spheres.push(Sphere { center: *center - origin, radius: *radius });
+                    geometry.spheres.push(Sphere { center: center - origin, radius });
                     object_of_sphere.push(object as u32);
                 }
             }
@@ -146,36 +155,57 @@ impl Geometry {
         geometry
     }
 
+    /// Room for exactly what `parts` bring: vectors that grow keep up to twice of what they need.
+    fn reserve(&mut self, parts: &[Part], any_smooth: bool) {
+        let meshes =
+            || parts.iter().filter_map(|part| if let Part::Mesh { mesh, .. } = part { Some(mesh) } else { None });
+        let vertices: usize = meshes().map(|mesh| mesh.positions.len()).sum();
+        let triangles: usize = meshes().map(|mesh| mesh.triangles.len()).sum();
+        self.positions.reserve_exact(vertices);
+        self.normals.reserve_exact(if any_smooth { vertices } else { 0 });
+        self.triangles.reserve_exact(triangles);
+        self.areas.reserve_exact(triangles);
+        self.object_of_primitive.reserve_exact(triangles + parts.len() - meshes().count());
+    }
+
     fn add_mesh(&mut self, object: u32, mesh: &Mesh, smooth: bool, any_smooth: bool) {
         let first_vertex = self.positions.len() as u32;
         let first_triangle = self.triangles.len() as u32;
-        self.positions.extend(mesh.positions.iter().map(|&p| (p - self.origin).as_vec3()));
+        let origin = self.origin;
+        self.positions.par_extend(mesh.positions.par_iter().map(|&p| (p - origin).as_vec3()));
         if any_smooth {
             if smooth && mesh.normals.len() == mesh.positions.len() {
-                self.normals.extend(mesh.normals.iter().map(|n| n.as_vec3()));
+                self.normals.par_extend(mesh.normals.par_iter().map(|n| n.as_vec3()));
             } else {
                 // Zero: the face's own normal.
                 self.normals.resize(self.positions.len(), Vec3::ZERO);
             }
         }
-        self.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first_vertex)));
+        self.triangles.par_extend(mesh.triangles.par_iter().map(|t| t.map(|i| i + first_vertex)));
         self.object_of_primitive.resize(self.triangles.len(), object);
+        let range = first_triangle..self.triangles.len() as u32;
+        let mut areas = std::mem::take(&mut self.areas);
+        areas.par_extend(range.clone().into_par_iter().map(|id| self.primitive_area(id)));
         let mut sum = 0.0;
-        for id in first_triangle..self.triangles.len() as u32 {
-            sum += 0.5 * triangle::area_vector(self.corners(id)).length();
-            self.areas.push(sum);
+        for area in &mut areas[first_triangle as usize..] {
+            sum += *area;
+            *area = sum;
         }
-        self.ranges.push(ObjectRange::Triangles(first_triangle..self.triangles.len() as u32));
+        self.areas = areas;
+        self.ranges.push(ObjectRange::Triangles(range));
     }
 
     fn build_trees(&mut self) {
         let corners = |t: &[u32; 3]| t.map(|i| self.positions[i as usize]);
-        let boxes: Vec<Bounds> = self.triangles.iter().map(|t| Bounds::of(corners(t))).collect();
+        let boxes: Vec<Bounds> = self.triangles.par_iter().map(|t| Bounds::of(corners(t))).collect();
         let (of_triangles, of_spheres) = self.object_of_primitive.split_at(self.triangles.len());
         let (tree, slots) = Tree::build(&boxes, of_triangles, PACK);
+        let union = |boxes: &[Bounds]| boxes.iter().fold(Bounds::EMPTY, |a, b| a.union(*b));
+        let of_chunks: Vec<Bounds> = boxes.par_chunks(CHUNK).map(union).collect();
+        drop(boxes);
         self.packs = slots
             .primitives
-            .chunks_exact(PACK)
+            .par_chunks_exact(PACK)
             .map(|ids| {
                 let mut pack = TrianglePack::EMPTY;
                 for (lane, &id) in ids.iter().enumerate().filter(|(_, id)| **id != u32::MAX) {
@@ -197,7 +227,7 @@ impl Geometry {
         self.sphere_tree = tree;
         self.sphere_slots = slots.primitives;
 
-        let all = boxes.iter().chain(&sphere_boxes).fold(Bounds::EMPTY, |a, b| a.union(*b));
+        let all = union(&of_chunks).union(union(&sphere_boxes));
         self.bounds = (!all.is_empty()).then(|| {
             let (min, max) = (all.min.as_dvec3(), all.max.as_dvec3());
             Sphere { center: (min + max) / 2.0, radius: (max - min).length() / 2.0 }
@@ -471,13 +501,13 @@ impl Geometry {
             }
             return;
         }
-        for (chunk, rays) in rays.chunks(CHUNK).enumerate() {
-            let t_max = |index: usize| t_max(chunk * CHUNK + index);
+        for (chunk, rays) in rays.chunks(GATHERED).enumerate() {
+            let t_max = |index: usize| t_max(chunk * GATHERED + index);
             let mut finish = |index: usize, search: &mut S, t_max: f64| {
                 if !self.spheres.is_empty() {
                     self.search_spheres::<K>(&rays[index], t_max, search);
                 }
-                finish(chunk * CHUNK + index, search);
+                finish(chunk * GATHERED + index, search);
             };
             let gathered = Gathered::new(&self.triangle_tree, rays);
             for beam in gathered.beams() {
@@ -565,7 +595,14 @@ impl Geometry {
         match range {
             ObjectRange::Sphere(id) => self.sphere(*id).map_or(NOTHING, |s| (s.center - s.radius, s.center + s.radius)),
             ObjectRange::Triangles(range) => {
-                (range.clone().flat_map(|id| self.corners(id))).fold(NOTHING, |(min, max), p| (min.min(p), max.max(p)))
+                let union = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+                let of_chunk = |chunk: &[[u32; 3]]| {
+                    let corners = chunk.iter().flatten().map(|&i| self.positions[i as usize].as_dvec3());
+                    corners.fold(NOTHING, |bounds, p| union(bounds, (p, p)))
+                };
+                let triangles = &self.triangles[range.start as usize..range.end as usize];
+                let of_chunks: Vec<_> = triangles.par_chunks(CHUNK).map(of_chunk).collect();
+                of_chunks.into_iter().fold(NOTHING, union)
             }
         }
     }

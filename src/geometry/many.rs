@@ -15,7 +15,7 @@ use super::triangle::{PackTest, ShearedRay, TrianglePack};
 use super::walk::{BoxRay, END, Stack, entry};
 
 /// Rays in a group.
-const GROUP: usize = 32;
+const GROUP: usize = 16;
 
 /// A ray on its way.
 struct Walker<S> {

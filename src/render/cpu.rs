@@ -98,9 +98,6 @@ impl Pass<'_> {
             .enumerate()
             .map_init(Batch::<T::State>::default, |batch, (row, ((sums, counts), mut pilot))| {
                 batch.events = Events::default();
-                if self.cancel.load(Ordering::Relaxed) {
-                    return Events::default();
-                }
                 let first_pixel = row * width as usize;
                 // Where the next radiance goes.
                 let mut columns = (0..width as usize)
@@ -122,6 +119,11 @@ impl Pass<'_> {
                     batch.events.non_finite += non_finite;
                 };
                 for column in 0..width {
+                    // A row can take a third of a second, which is too long to wait for an image that is out of date.
+                    if self.cancel.load(Ordering::Relaxed) {
+                        drop(batch.drain());
+                        return Events::default();
+                    }
                     let pixel = first_pixel + column as usize;
                     for sample in range(pixel) {
                         let sampler = Sampler::new(self.settings.seed, pixel as u32, sample);

@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use self::lane::{Job, LaneMessage, run_lane};
 use self::mailbox::{Mailbox, Taken};
@@ -176,9 +176,15 @@ pub enum News {
 /// Called from the threads after each publication; must be quick.
 pub type Wake = Arc<dyn Fn(News) + Send + Sync>;
 
+/// A request, and when it came.
+struct Asked {
+    request: Request,
+    at: Instant,
+}
+
 /// The handle to the threads. Dropping it cancels and joins them.
 pub struct Worker {
-    requests: Arc<Mailbox<Request>>,
+    requests: Arc<Mailbox<Asked>>,
     lanes: [Arc<Mailbox<LaneMessage>>; 3],
     board: Arc<Board>,
     threads: Vec<JoinHandle<()>>,
@@ -220,7 +226,7 @@ impl Worker {
 
     /// Asks for images. Returns at once; an older request that has not been looked at is dropped.
     pub fn submit(&self, request: Request) {
-        self.requests.post(request);
+        self.requests.post(Asked { request, at: Instant::now() });
     }
 
     /// Where results appear.
@@ -285,14 +291,14 @@ impl Leisure {
     }
 }
 
-fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>>; 3], board: &Board, wake: &Wake) {
+fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &[Arc<Mailbox<LaneMessage>>; 3], board: &Board, wake: &Wake) {
     let mut current: Option<Prepared> = None;
     let mut leisure: Option<Leisure> = None;
     loop {
         let is_free = leisure.as_ref().is_some_and(|leisure| !leisure.is_over());
         let taken = if is_free { requests.wait_for(QUIET) } else { requests.wait().into() };
-        let request = match taken {
-            Taken::Message(request) => request,
+        let Asked { request, at: asked_at } = match taken {
+            Taken::Message(asked) => asked,
             Taken::Closed => return,
             Taken::Empty => {
                 if let (Some(leisure), Some(prepared)) = (&mut leisure, &mut current) {
@@ -345,6 +351,7 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
                     camera,
                     modes,
                     request: request.clone(),
+                    asked_at,
                 }))
             });
         }
@@ -362,8 +369,6 @@ fn prepare_scenes(requests: &Mailbox<Request>, lanes: &[Arc<Mailbox<LaneMessage>
 
 #[cfg(test)]
 mod tests {
-    use std::time::Instant;
-
     use super::*;
 
     fn request(epoch: u64, modes: &[Mode]) -> Request {
@@ -454,6 +459,55 @@ mod tests {
         until(&worker, |s| s.len() == 2 && s.values().all(|s| s.is_done));
         worker.submit(Request { sample_limit: Some(2), ..request(2, &[Mode::Reference]) });
         until(&worker, |s| s.len() == 1 && s.values().all(|s| s.epoch == 2 && s.is_done));
+    }
+
+    /// Every image that is shown, the coarse ones of a drag too, is the one of its size.
+    #[test]
+    fn previews_are_images_of_their_size() {
+        type Shown = Mutex<Vec<(u64, Arc<Snapshot>)>>;
+        let seen: Arc<Shown> = Arc::default();
+        let board: Arc<Mutex<Option<Arc<Board>>>> = Arc::default();
+        let worker = {
+            let (seen, board) = (Arc::clone(&seen), Arc::clone(&board));
+            Worker::start(Arc::new(move |_| {
+                let Some(board) = board.lock().unwrap().clone() else { return };
+                let shown = board.snapshots().into_values().map(|snapshot| (snapshot.epoch, snapshot));
+                seen.lock().unwrap().extend(shown);
+            }))
+            .unwrap()
+        };
+        *board.lock().unwrap() = Some(Arc::clone(worker.board()));
+        let modes = [Mode::Stack, Mode::Rectified, Mode::Reference];
+        let first = Request { size: [480, 320], sample_limit: Some(1), ..request(1, &modes) };
+        let asked = |epoch: u64| {
+            let mut asked = Request { epoch, ..first.clone() };
+            asked.camera.position.x += 0.05 * epoch as f64;
+            asked
+        };
+        for epoch in 1..6 {
+            worker.submit(asked(epoch));
+            std::thread::sleep(Duration::from_millis(30));
+        }
+        until(&worker, |s| s.len() == 3 && s.values().all(|s| s.epoch == 5 && s.is_done));
+        let mut seen = seen.lock().unwrap().clone();
+        seen.dedup_by(|a, b| Arc::ptr_eq(&a.1, &b.1));
+        // (How many of them are previews is a matter of the machine's speed.)
+        assert!(seen.len() >= 3);
+        let prepared = prepare(Arc::clone(&first.description), None).unwrap();
+        for (epoch, snapshot) in seen {
+            let camera = Camera::new(&asked(epoch).camera).unwrap();
+            let settings = crate::render::RenderSettings {
+                mode: snapshot.mode,
+                seed: first.seed,
+                max_depth: first.max_depth,
+                splits: crate::render::SPLITS,
+                leave_out: true,
+            };
+            let mut film = crate::render::Film::new(snapshot.size[0], snapshot.size[1]);
+            let never = std::sync::atomic::AtomicBool::new(false);
+            crate::render::accumulate(&prepared, &camera, &settings, &mut film, snapshot.samples, &never);
+            assert_eq!(film.to_rgb(), snapshot.rgb, "{} at {:?}", snapshot.mode, snapshot.size);
+        }
     }
 
     #[test]

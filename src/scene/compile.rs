@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::{DAffine3, DMat3, DVec3};
+use rayon::prelude::*;
 
 use super::description::{self, Description, Environment, Shape, Transform};
 use super::environment::EnvironmentLight;
@@ -33,14 +34,17 @@ pub fn compile(description: &Description, previous: Option<(&Description, &World
             let analyses = analyse(description, previous)?;
             let topology_secs = start.elapsed().as_secs_f64();
             let parts = parts(description, &analyses)?;
-            let geometry = Arc::new(Geometry::build(&parts));
-            (Arc::clone(&geometry), bodies(description, &parts, &geometry, analyses), topology_secs)
+            let unanalysed = (parts.iter().enumerate())
+                .map(|(index, part)| analyses.get(index).is_none_or(Option::is_none).then(|| unanalysed(part)))
+                .collect();
+            let geometry = Arc::new(Geometry::build(parts));
+            (Arc::clone(&geometry), bodies(description, unanalysed, &geometry, analyses), topology_secs)
         }
     };
     let objects = objects(description, geometry.origin, bodies)?;
-    let environment = match kept.zip(previous) {
+    let environment = match previous {
         // An image's sampling tables are worth keeping.
-        Some((world, (before, _))) if is_same_environment(&before.environment, &description.environment) => {
+        Some((before, world)) if is_same_environment(&before.environment, &description.environment) => {
             world.environment.clone()
         }
         _ => EnvironmentLight::new(&description.environment),
@@ -232,8 +236,8 @@ fn part(shape: &Shape, repaired: Option<&Mesh>, transform: &Transform, smooth: b
         mesh.ensure_normals();
     }
     transform_mesh(&mut mesh, &matrix);
-    let largest = mesh.positions.iter().fold(0.0, |m: f64, p| m.max(p.abs().max_element()));
-    if largest > f64::from(f32::MAX) || mesh.positions.iter().any(|p| !p.is_finite()) {
+    let is_within_reach = |p: &DVec3| p.is_finite() && p.abs().max_element() <= f64::from(f32::MAX);
+    if !mesh.positions.par_iter().all(is_within_reach) {
         return Err(SceneError::new("a vertex is not a finite number, or too large, after the transform"));
     }
     Ok(Part::Mesh { mesh, smooth })
@@ -243,14 +247,14 @@ fn transform_mesh(mesh: &mut Mesh, matrix: &DAffine3) {
     if *matrix == DAffine3::IDENTITY {
         return;
     }
-    mesh.positions.iter_mut().for_each(|p| *p = matrix.transform_point3(*p));
+    mesh.positions.par_iter_mut().for_each(|p| *p = matrix.transform_point3(*p));
     let determinant = matrix.matrix3.determinant();
     // Cofactors: the inverse transpose up to scale, which carries the reversal of a mirroring too.
     let columns = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis];
     let cofactors =
         DMat3::from_cols(columns[1].cross(columns[2]), columns[2].cross(columns[0]), columns[0].cross(columns[1]))
             * determinant.signum();
-    mesh.normals.iter_mut().for_each(|n| *n = (cofactors * *n).normalize_or(DVec3::Y));
+    mesh.normals.par_iter_mut().for_each(|n| *n = (cofactors * *n).normalize_or(DVec3::Y));
     if determinant < 0.0 {
         // A mirrored mesh keeps its outside outside. Its normals already point there.
         mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
@@ -272,11 +276,15 @@ impl Body {
     }
 }
 
-/// The body of each object, in the order of object ids.
-fn bodies(description: &Description, parts: &[Part], geometry: &Geometry, analyses: Vec<Analysis>) -> Vec<Body> {
-    let refractors = description.refractors.iter().zip(analyses);
-    let refractors = refractors.zip(parts).enumerate().map(|(index, ((refractor, topology), part))| {
-        let Some(topology) = topology else { return unanalysed(part) };
+/// The body of each object, in the order of object ids; `unanalysed` has those of the objects that have no analysis.
+fn bodies(
+    description: &Description,
+    unanalysed: Vec<Option<Body>>,
+    geometry: &Geometry,
+    analyses: Vec<Analysis>,
+) -> Vec<Body> {
+    let analysed = description.refractors.iter().zip(analyses).enumerate().map(|(index, (refractor, topology))| {
+        let topology = topology?;
         let volume = topology.volume * refractor.transform.matrix().matrix3.determinant().abs();
         let winding = (topology.enclosure == Enclosure::Holed).then(|| {
             let triangles: Vec<[DVec3; 3]> = match geometry.range(index as u32) {
@@ -285,14 +293,15 @@ fn bodies(description: &Description, parts: &[Part], geometry: &Geometry, analys
             };
             Arc::new(WindingTree::build(&triangles))
         });
-        Body {
+        Some(Body {
             volume: if volume > 0.0 { volume } else { f64::INFINITY },
             enclosure: topology.enclosure,
             topology: Some(topology),
             winding,
-        }
+        })
     });
-    refractors.chain(parts[description.refractors.len()..].iter().map(unanalysed)).collect()
+    let analysed = analysed.chain(std::iter::repeat_with(|| None));
+    unanalysed.into_iter().zip(analysed).filter_map(|(unanalysed, analysed)| unanalysed.or(analysed)).collect()
 }
 
 /// The body of a sphere, or of an object whose inside nothing asks for.

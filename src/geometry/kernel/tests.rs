@@ -146,7 +146,7 @@ fn kernels_agree() {
         [(1.0, DVec3::ZERO), (1e-6, DVec3::ZERO), (1e6, DVec3::ZERO), (1.0, far), (1.0, DVec3::new(9.0, -2.0, 3.0))]
     {
         for with_spheres in [false, true] {
-            let mut geometry = Geometry::build(&parts(&mut numbers, scale, offset, with_spheres));
+            let mut geometry = Geometry::build(parts(&mut numbers, scale, offset, with_spheres));
             let rays = rays(&geometry, &mut numbers, scale, offset);
             let mut expected = Vec::new();
             for kernel in KernelChoice::available() {
@@ -175,7 +175,7 @@ fn kernels_agree() {
 #[test]
 fn groups_of_any_size() {
     let mut numbers = Numbers(2);
-    let mut geometry = Geometry::build(&parts(&mut numbers, 1.0, DVec3::ZERO, true));
+    let mut geometry = Geometry::build(parts(&mut numbers, 1.0, DVec3::ZERO, true));
     let rays = rays(&geometry, &mut numbers, 1.0, DVec3::ZERO);
     let mut mask = crate::geometry::Mask::default();
     (0..geometry.triangle_count() as u32 + 20).filter(|k| k % 3 == 0).for_each(|k| mask.insert(k));

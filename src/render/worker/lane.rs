@@ -5,10 +5,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::mailbox::{Mailbox, Taken};
+use super::mailbox::{Alarm, Mailbox, Taken};
 use super::{Board, News, Request, Snapshot, Wake, guarded};
 use crate::render::{Film, Prepared, RenderSettings, SPLITS, accumulate};
 use crate::scene::camera::Camera;
+use crate::scene::description::Source;
 use crate::tracking::Mode;
 
 /// What a lane is told.
@@ -26,18 +27,33 @@ pub(super) struct Job {
     pub(super) camera: Camera,
     pub(super) modes: Vec<Mode>,
     pub(super) request: Request,
+    /// When the request came.
+    pub(super) asked_at: Instant,
 }
 
-/// Time that the first image of an epoch should take, in seconds: the rest of 100 ms is for preparation, display and the screen.
-const FIRST_IMAGE_SECONDS: f64 = 0.05;
+impl Job {
+    /// When the first image must be there, if work on it begins at `begun`.
+    pub(super) fn first_image_due(&self, begun: Instant) -> Instant {
+        (self.asked_at + FIRST_IMAGE).max(begun + LEAST_FIRST_IMAGE)
+    }
+}
+
+/// When the first image of an epoch is there, counted from the request: the rest of 100 ms is for display and the screen.
+const FIRST_IMAGE: Duration = Duration::from_millis(60);
+/// What the first image may take at least, however late it is already: after a long preparation, or in a stream of edits.
+const LEAST_FIRST_IMAGE: Duration = Duration::from_millis(30);
+/// The pilot's share of the time for the first image.
+const PILOT_SHARE: f64 = 0.2;
+/// How much of the time that the pilot has left the first image may be expected to take: other lanes and programs may want the cores.
+const FIRST_IMAGE_SHARE: f64 = 0.7;
 /// Time that a slice of samples should take, in seconds.
 const SLICE_SECONDS: f64 = 0.08;
-/// A first pass is left to finish until it has taken this long.
-const FIRST_PASS_GRACE: Duration = Duration::from_millis(150);
-/// Pixels of the first pass of a mode that has never been timed.
-const UNTIMED_PIXELS: f64 = 3000.0;
+/// Until an epoch has its first image, its passes are left to finish until they have taken this long together.
+const FIRST_IMAGE_GRACE: Duration = Duration::from_millis(150);
+/// Pixels of the first pass of a mode that has not been timed in this scene.
+const UNTIMED_PIXELS: f64 = 600.0;
 /// Coarsest preview: one pixel for this many squared.
-const MAX_DIVISOR: u32 = 32;
+pub(super) const MAX_DIVISOR: u32 = 40;
 
 /// The films of one epoch.
 struct Progress {
@@ -46,8 +62,14 @@ struct Progress {
     seconds: Vec<f64>,
     /// Films have 1/divisor of the full size each way.
     divisor: u32,
-    is_first_pass: bool,
-    last_published: Instant,
+    /// What the next films have, where it is known.
+    next_divisor: Option<u32>,
+    begun: Instant,
+    /// When the first image must be there: the pilot, if there is none better.
+    first_image_due: Instant,
+    /// Kept back for as long.
+    pilot: Option<Vec<Snapshot>>,
+    last_published: Option<Instant>,
     /// Time that the last publication took.
     publish_cost: Duration,
 }
@@ -72,7 +94,10 @@ pub(super) fn run_lane(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessage>,
             Some(LaneMessage::Render(job)) => match &mut progress {
                 // Only the limit or the pause has changed: go on.
                 Some(p) if p.job.request.epoch == job.request.epoch => p.job = *job,
-                _ => progress = Some(Progress::new(*job, &speed)),
+                _ => {
+                    speed.begin(&job);
+                    progress = Some(Progress::new(*job, &speed));
+                }
             },
             None => {}
         }
@@ -92,16 +117,22 @@ pub(super) fn run_lane(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessage>,
 }
 
 impl Progress {
+    /// Begins with a pilot: a picture so coarse that it takes little of the time for the first image, and says how fine that can be.
     fn new(job: Job, speed: &Speed) -> Self {
-        let divisor = speed.divisor(&job, FIRST_IMAGE_SECONDS, MAX_DIVISOR);
-        let now = Instant::now();
+        let begun = Instant::now();
+        let first_image_due = job.first_image_due(begun);
+        let seconds = PILOT_SHARE * (first_image_due - begun).as_secs_f64();
+        let divisor = divisor_for(speed.seconds_of(&job), seconds).min(MAX_DIVISOR);
         let mut progress = Self {
             seconds: Vec::new(),
             films: Vec::new(),
             job,
             divisor,
-            is_first_pass: true,
-            last_published: now,
+            next_divisor: None,
+            begun,
+            first_image_due,
+            pilot: None,
+            last_published: None,
             publish_cost: Duration::ZERO,
         };
         progress.restart(divisor);
@@ -113,6 +144,7 @@ impl Progress {
         self.divisor = divisor;
         self.films = self.job.modes.iter().map(|_| Film::new(width, height)).collect();
         self.seconds = vec![0.0; self.films.len()];
+        self.next_divisor = None;
     }
 
     fn samples(&self) -> u32 {
@@ -138,10 +170,7 @@ impl Progress {
         wake: &Wake,
         speed: &mut Speed,
     ) -> bool {
-        if self.divisor > 1 && self.samples() > 0 {
-            // Each picture may take a few times as long as all before it together.
-            let spent: f64 = self.seconds.iter().sum();
-            let next = speed.divisor(&self.job, (4.0 * spent).max(0.1), self.divisor / 2);
+        if let Some(next) = self.next_divisor {
             self.restart(next);
         }
         let start = Instant::now();
@@ -152,7 +181,11 @@ impl Progress {
             let per_sample: f64 = self.job.modes.iter().map(|mode| pixels / speed.of(*mode).unwrap_or(1.0)).sum();
             ((SLICE_SECONDS / per_sample) as u32).clamp(1, 32).min(self.remaining())
         };
-        let grace_end = if self.is_first_pass { start + FIRST_PASS_GRACE } else { start };
+        let grace_end = match (self.last_published, &self.pilot) {
+            (Some(_), _) => start,
+            (None, Some(_)) => self.first_image_due,
+            (None, None) => self.begun + FIRST_IMAGE_GRACE,
+        };
         for ((film, seconds), mode) in self.films.iter_mut().zip(&mut self.seconds).zip(&self.job.modes) {
             let settings = RenderSettings {
                 mode: *mode,
@@ -162,7 +195,15 @@ impl Progress {
                 leave_out: true,
             };
             let begin = Instant::now();
-            let is_complete = cancellable(pool, mailbox, self.job.request.epoch, grace_end, |cancel| {
+            let (pilot, last_published) = (&mut self.pilot, &mut self.last_published);
+            let alarm = pilot.is_some().then(|| Alarm {
+                at: self.first_image_due,
+                ring: Box::new(|| {
+                    post(board, wake, pilot.take().unwrap_or_default());
+                    *last_published = Some(Instant::now());
+                }),
+            });
+            let is_complete = cancellable(pool, mailbox, self.job.request.epoch, grace_end, alarm, |cancel| {
                 accumulate(&self.job.prepared, &self.job.camera, &settings, film, samples, cancel)
             });
             if !is_complete {
@@ -172,21 +213,33 @@ impl Progress {
             *seconds += elapsed;
             speed.learn(*mode, pixels * f64::from(samples) / elapsed.max(1e-6));
         }
-        self.is_first_pass = false;
+        if self.divisor > 1 {
+            let spent: f64 = self.seconds.iter().sum();
+            let full_seconds = spent * f64::from(self.divisor * self.divisor);
+            if self.last_published.is_none() {
+                let left = self.first_image_due.saturating_duration_since(Instant::now());
+                let finer = divisor_for(full_seconds, FIRST_IMAGE_SHARE * left.as_secs_f64());
+                if 3 * finer <= 2 * self.divisor {
+                    self.pilot = Some(self.snapshots());
+                    self.next_divisor = Some(finer);
+                    return true;
+                }
+            }
+            // Each picture may take a few times as long as the one before it.
+            self.next_divisor = Some(divisor_for(full_seconds, (4.0 * spent).max(0.1)).min(self.divisor / 2).max(1));
+        }
         // Reading a large film costs time that rendering could use: at most a sixth of it.
-        let due = Duration::from_secs_f64(SLICE_SECONDS).max(5 * self.publish_cost);
-        if self.divisor > 1 || self.samples() <= samples || self.remaining() == 0 || self.last_published.elapsed() > due
-        {
-            self.publish(board);
-            wake(News::Images);
+        let pause = Duration::from_secs_f64(SLICE_SECONDS).max(5 * self.publish_cost);
+        let is_due = self.last_published.is_none_or(|last| last.elapsed() > pause);
+        if self.divisor > 1 || self.samples() <= samples || self.remaining() == 0 || is_due {
+            self.publish(board, wake);
         }
         true
     }
 
-    fn publish(&mut self, board: &Board) {
-        let start = Instant::now();
+    fn snapshots(&self) -> Vec<Snapshot> {
         let is_done = self.divisor == 1 && !self.job.request.is_paused && self.remaining() == 0;
-        let snapshots: Vec<Snapshot> = (self.films.iter().zip(&self.seconds).zip(&self.job.modes))
+        (self.films.iter().zip(&self.seconds).zip(&self.job.modes))
             .map(|((film, seconds), mode)| Snapshot {
                 epoch: self.job.request.epoch,
                 mode: *mode,
@@ -198,28 +251,40 @@ impl Progress {
                 seconds: *seconds,
                 is_done,
             })
-            .collect();
-        let mut state = board.lock();
-        for snapshot in snapshots {
-            // The other lane may be ahead, or the mode may have moved there.
-            let is_stale = state.snapshots.get(&snapshot.mode).is_some_and(|old| old.epoch > snapshot.epoch);
-            if !is_stale {
-                state.snapshots.insert(snapshot.mode, Arc::new(snapshot));
-            }
-        }
-        drop(state);
+            .collect()
+    }
+
+    fn publish(&mut self, board: &Board, wake: &Wake) {
+        let start = Instant::now();
+        post(board, wake, self.snapshots());
+        self.pilot = None;
         self.publish_cost = start.elapsed();
-        self.last_published = Instant::now();
+        self.last_published = Some(Instant::now());
     }
 }
 
-/// Runs `pass` on the pool while this thread watches the mailbox, and cancels it when it is out of date, though not before
-/// `not_before`.
+/// Puts images on the board.
+fn post(board: &Board, wake: &Wake, snapshots: Vec<Snapshot>) {
+    let mut state = board.lock();
+    for snapshot in snapshots {
+        // The other lane may be ahead, or the mode may have moved there.
+        let is_stale = state.snapshots.get(&snapshot.mode).is_some_and(|old| old.epoch > snapshot.epoch);
+        if !is_stale {
+            state.snapshots.insert(snapshot.mode, Arc::new(snapshot));
+        }
+    }
+    drop(state);
+    wake(News::Images);
+}
+
+/// Runs `pass` on the pool while this thread watches the mailbox and the clock for the `alarm`, and cancels it when it is out of date,
+/// though not before `not_before`.
 pub(super) fn cancellable(
     pool: &rayon::ThreadPool,
     mailbox: &Mailbox<LaneMessage>,
     epoch: u64,
     not_before: Instant,
+    alarm: Option<Alarm<'_>>,
     pass: impl FnOnce(&AtomicBool) -> bool + Send,
 ) -> bool {
     /// Ends the watch even if the pass panics.
@@ -242,18 +307,32 @@ pub(super) fn cancellable(
             LaneMessage::Hold => true,
             LaneMessage::Render(job) => job.request.epoch != epoch,
         };
-        mailbox.watch(not_before, is_other, || cancel.store(true, Ordering::Relaxed));
+        mailbox.watch(not_before, is_other, || cancel.store(true, Ordering::Relaxed), alarm);
     });
     is_complete
 }
 
-/// Measured pixel samples per second of each mode.
+/// Measured pixel samples per second of each mode, in one scene.
 #[derive(Debug, Default)]
 struct Speed {
+    scene: Option<Arc<Source>>,
     of_mode: BTreeMap<Mode, f64>,
 }
 
 impl Speed {
+    /// Forgets what was measured in another scene than the job's.
+    fn begin(&mut self, job: &Job) {
+        let scene = &job.prepared.description.source;
+        let is_same = match (&self.scene, scene) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (None, None) => true,
+            _ => false,
+        };
+        if !is_same {
+            *self = Self { scene: scene.clone(), of_mode: BTreeMap::new() };
+        }
+    }
+
     fn of(&self, mode: Mode) -> Option<f64> {
         self.of_mode.get(&mode).copied()
     }
@@ -265,19 +344,30 @@ impl Speed {
         *speed += weight * (samples_per_second - *speed);
     }
 
-    /// The finest power of two, at most `coarsest`, at which one sample of every mode is expected to take at most `seconds`.
-    fn divisor(&self, job: &Job, seconds: f64, coarsest: u32) -> u32 {
+    /// Seconds that one sample of every mode should take at full size. A mode that has not been timed is taken for one that renders
+    /// [`UNTIMED_PIXELS`] in a pilot's time.
+    fn seconds_of(&self, job: &Job) -> f64 {
         let pixels = f64::from(job.request.size[0]) * f64::from(job.request.size[1]);
-        let full: f64 = (job.modes.iter())
-            .map(|mode| match self.of(*mode) {
-                Some(speed) => pixels / speed,
-                None => FIRST_IMAGE_SECONDS * pixels / UNTIMED_PIXELS,
-            })
-            .sum();
-        let mut divisor = 1;
-        while divisor < coarsest && full / f64::from(divisor * divisor) > seconds {
-            divisor *= 2;
+        let untimed = UNTIMED_PIXELS / (PILOT_SHARE * FIRST_IMAGE.as_secs_f64());
+        job.modes.iter().map(|mode| pixels / self.of(*mode).unwrap_or(untimed)).sum()
+    }
+}
+
+/// The least divisor at which what takes `full_seconds` at full size takes at most `seconds`.
+pub(super) fn divisor_for(full_seconds: f64, seconds: f64) -> u32 {
+    (full_seconds / seconds.max(1e-6)).sqrt().ceil().max(1.0) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn divisors_fit_into_the_time() {
+        for (full, seconds) in [(1.0, 0.07), (0.01, 0.07), (40.0, 0.01), (0.07, 0.07)] {
+            let divisor = divisor_for(full, seconds);
+            let takes = |divisor: u32| full / f64::from(divisor * divisor);
+            assert!(takes(divisor) <= seconds && (divisor == 1 || takes(divisor - 1) > seconds), "{full}, {seconds}");
         }
-        divisor.min(coarsest).max(1)
     }
 }

@@ -109,26 +109,47 @@ impl<T> Mailbox<T> {
     }
 
     /// Waits until [`Self::finish`]. Calls `interrupt` once if, meanwhile, the box is closed, or holds a message for which
-    /// `matters` and the time is past `not_before`.
-    pub(super) fn watch(&self, not_before: Instant, matters: impl Fn(&T) -> bool, interrupt: impl FnOnce()) {
+    /// `matters` and the time is past `not_before`; rings `alarm` when its time comes, before it interrupts.
+    pub(super) fn watch(
+        &self,
+        not_before: Instant,
+        matters: impl Fn(&T) -> bool,
+        interrupt: impl FnOnce(),
+        mut alarm: Option<Alarm<'_>>,
+    ) {
         let mut interrupt = Some(interrupt);
         let mut slot = self.lock();
         while !slot.is_finished {
-            let is_wanted = interrupt.is_some() && slot.message.as_ref().is_some_and(&matters);
-            let remaining = not_before.saturating_duration_since(Instant::now());
-            if slot.is_closed || (is_wanted && remaining.is_zero()) {
-                if let Some(interrupt) = interrupt.take() {
-                    interrupt();
-                }
-            } else if is_wanted {
-                slot = self.changed.wait_timeout(slot, remaining).unwrap_or_else(PoisonError::into_inner).0;
+            let now = Instant::now();
+            if let Some(alarm) = alarm.take_if(|alarm| alarm.at <= now) {
+                drop(slot);
+                (alarm.ring)();
+                slot = self.lock();
                 continue;
             }
-            if !slot.is_finished {
-                slot = self.changed.wait(slot).unwrap_or_else(PoisonError::into_inner);
+            let is_wanted = interrupt.is_some() && slot.message.as_ref().is_some_and(&matters);
+            if (slot.is_closed || (is_wanted && not_before <= now))
+                && let Some(interrupt) = interrupt.take()
+            {
+                interrupt();
             }
+            let interrupt_at = (is_wanted && interrupt.is_some()).then_some(not_before);
+            let next = interrupt_at.into_iter().chain(alarm.as_ref().map(|alarm| alarm.at)).min();
+            slot = match next {
+                Some(next) => {
+                    let patience = next.saturating_duration_since(now);
+                    self.changed.wait_timeout(slot, patience).unwrap_or_else(PoisonError::into_inner).0
+                }
+                None => self.changed.wait(slot).unwrap_or_else(PoisonError::into_inner),
+            };
         }
     }
+}
+
+/// Something to be done during a [`Mailbox::watch`], if it lasts until then.
+pub(super) struct Alarm<'a> {
+    pub at: Instant,
+    pub ring: Box<dyn FnOnce() + 'a>,
 }
 
 #[cfg(test)]
@@ -178,7 +199,8 @@ mod tests {
                 let _ = receiver.recv();
                 worker.finish();
             });
-            mailbox.watch(start + grace, |message| *message == 7, move || sender.send(()).expect("the receiver waits"));
+            let send = move || sender.send(()).expect("the receiver waits");
+            mailbox.watch(start + grace, |message| *message == 7, send, None);
         });
         assert!(start.elapsed() >= grace);
 
@@ -190,7 +212,27 @@ mod tests {
                 std::thread::sleep(Duration::from_millis(20));
                 worker.finish();
             });
-            mailbox.watch(start, |message| *message == 8, || panic!("interrupted"));
+            mailbox.watch(start, |message| *message == 8, || panic!("interrupted"), None);
         });
+    }
+
+    #[test]
+    fn an_alarm_rings_once_in_time_and_not_after_the_end() {
+        let mailbox = Mailbox::<i32>::new();
+        let start = Instant::now();
+        let (mailbox, rings) = (&mailbox, &std::cell::Cell::new(0));
+        let alarm = |at: Instant| {
+            let ring = move || {
+                assert!(Instant::now() >= at);
+                rings.set(rings.get() + 1);
+                mailbox.finish();
+            };
+            Some(Alarm { at, ring: Box::new(ring) })
+        };
+        mailbox.begin();
+        mailbox.watch(start, |_| false, || panic!("interrupted"), alarm(start + Duration::from_millis(20)));
+        assert_eq!(rings.get(), 1);
+        mailbox.watch(start, |_| false, || panic!("interrupted"), alarm(start));
+        assert_eq!(rings.get(), 1, "what is finished already is not watched");
     }
 }

@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::lane::{Job, LaneMessage, cancellable};
+use super::lane::{Job, LaneMessage, MAX_DIVISOR, cancellable, divisor_for};
 use super::mailbox::{Mailbox, Taken};
 use super::{Board, News, PaintedSurfaces, Wake, guarded};
 use crate::render::surfaces::{OFFSETS, Painting, SurfaceQuantity};
 
-/// Pixels of a first picture.
-const COARSE_PIXELS: u64 = 40_000;
+/// Seconds that a ray is expected to take before one has been timed.
+const UNTIMED_SECONDS: f64 = 1e-5;
+/// How much of the time for first pictures they may be expected to take: the other lanes want the cores at the same time.
+const FIRST_PICTURE_SHARE: f64 = 0.5;
 /// As in the other lanes: a first picture is finished even if it is out of date by then.
 const FIRST_PASS_GRACE: Duration = Duration::from_millis(60);
 
@@ -23,6 +25,7 @@ struct Progress {
 /// Serves messages until the mailbox is closed.
 pub(super) fn run_painter(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessage>, board: &Board, wake: &Wake) {
     let mut progress: Option<Progress> = None;
+    let mut seconds_per_ray = UNTIMED_SECONDS;
     loop {
         let taken =
             if progress.as_ref().is_some_and(|p| p.next().is_some()) { mailbox.take() } else { mailbox.wait().into() };
@@ -41,7 +44,7 @@ pub(super) fn run_painter(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessag
         }
         let Some(p) = &mut progress else { continue };
         let Some(quantity) = p.next() else { continue };
-        match guarded(|| Ok(p.advance(quantity, pool, mailbox, board))) {
+        match guarded(|| Ok(p.advance(quantity, pool, mailbox, board, &mut seconds_per_ray))) {
             Ok(true) => wake(News::Images),
             Ok(false) => progress = None,
             Err(error) => {
@@ -78,24 +81,34 @@ impl Progress {
         pool: &rayon::ThreadPool,
         mailbox: &Mailbox<LaneMessage>,
         board: &Board,
+        seconds_per_ray: &mut f64,
     ) -> bool {
         let full = self.job.request.size;
-        let pixels = |divisor: u32| full.map(|side| u64::from(side.div_ceil(divisor))).iter().product::<u64>();
         let stage = self.stage(quantity);
-        let mut divisor = 1;
-        while stage == 0 && pixels(divisor) > COARSE_PIXELS && divisor < 16 {
-            divisor *= 2;
-        }
+        let begun = Instant::now();
         if stage < 2 {
+            // The first pictures of all quantities share the time.
+            let missing = self.job.request.surfaces.len() - self.paintings.len();
+            let divisor = if stage == 0 {
+                let pixels = full.map(f64::from).iter().product::<f64>();
+                let left = (self.job.first_image_due(begun) - begun).as_secs_f64() / missing.max(1) as f64;
+                divisor_for(pixels * *seconds_per_ray, FIRST_PICTURE_SHARE * left).min(MAX_DIVISOR)
+            } else {
+                1
+            };
             let [width, height] = full.map(|side| side.div_ceil(divisor).max(1));
             self.paintings.insert(quantity, Painting::new(width, height));
         }
         let Some(painting) = self.paintings.get_mut(&quantity) else { return false };
-        let grace_end = if stage == 0 { Instant::now() + FIRST_PASS_GRACE } else { Instant::now() };
+        let grace_end = if stage == 0 { begun + FIRST_PASS_GRACE } else { begun };
         let job = &self.job;
-        let is_complete = cancellable(pool, mailbox, job.request.epoch, grace_end, |cancel| {
+        let is_complete = cancellable(pool, mailbox, job.request.epoch, grace_end, None, |cancel| {
             painting.add(&job.prepared, &job.camera, quantity, cancel)
         });
+        if is_complete {
+            let rays = f64::from(painting.width) * f64::from(painting.height);
+            *seconds_per_ray = begun.elapsed().as_secs_f64() / rays;
+        }
         if is_complete {
             let painted =
                 PaintedSurfaces { epoch: job.request.epoch, quantity, full_size: full, painting: painting.clone() };
