@@ -373,10 +373,15 @@ impl Geometry {
         if !self.packs.is_empty() {
             let sheared = ShearedRay::new(ray);
             let mut test = PackTest::EMPTY;
-            self.triangle_tree.walk::<K>(ray, &mut t_max, |slot, t_max| {
-                done = self.test_pack::<K>(slot, ray, &sheared, t_max, &mut test, search);
-                done
-            });
+            self.triangle_tree.walk::<K>(
+                ray,
+                &mut t_max,
+                |child| self.fetch::<K>(child),
+                |slot, t_max| {
+                    done = self.test_pack::<K>(slot, ray, &sheared, t_max, &mut test, search);
+                    done
+                },
+            );
         }
         if !self.spheres.is_empty() && !done {
             self.search_spheres::<K>(ray, t_max, search);
@@ -409,19 +414,24 @@ impl Geometry {
     #[inline(always)]
     fn search_spheres<K: Kernel>(&self, ray: &Ray, mut t_max: f64, search: &mut impl Search) {
         let mut done = false;
-        self.sphere_tree.walk::<K>(ray, &mut t_max, |slot, t_max| {
-            let index = self.sphere_slots[slot as usize];
-            let primitive = index + self.triangles.len() as u32;
-            let distances = self.spheres[index as usize].intersect(ray, primitive == ray.from);
-            for (t, is_front) in distances.into_iter().zip([true, false]) {
-                let Some(t) = t else { continue };
-                // Both hits of one sphere carry the same id: the second lies behind the first unless they coincide.
-                if is_behind(ray, t, primitive) && t <= *t_max {
-                    done |= search.found(Hit { t, primitive, barycentric: [0.0; 2], is_front }, t_max);
+        self.sphere_tree.walk::<K>(
+            ray,
+            &mut t_max,
+            |_| {},
+            |slot, t_max| {
+                let index = self.sphere_slots[slot as usize];
+                let primitive = index + self.triangles.len() as u32;
+                let distances = self.spheres[index as usize].intersect(ray, primitive == ray.from);
+                for (t, is_front) in distances.into_iter().zip([true, false]) {
+                    let Some(t) = t else { continue };
+                    // Both hits of one sphere carry the same id: the second lies behind the first unless they coincide.
+                    if is_behind(ray, t, primitive) && t <= *t_max {
+                        done |= search.found(Hit { t, primitive, barycentric: [0.0; 2], is_front }, t_max);
+                    }
                 }
-            }
-            done
-        });
+                done
+            },
+        );
     }
 
     #[inline]

@@ -132,7 +132,7 @@ impl Geometry {
 
     /// Has the processor fetch a node or leaf that will be visited soon.
     #[inline(always)]
-    fn fetch<K: Kernel>(&self, child: u32) {
+    pub(super) fn fetch<K: Kernel>(&self, child: u32) {
         let (nodes, packs) = (self.triangle_tree.nodes.as_ptr().cast::<u8>(), self.packs.as_ptr().cast::<u8>());
         let is_node = child & LEAF == 0;
         let size = select_unpredictable(is_node, size_of::<Node>(), size_of::<TrianglePack>());

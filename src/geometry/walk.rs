@@ -100,7 +100,13 @@ impl Tree {
     /// Visits the leaf slots whose boxes `ray` meets between `ray.t_min` and `*t_max`, the nearest child of each node first. `visit` gets a slot
     /// and may lower `t_max`; it ends the walk by returning `true`.
     #[inline(always)]
-    pub(super) fn walk<K: Kernel>(&self, ray: &Ray, t_max: &mut f64, mut visit: impl FnMut(u32, &mut f64) -> bool) {
+    pub(super) fn walk<K: Kernel>(
+        &self,
+        ray: &Ray,
+        t_max: &mut f64,
+        fetch: impl Fn(u32),
+        mut visit: impl FnMut(u32, &mut f64) -> bool,
+    ) {
         if self.nodes.is_empty() {
             return;
         }
@@ -112,6 +118,7 @@ impl Tree {
             let child = current as u32;
             if child & LEAF == 0 {
                 current = self.step::<K>(child, &boxes, far_limit, &mut stack);
+                fetch(stack.fixed[stack.length - 1] as u32);
             } else {
                 if current == END {
                     if !stack.refill() {

@@ -106,10 +106,14 @@ impl Allocation {
     /// Samples that a pixel has when the image has `samples` per pixel in the mean.
     #[inline]
     pub fn samples(&self, pixel: usize, samples: u32) -> u32 {
+        // Up to the decision there is no difference.
+        if samples <= PILOT {
+            return samples;
+        }
         let level = self.levels[pixel];
         let weighted =
             if level >= 0 { samples.saturating_mul(1 << level) } else { samples >> u32::from(level.unsigned_abs()) };
-        weighted.max(samples.min(PILOT))
+        weighted.max(PILOT)
     }
 }
 

@@ -225,3 +225,36 @@ fn a_degenerate_tree() {
         assert_eq!(closest[0].map(|hit| hit.primitive), Some(0));
     }
 }
+
+/// Rays that lie close together: bundles of every width about the rays of the other tests, from one point and from several.
+#[test]
+fn beams_find_what_each_ray_finds() {
+    let mut numbers = Numbers(3);
+    for (scale, offset) in [(1.0, DVec3::ZERO), (1e-6, DVec3::ZERO), (1.0, DVec3::new(1e5, -2e5, 3e5))] {
+        for with_spheres in [false, true] {
+            let mut geometry = Geometry::build(parts(&mut numbers, scale, offset, with_spheres));
+            let leaders = rays(&geometry, &mut numbers, scale, offset);
+            let mut bundled = Vec::new();
+            for (k, leader) in leaders.iter().enumerate().step_by(5) {
+                let width = [0.0, 1e-9, 1e-4, 3e-3][k / 5 % 4];
+                let around = |numbers: &mut Numbers| numbers.direction() * width;
+                bundled.extend((0..[4, 7, 32, 40][k / 20 % 4]).map(|_| {
+                    let origin = leader.origin + around(&mut numbers) * (if k % 2 == 0 { scale } else { 0.0 });
+                    let direction = (leader.direction + around(&mut numbers)).normalize();
+                    // Zeros keep their signs where nothing is added to them.
+                    Ray::new(origin, if width == 0.0 { leader.direction } else { direction })
+                }));
+            }
+            for kernel in KernelChoice::available() {
+                geometry.kernel = kernel;
+                let mut hits = vec![None; bundled.len()];
+                geometry.closest_many(&bundled, &mut hits);
+                for (ray, hit) in bundled.iter().zip(&hits) {
+                    assert_eq!(*hit, geometry.closest(ray), "{kernel:?}, scale {scale}, offset {offset}, {ray:?}");
+                }
+                let met = hits.iter().flatten().count();
+                assert!(met > bundled.len() / 4 && met < bundled.len(), "the test must test something: {met}");
+            }
+        }
+    }
+}
