@@ -5,7 +5,7 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
-use iorect::render::{Film, Prepared, RenderSettings, accumulate};
+use iorect::render::{Film, Prepared, RenderSettings, VarianceReduction, accumulate};
 use iorect::scene::camera::Camera;
 use iorect::scene::load;
 use iorect::tracking::Mode;
@@ -19,7 +19,13 @@ fn scene(name: &str) -> Prepared {
 }
 
 fn settings(seed: u64, splits: u32) -> RenderSettings {
-    RenderSettings { mode: Mode::Rectified, seed, max_depth: Some(24), leave_out: true, splits }
+    RenderSettings {
+        mode: Mode::Rectified,
+        seed,
+        max_depth: Some(24),
+        leave_out: true,
+        variance: VarianceReduction { splits, ..VarianceReduction::default() },
+    }
 }
 
 /// Adds samples to a film, in slices that end with each of `ends`, and allocates as soon as it is due.

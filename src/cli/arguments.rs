@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 
+use crate::estimator::sampler::Sequence;
 use crate::estimator::trace::Follow;
 use crate::render::ToneCurve;
 use crate::tracking::Mode;
@@ -129,8 +130,14 @@ pub struct ImageArguments {
     #[arg(long, value_name = "on|off", default_value = "on", value_parser = on_or_off)]
     pub adaptive: Switch,
     /// Interfaces seen from the camera at which a path may split, so that both the reflected and the transmitted light are followed; 0: none
-    #[arg(long, value_name = "N", default_value_t = crate::render::SPLITS, value_parser = clap::value_parser!(u32).range(0..=8), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=8), allow_negative_numbers = true)]
     pub splits: u32,
+    /// Where random numbers come from: sobol, whose samples keep out of each other's way, or independent
+    #[arg(long, value_name = "SEQUENCE", default_value = "sobol", value_parser = sequence)]
+    pub sampler: Sequence,
+    /// Whether image environments are sampled where they are bright: on or off
+    #[arg(long, value_name = "on|off", default_value = "on", value_parser = on_or_off)]
+    pub sample_environment: Switch,
     /// Whether work that the scene does not need is left out: on or off; off only measures what that saves
     #[arg(long, value_name = "on|off", default_value = "on", value_parser = on_or_off)]
     pub leave_out: Switch,
@@ -318,6 +325,10 @@ fn backend(text: &str) -> Result<&'static str, String> {
 
 fn estimator(text: &str) -> Result<&'static str, String> {
     one_of(text, &[("path", "path")], &["bidirectional"])
+}
+
+fn sequence(text: &str) -> Result<Sequence, String> {
+    one_of(text, &[("sobol", Sequence::Sobol), ("independent", Sequence::Independent)], &[])
 }
 
 fn granularity(text: &str) -> Result<Granularity, String> {

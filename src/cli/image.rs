@@ -10,13 +10,16 @@ use serde::Serialize;
 
 use super::Failure;
 use super::arguments::ImageArguments;
-use crate::render::{Display, Events, Film, Prepared, RenderSettings, accumulate, prepare};
+use crate::estimator::sampler::Sequence;
+use crate::render::{Display, Events, Film, Prepared, RenderSettings, VarianceReduction, accumulate, prepare};
 use crate::scene;
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 
 /// Samples per pixel where neither `--spp` nor `--time` is given.
 pub const DEFAULT_SPP: u32 = 64;
+/// At least so many samples are taken in one slice, where time does not decide.
+const TOGETHER: u32 = 16;
 /// One slice of work takes about this long, so that progress moves and `--time` is kept.
 const SLICE: Duration = Duration::from_millis(150);
 
@@ -41,6 +44,10 @@ pub struct ImageReport<'a> {
     pub spp: u32,
     pub seed: u64,
     pub max_depth: Option<u32>,
+    pub adaptive: bool,
+    pub splits: u32,
+    pub sampler: Sequence,
+    pub sample_environment: bool,
     pub threads: usize,
     pub seconds: Seconds,
     pub events: Events,
@@ -117,7 +124,7 @@ impl<'a> Job<'a> {
                     mode: image.mode,
                     seed: self.arguments.seed,
                     max_depth: self.arguments.max_depth.0,
-                    splits: self.arguments.splits,
+                    variance: self.variance(),
                     leave_out: self.arguments.leave_out.0,
                 };
                 let mode_start = Instant::now();
@@ -141,13 +148,22 @@ impl<'a> Job<'a> {
         images
     }
 
+    fn variance(&self) -> VarianceReduction {
+        VarianceReduction {
+            sequence: self.arguments.sampler,
+            splits: self.arguments.splits,
+            sample_environment: self.arguments.sample_environment.0,
+        }
+    }
+
     /// Samples to take next, 0 at the end: as many as fit into a slice of time, and no more than were asked for.
     fn next_slice(&self, done: u32, elapsed: Duration, per_sample: Duration) -> u32 {
         let fitting = |time: Duration| (time.as_secs_f64() / per_sample.as_secs_f64().max(1e-9)) as u32;
         match self.arguments.time {
             None => {
                 let left = self.arguments.spp.unwrap_or(DEFAULT_SPP).saturating_sub(done);
-                fitting(SLICE).max(16).min(left)
+                // Samples of a pixel that are taken together cost less each.
+                fitting(SLICE).max(TOGETHER).min(left)
             }
             Some(limit) => {
                 let left = Duration::from_secs_f64(limit).saturating_sub(elapsed);
@@ -183,6 +199,10 @@ impl<'a> Job<'a> {
             spp: image.film.samples,
             seed: self.arguments.seed,
             max_depth: self.arguments.max_depth.0,
+            adaptive: self.arguments.adaptive.0,
+            splits: self.arguments.splits,
+            sampler: self.arguments.sampler,
+            sample_environment: self.arguments.sample_environment.0,
             threads: self.threads(),
             seconds: Seconds {
                 load: self.load_secs,

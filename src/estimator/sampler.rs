@@ -4,26 +4,46 @@
 //! Every number is a pure function of (seed, pixel, sample, dimension). Within a pixel and dimension the first n samples are
 //! well distributed for every n.
 
+/// Where numbers come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sequence {
+    /// Sobol points: the samples of a pixel keep out of each other's way.
+    Sobol,
+    /// Hashes, each for itself.
+    Independent,
+}
+
 /// The numbers of one sample of one pixel.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampler {
+    sequence: Sequence,
     pixel_seed: u32,
     /// The sample's number with its bits reversed.
     sample: u32,
 }
 
 impl Sampler {
+    /// Of Sobol points.
     #[inline]
     pub fn new(seed: u64, pixel: u32, sample: u32) -> Self {
+        Self::of(Sequence::Sobol, seed, pixel, sample)
+    }
+
+    #[inline]
+    pub fn of(sequence: Sequence, seed: u64, pixel: u32, sample: u32) -> Self {
         let mut h = mix(seed as u32 ^ 0x9E37_79B9);
         h = mix(h ^ (seed >> 32) as u32);
-        Self { pixel_seed: mix(h ^ pixel.wrapping_mul(0x85EB_CA6B)), sample: sample.reverse_bits() }
+        Self { sequence, pixel_seed: mix(h ^ pixel.wrapping_mul(0x85EB_CA6B)), sample: sample.reverse_bits() }
     }
 
     /// Uniform in [0, 1).
     #[inline]
     pub fn get_1d(&self, dimension: u32) -> f64 {
         let seed = mix(self.pixel_seed ^ dimension.wrapping_mul(0xC2B2_AE35));
+        if self.sequence == Sequence::Independent {
+            return self.hash(seed);
+        }
         // The first Sobol dimension is the index with its bits reversed.
         let first = permute(self.sample, seed);
         scramble(first.reverse_bits(), mix(seed ^ 0x27D4_EB2F))
@@ -33,8 +53,19 @@ impl Sampler {
     #[inline]
     pub fn get_2d(&self, dimension: u32) -> [f64; 2] {
         let seed = mix(self.pixel_seed ^ dimension.wrapping_mul(0xC2B2_AE35));
+        if self.sequence == Sequence::Independent {
+            return [self.hash(seed), self.hash(mix(seed ^ 0x1656_67B1))];
+        }
         let index = permute(self.sample, seed).reverse_bits();
         [scramble(index, mix(seed ^ 0x27D4_EB2F)), scramble(sobol_second(index), mix(seed ^ 0x1656_67B1))]
+    }
+}
+
+impl Sampler {
+    /// A number of its own for each sample and seed.
+    #[inline]
+    fn hash(&self, seed: u32) -> f64 {
+        f64::from(mix(mix(self.sample ^ seed).wrapping_add(seed))) * (1.0 / 4_294_967_296.0)
     }
 }
 

@@ -9,7 +9,7 @@ use super::events::Events;
 use super::film::Film;
 use super::prepare::Prepared;
 use crate::estimator::path::{Batch, PathTracer, dimension};
-use crate::estimator::sampler::Sampler;
+use crate::estimator::sampler::{Sampler, Sequence};
 use crate::rectify::start::StartRegion;
 use crate::scene::camera::Camera;
 use crate::scene::needs::SceneNeeds;
@@ -20,9 +20,6 @@ use crate::tracking::reference::Reference;
 use crate::tracking::stack::Stack;
 use crate::tracking::{Mode, Tracker};
 
-/// Splits by default: more bring less than they cost.
-pub const SPLITS: u32 = 2;
-
 /// What decides an image, next to the scene and the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RenderSettings {
@@ -30,10 +27,26 @@ pub struct RenderSettings {
     pub seed: u64,
     /// Cap on the segments of a path, the camera's first being one; `None`: no cap.
     pub max_depth: Option<u32>,
-    /// How many interfaces from the camera on paths may split at, into one that is reflected and one that goes through; 0: never.
-    pub splits: u32,
     /// Whether work that the scene does not need is left out. Off only to measure what that saves.
     pub leave_out: bool,
+    pub variance: VarianceReduction,
+}
+
+/// What lowers the noise of an image without changing what it converges to. Off only to measure what each brings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct VarianceReduction {
+    pub sequence: Sequence,
+    /// How many interfaces from the camera on paths may split at, into one that is reflected and one that goes through; 0: none.
+    pub splits: u32,
+    /// Whether image environments are sampled where they are bright.
+    pub sample_environment: bool,
+}
+
+impl Default for VarianceReduction {
+    fn default() -> Self {
+        // More splits bring less than they cost.
+        Self { sequence: Sequence::Sobol, splits: 2, sample_environment: true }
+    }
 }
 
 /// Adds `samples` samples to every pixel of `film`, on rayon's current pool. The result depends on the settings, the scene, the camera
@@ -70,12 +83,15 @@ struct Pass<'a> {
 impl Pass<'_> {
     fn run<T: Tracker>(&self, tracker: &T, film: &mut Film) -> bool {
         let world = &*self.prepared.world;
+        let needs =
+            if self.settings.leave_out { world.needs } else { SceneNeeds::EVERYTHING.without_impossible(world) };
+        let samples_environment = needs.image_environment && self.settings.variance.sample_environment;
         let tracer = PathTracer {
             world,
             tracker,
-            needs: if self.settings.leave_out { world.needs } else { SceneNeeds::EVERYTHING.without_impossible(world) },
+            needs: SceneNeeds { image_environment: samples_environment, ..needs },
             max_depth: self.settings.max_depth.unwrap_or(u32::MAX),
-            splits: self.settings.splits,
+            splits: self.settings.variance.splits,
         };
         let camera = Camera { position: self.camera.position - world.geometry.origin, ..*self.camera };
         let lens = StartRegion::new(world, camera.position, camera.aperture_radius);
@@ -126,7 +142,8 @@ impl Pass<'_> {
                     }
                     let pixel = first_pixel + column as usize;
                     for sample in range(pixel) {
-                        let sampler = Sampler::new(self.settings.seed, pixel as u32, sample);
+                        let sampler =
+                            Sampler::of(self.settings.variance.sequence, self.settings.seed, pixel as u32, sample);
                         let [x, y] = sampler.get_2d(dimension::PIXEL);
                         let at = DVec2::new(f64::from(column) + x, row as f64 + y);
                         let ray = camera.ray(at, size, lens_point(&camera, &sampler));

@@ -9,7 +9,7 @@ pub mod prepare;
 pub mod surfaces;
 pub mod worker;
 
-pub use cpu::{RenderSettings, SPLITS, accumulate};
+pub use cpu::{RenderSettings, VarianceReduction, accumulate};
 pub use display::{Display, ToneCurve};
 pub use events::Events;
 pub use film::Film;

@@ -500,7 +500,7 @@ mod tests {
                 mode: snapshot.mode,
                 seed: first.seed,
                 max_depth: first.max_depth,
-                splits: crate::render::SPLITS,
+                variance: crate::render::VarianceReduction::default(),
                 leave_out: true,
             };
             let mut film = crate::render::Film::new(snapshot.size[0], snapshot.size[1]);
