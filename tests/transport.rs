@@ -10,7 +10,7 @@ use common::{add, empty, mean, nest, ready, render, sphere};
 use glam::DVec3;
 use iorect::geometry::Mesh;
 use iorect::measure::metrics;
-use iorect::render::{Film, Prepared, RenderSettings, accumulate, prepare};
+use iorect::render::{Film, Prepared, RenderSettings, SPLITS, accumulate, prepare};
 use iorect::scene::camera::Camera;
 use iorect::scene::description::{Description, Environment, Light, Paint, Shape, Solid, Transform};
 use iorect::scene::environment::EnvironmentImage;
@@ -224,7 +224,7 @@ fn busy() -> Prepared {
 fn results_do_not_depend_on_threads_or_slices() {
     let scene = busy();
     let camera = Camera::new(&scene.description.camera).unwrap();
-    let settings = RenderSettings { mode: Mode::Rectified, seed: 7, max_depth: None, leave_out: true };
+    let settings = RenderSettings { mode: Mode::Rectified, seed: 7, max_depth: None, leave_out: true, splits: SPLITS };
     let render = |threads: usize, slices: &[u32]| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut film = Film::new(40, 30);
@@ -254,7 +254,7 @@ fn modes_agree_where_they_should() {
     assert_ne!(rectified.sums, render(&scene, Mode::Naive, (32, 24), 4, None).sums);
 
     let camera = Camera::new(&scene.description.camera).unwrap();
-    let settings = RenderSettings { mode: Mode::Rectified, seed: 1, max_depth: None, leave_out: false };
+    let settings = RenderSettings { mode: Mode::Rectified, seed: 1, max_depth: None, leave_out: false, splits: SPLITS };
     let mut everything = Film::new(32, 24);
     assert!(accumulate(&scene, &camera, &settings, &mut everything, 4, &AtomicBool::new(false)));
     assert_eq!(rectified.sums, everything.sums);
@@ -264,7 +264,7 @@ fn modes_agree_where_they_should() {
 fn a_cancelled_pass_says_so() {
     let scene = ready(nest(1.0, &[(1.0, 1.5)]));
     let camera = Camera::new(&scene.description.camera).unwrap();
-    let settings = RenderSettings { mode: Mode::Stack, seed: 0, max_depth: None, leave_out: true };
+    let settings = RenderSettings { mode: Mode::Stack, seed: 0, max_depth: None, leave_out: true, splits: SPLITS };
     let mut film = Film::new(8, 8);
     assert!(!accumulate(&scene, &camera, &settings, &mut film, 1, &AtomicBool::new(true)));
     assert_eq!(film.samples, 0);

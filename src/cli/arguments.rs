@@ -125,6 +125,12 @@ pub struct ImageArguments {
     /// Tone curve of PNG pictures: soft (a shoulder) or clip (cut off at 1)
     #[arg(long, value_name = "CURVE", default_value = "soft")]
     pub curve: ToneCurve,
+    /// Whether samples go where they lower the error most: on or off; `--spp` is then the mean over the pixels
+    #[arg(long, value_name = "on|off", default_value = "on", value_parser = on_or_off)]
+    pub adaptive: Switch,
+    /// Interfaces seen from the camera at which a path may split, so that both the reflected and the transmitted light are followed; 0: none
+    #[arg(long, value_name = "N", default_value_t = crate::render::SPLITS, value_parser = clap::value_parser!(u32).range(0..=8), allow_negative_numbers = true)]
+    pub splits: u32,
     /// Whether work that the scene does not need is left out: on or off; off only measures what that saves
     #[arg(long, value_name = "on|off", default_value = "on", value_parser = on_or_off)]
     pub leave_out: Switch,

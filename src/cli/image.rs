@@ -96,7 +96,14 @@ impl<'a> Job<'a> {
     pub fn render(&self, modes: &[Mode]) -> Vec<Rendered> {
         let size = self.arguments.size;
         let mut images: Vec<Rendered> = (modes.iter())
-            .map(|&mode| Rendered { mode, film: Film::new(size.width, size.height), seconds: 0.0 })
+            .map(|&mode| {
+                let film = if self.arguments.adaptive.0 {
+                    Film::adaptive(size.width, size.height)
+                } else {
+                    Film::new(size.width, size.height)
+                };
+                Rendered { mode, film, seconds: 0.0 }
+            })
             .collect();
         let bar = self.progress_bar(modes.len());
         let never = AtomicBool::new(false);
@@ -110,6 +117,7 @@ impl<'a> Job<'a> {
                     mode: image.mode,
                     seed: self.arguments.seed,
                     max_depth: self.arguments.max_depth.0,
+                    splits: self.arguments.splits,
                     leave_out: self.arguments.leave_out.0,
                 };
                 let mode_start = Instant::now();
@@ -122,10 +130,12 @@ impl<'a> Job<'a> {
                 }
             }
             done += slice;
+            Film::allocate(&mut images.iter_mut().map(|image| &mut image.film).collect::<Vec<_>>());
             if self.arguments.time.is_some() {
                 bar.set_position(start.elapsed().as_millis() as u64);
             }
             slice = self.next_slice(done, start.elapsed(), slice_start.elapsed().div_f64(f64::from(slice)));
+            slice = slice.min(images.first().map_or(0, |image| image.film.samples_to_decision()));
         }
         bar.finish_and_clear();
         images
@@ -137,7 +147,7 @@ impl<'a> Job<'a> {
         match self.arguments.time {
             None => {
                 let left = self.arguments.spp.unwrap_or(DEFAULT_SPP).saturating_sub(done);
-                fitting(SLICE).max(1).min(left)
+                fitting(SLICE).max(16).min(left)
             }
             Some(limit) => {
                 let left = Duration::from_secs_f64(limit).saturating_sub(elapsed);

@@ -1,5 +1,7 @@
 //! One sample of one pixel, and one path told vertex by vertex.
 
+mod crossing;
+mod direct;
 pub mod path;
 pub mod sampler;
 pub mod trace;

@@ -1,4 +1,7 @@
-//! The path tracer: one sample of one pixel, with any tracker.
+//! The path tracer: samples of pixels, with any tracker.
+//!
+//! Paths advance in batches, a segment at a time: the rays of a batch are traced together, which hides the time that memory takes, and paths
+//! that leave from the same pixel stay together for some segments.
 //!
 //! Light is gathered where a path meets it and, at diffuse vertices, by next-event estimation, both weighted by multiple importance
 //! sampling (Veach 1997, chapter 9, power heuristic). Radiance is scaled by (n_from/n_to)² at every transmission (chapter 5), apart
@@ -6,25 +9,26 @@
 
 use glam::DVec3;
 
+use super::crossing::Met;
+use super::direct::{Receiver, power_heuristic};
 use super::sampler::Sampler;
-use crate::geometry::ray::NO_PRIMITIVE;
 use crate::geometry::{Hit, Ray, SurfacePoint};
-use crate::optics::Interface;
-use crate::rectify::containment::medium_of;
+use crate::rectify::start::Start;
 use crate::render::Events;
-use crate::scatter::{dielectric, diffuse};
+use crate::scatter::dielectric::{self, Choice, Scattered};
+use crate::scatter::diffuse;
+
 use crate::scene::SceneNeeds;
-use crate::scene::environment::DirectionSample;
 use crate::scene::world::{MediumId, ObjectId, Paint, Surface, World};
-use crate::tracking::{Crossing, Sides, Tracker};
+use crate::tracking::Tracker;
 
 /// Segments after which Russian roulette looks at the throughput.
 const ROULETTE_FROM: u32 = 4;
+/// Share of the throughput at the first diffuse vertex below which paths are ended at random. What such a path still brings counts against
+/// what its pixel shows, so a dark surface seen directly is no reason to end it; at that share the noise of ending it is small.
+const ROULETTE_SHARE: f64 = 0.25;
 /// Segments after which every path may be ended whatever its throughput, or trapped lossless paths would never end.
 const LONG_PATH: u32 = 64;
-
-/// Roundings of f64, at the scene's size, that two hits of one place differ by at the most.
-const ROUNDINGS: f64 = 64.0;
 
 /// Probability of going on from a segment beyond [`LONG_PATH`]. It starts at 0.95 and rises, so that the chance of lasting k segments
 /// more falls as 1/k and the weight of those that do grows no faster than k. With a constant 0.95 that weight grows exponentially: the
@@ -35,6 +39,9 @@ const ROUNDINGS: f64 = 64.0;
 fn survival_of_long_path(segment: u32) -> f64 {
     (1.0 - 1.0 / (f64::from(segment - LONG_PATH) + 19.0)).min(0.9999)
 }
+
+/// Least share of a path's light that is worth a path of its own: a branch of less is followed now and then, by chance.
+const SPLIT_SHARE: f64 = 0.03;
 
 /// Random dimensions of a path: the camera's, then a block for each segment.
 pub mod dimension {
@@ -58,14 +65,8 @@ pub struct PathTracer<'a, T> {
     pub needs: SceneNeeds,
     /// Cap on segments; `u32::MAX` for none.
     pub max_depth: u32,
-}
-
-/// What one worker reuses from path to path.
-#[derive(Default)]
-pub struct Scratch<S> {
-    state: S,
-    shadow: S,
-    pub events: Events,
+    /// How many interfaces from the camera on a path may split at, into one that is reflected and one that goes through.
+    pub splits: u32,
 }
 
 /// Where the path last scattered by a density that light sampling competes with.
@@ -75,328 +76,316 @@ struct LastScatter {
     pdf: f64,
 }
 
-/// A crossing with all that is known of it.
-pub(super) struct Met {
-    pub crossing: Crossing,
-    /// `None`: the tracker skips it.
-    pub interface: Option<(Sides, Interface)>,
+/// A path on its way, apart from its ray.
+#[derive(Clone)]
+struct Path<S> {
+    sampler: Sampler,
+    /// The path that this one is a branch of; its own number if it is none.
+    root: u32,
+    /// How many times it may still split.
+    splits: u32,
+    medium: MediumId,
+    /// Segments so far, the camera's first being one.
+    segment: u32,
+    /// Throughput, and apart from it the product of (n_from/n_to)².
+    beta: DVec3,
+    scale: f64,
+    last: Option<LastScatter>,
+    /// Throughput below which Russian roulette sets in.
+    roulette_below: f64,
+    has_scattered: bool,
+    /// Of its root's light at the splits so far.
+    share: f64,
+    radiance: DVec3,
+    state: S,
+}
+
+/// Paths that advance together. One worker reuses it from batch to batch.
+pub struct Batch<S> {
+    /// In the order in which they were added, then the branches that they split off. Those behind `used` are room for later ones.
+    paths: Vec<Path<S>>,
+    /// Paths that were added.
+    count: usize,
+    /// These and their branches.
+    used: usize,
+    /// The paths that have not ended, in order, and their rays.
+    alive: Vec<u32>,
+    rays: Vec<Ray>,
+    hits: Vec<Option<Hit>>,
+    /// State of shadow rays.
+    shadow: S,
+    pub events: Events,
+}
+
+impl<S: Default> Default for Batch<S> {
+    fn default() -> Self {
+        Self {
+            paths: Vec::new(),
+            count: 0,
+            used: 0,
+            alive: Vec::new(),
+            rays: Vec::new(),
+            hits: Vec::new(),
+            shadow: S::default(),
+            events: Events::default(),
+        }
+    }
+}
+
+impl<S: Default> Batch<S> {
+    /// So many paths hide the time that memory takes, and stay in the nearest cache themselves.
+    pub const SIZE: usize = 64;
+
+    pub fn is_full(&self) -> bool {
+        self.count >= Self::SIZE
+    }
+
+    /// Adds a path that starts as `start` says (local coordinates).
+    #[inline]
+    pub fn add<T: Tracker<State = S>>(&mut self, start: &Start, sampler: Sampler, tracer: &PathTracer<'_, T>) {
+        self.events.ambiguous += u64::from(start.is_ambiguous);
+        let number = self.count as u32;
+        self.alive.push(number);
+        self.rays.push(start.ray);
+        if self.count == self.paths.len() {
+            self.paths.push(Path::new(number, sampler, start.medium));
+        }
+        let path = &mut self.paths[self.count];
+        let state = std::mem::take(&mut path.state);
+        *path = Path { state, splits: tracer.splits, ..Path::new(number, sampler, start.medium) };
+        tracer.tracker.start(&mut path.state);
+        self.count += 1;
+        self.used = self.count;
+    }
+
+    /// Empties the batch; gives the radiance and the segments of each path that was added, with its branches', in the order in which they were
+    /// added.
+    pub fn drain(&mut self) -> impl Iterator<Item = (DVec3, u32)> + '_ {
+        let count = std::mem::take(&mut self.count);
+        let (roots, branches) = self.paths[..std::mem::take(&mut self.used)].split_at_mut(count);
+        for branch in branches {
+            let root = &mut roots[branch.root as usize];
+            root.radiance += branch.radiance;
+            root.segment += branch.segment;
+        }
+        self.alive.clear();
+        self.rays.clear();
+        roots.iter().map(|path| (path.radiance, path.segment))
+    }
+}
+
+impl<S: Default> Path<S> {
+    fn new(root: u32, sampler: Sampler, medium: MediumId) -> Self {
+        Self {
+            sampler,
+            root,
+            splits: 0,
+            medium,
+            segment: 1,
+            beta: DVec3::ONE,
+            scale: 1.0,
+            last: None,
+            roulette_below: ROULETTE_SHARE,
+            has_scattered: false,
+            share: 1.0,
+            radiance: DVec3::ZERO,
+            state: S::default(),
+        }
+    }
 }
 
 impl<T: Tracker> PathTracer<'_, T> {
-    /// Radiance along `ray` (local coordinates), which starts in the medium `start`.
-    #[inline]
-    pub fn radiance(&self, mut ray: Ray, start: MediumId, sampler: &Sampler, scratch: &mut Scratch<T::State>) -> DVec3 {
-        let world = self.world;
-        self.tracker.start(&mut scratch.state);
-        let mut medium = start;
-        let mut radiance = DVec3::ZERO;
-        // Throughput, and apart from it the product of (n_from/n_to)².
-        let mut beta = DVec3::ONE;
-        let mut scale = 1.0;
-        let mut last: Option<LastScatter> = None;
-        let mut segment = 1;
-        loop {
-            let Some(hit) = self.closest(&ray) else {
-                beta *= self.transmittance(medium, &ray, f64::INFINITY);
-                let weight = last.map_or(1.0, |l| power_heuristic(l.pdf, self.environment_pdf(ray.direction)));
-                return radiance + beta * world.environment.radiance(ray.direction) * (scale * weight);
-            };
-            beta *= self.transmittance(medium, &ray, hit.t);
-            let object = ObjectId(world.geometry.object_of(hit.primitive));
-            let surface = &world.object(object).surface;
-
-            if let Surface::Light { radiance: emitted } = *surface {
-                if !hit.is_front {
-                    return radiance;
+    /// Follows the paths of `batch` to their ends.
+    pub fn trace(&self, batch: &mut Batch<T::State>) {
+        let Batch { paths, used, alive, rays, hits, shadow, events, .. } = batch;
+        while !alive.is_empty() {
+            self.closest_many(rays, hits);
+            let mut kept = 0;
+            let last = alive.len();
+            for index in 0..last {
+                let number = alive[index];
+                let path = &mut paths[number as usize];
+                let (ray, hit) = (rays[index], hits[index].as_ref());
+                let mut branch = None;
+                if let Some(next) = self.advance(path, &ray, hit, shadow, events, &mut branch) {
+                    rays[kept] = next;
+                    alive[kept] = number;
+                    kept += 1;
                 }
-                let weight = last.map_or(1.0, |l| {
-                    let point = world.geometry.surface(&ray, &hit);
+                if let Some((branch, ray)) = branch {
+                    alive.push(*used as u32);
+                    rays.push(ray);
+                    if *used == paths.len() {
+                        paths.push(branch);
+                    } else {
+                        paths[*used] = branch;
+                    }
+                    *used += 1;
+                }
+            }
+            alive.drain(kept..last);
+            rays.drain(kept..last);
+        }
+    }
+
+    /// Takes a path to what its ray meets. Returns the ray that it goes on with; `None` where it ends.
+    #[inline]
+    fn advance(
+        &self,
+        path: &mut Path<T::State>,
+        ray: &Ray,
+        hit: Option<&Hit>,
+        shadow: &mut T::State,
+        events: &mut Events,
+        branch: &mut Option<(Path<T::State>, Ray)>,
+    ) -> Option<Ray> {
+        let world = self.world;
+        let Some(hit) = hit else {
+            path.beta *= self.transmittance(path.medium, ray, f64::INFINITY);
+            let weight = path.last.map_or(1.0, |l| power_heuristic(l.pdf, self.environment_pdf(ray.direction)));
+            path.radiance += path.beta * world.environment.radiance(ray.direction) * (path.scale * weight);
+            return None;
+        };
+        path.beta *= self.transmittance(path.medium, ray, hit.t);
+        let object = ObjectId(world.geometry.object_of(hit.primitive));
+        let surface = &world.object(object).surface;
+
+        if let Surface::Light { radiance } = *surface {
+            if hit.is_front {
+                let weight = path.last.map_or(1.0, |l| {
+                    let point = world.geometry.surface(ray, hit);
                     power_heuristic(l.pdf, self.emitter_pdf(l.position, ray.direction, object, &point))
                 });
-                return radiance + beta * emitted * (scale * weight);
+                path.radiance += path.beta * radiance * (path.scale * weight);
             }
+            return None;
+        }
 
-            let mut met = None;
-            if let Surface::Refractor { smooth, .. } = *surface {
-                let Met { crossing, interface } =
-                    match self.meet(&ray, &hit, &scratch.state, medium, &mut scratch.events) {
-                        Ok(met) => met,
-                        Err(behind) => {
-                            ray = behind;
-                            continue;
-                        }
-                    };
-                match interface {
-                    Some((sides, interface)) if !interface.is_matched() => {
-                        met = Some((crossing, sides, interface, smooth));
-                    }
-                    passed => {
-                        // Straight on: the same ray, no depth, no random numbers.
-                        self.tracker.transmit(&mut scratch.state, &crossing);
-                        medium = passed.map_or(medium, |(sides, _)| sides.to);
-                        ray = ray.beyond(&hit);
-                        continue;
-                    }
+        let mut met = None;
+        if let Surface::Refractor { smooth, .. } = *surface {
+            let Met { crossing, interface } = match self.meet(ray, hit, &path.state, path.medium, events) {
+                Ok(met) => met,
+                Err(behind) => return Some(behind),
+            };
+            match interface {
+                Some((sides, interface)) if !interface.is_matched() => {
+                    met = Some((crossing, sides, interface, smooth));
                 }
-            }
-
-            // From here on the path turns: a new segment.
-            if segment >= self.max_depth {
-                return radiance;
-            }
-            let dimensions = dimension::FIRST_SEGMENT + (segment - 1) * dimension::PER_SEGMENT;
-            segment += 1;
-            if segment > ROULETTE_FROM {
-                let mut survival = beta.max_element().min(1.0);
-                if segment > LONG_PATH {
-                    survival = survival.min(survival_of_long_path(segment));
+                passed => {
+                    // Straight on: the same ray, no depth, no random numbers.
+                    self.tracker.transmit(&mut path.state, &crossing);
+                    path.medium = passed.map_or(path.medium, |(sides, _)| sides.to);
+                    return Some(ray.beyond(hit));
                 }
-                if survival < 1.0 {
-                    if sampler.get_1d(dimensions + dimension::ROULETTE) >= survival {
-                        return radiance;
-                    }
-                    beta /= survival;
-                }
-            }
-
-            if let Some((crossing, sides, interface, smooth)) = met {
-                let point = crossing.point;
-                let outward = if hit.is_front { 1.0 } else { -1.0 };
-                let shading = self.outward_normal(&hit, &point, smooth) * outward;
-                let choice = dielectric::Choice::Sample(sampler.get_1d(dimensions + dimension::SCATTER));
-                let scattered = dielectric::scatter(&interface, ray.direction, point.normal * outward, shading, choice);
-                if scattered.is_transmitted {
-                    self.tracker.transmit(&mut scratch.state, &crossing);
-                    scale *= interface.radiance_factor();
-                    medium = sides.to;
-                }
-                ray = Ray::leaving(point.position, scattered.direction, hit.primitive);
-                last = None;
-                continue;
-            }
-
-            let point = world.geometry.surface(&ray, &hit);
-            match *surface {
-                Surface::Mirror { ref paint, smooth } => {
-                    let normal = self.facing_normal(&ray, &hit, &point, smooth);
-                    let cos = (-ray.direction.dot(normal)).clamp(0.0, 1.0);
-                    beta *= albedo(paint, point.position);
-                    let direction = crate::optics::fresnel::reflected(ray.direction, normal, cos);
-                    ray = Ray::leaving(point.position, direction, hit.primitive);
-                    last = None;
-                }
-                Surface::Diffuse { ref paint, smooth } => {
-                    let normal = self.facing_normal(&ray, &hit, &point, smooth);
-                    beta *= albedo(paint, point.position);
-                    if beta == DVec3::ZERO {
-                        return radiance;
-                    }
-                    let direct = self.direct(&point, normal, medium, dimensions, sampler, scratch);
-                    radiance += beta * direct * scale;
-                    let (direction, pdf) = diffuse::sample(normal, sampler.get_2d(dimensions + dimension::DIRECTION));
-                    ray = Ray::leaving(point.position, direction, hit.primitive);
-                    last = Some(LastScatter { position: point.position, pdf });
-                }
-                // Dealt with above.
-                Surface::Light { .. } | Surface::Refractor { .. } => return radiance,
             }
         }
+
+        // From here on the path turns: a new segment.
+        if path.segment >= self.max_depth {
+            return None;
+        }
+        let dimensions = dimension::FIRST_SEGMENT + (path.segment - 1) * dimension::PER_SEGMENT;
+        path.segment += 1;
+        if !path.survives(dimensions) {
+            return None;
+        }
+
+        if let Some((crossing, sides, interface, smooth)) = met {
+            let point = crossing.point;
+            let outward = if hit.is_front { 1.0 } else { -1.0 };
+            let shading = self.outward_normal(hit, &point, smooth) * outward;
+            let normal = point.normal * outward;
+            let scatter = |choice| dielectric::scatter(&interface, ray.direction, normal, shading, choice);
+            let scattered = match self.split(path, scatter) {
+                Some([through, back]) => {
+                    let mut reflected = Path { radiance: DVec3::ZERO, last: None, ..path.clone() };
+                    reflected.take_share(back.reflectance);
+                    path.take_share(1.0 - through.reflectance);
+                    *branch = Some((reflected, Ray::leaving(point.position, back.direction, hit.primitive)));
+                    through
+                }
+                None => scatter(Choice::Sample(path.sampler.get_1d(dimensions + dimension::SCATTER))),
+            };
+            if scattered.is_transmitted {
+                self.tracker.transmit(&mut path.state, &crossing);
+                path.scale *= interface.radiance_factor();
+                path.medium = sides.to;
+            }
+            path.last = None;
+            return Some(Ray::leaving(point.position, scattered.direction, hit.primitive));
+        }
+
+        let point = world.geometry.surface(ray, hit);
+        match *surface {
+            Surface::Mirror { ref paint, smooth } => {
+                let normal = self.facing_normal(ray, hit, &point, smooth);
+                let cos = (-ray.direction.dot(normal)).clamp(0.0, 1.0);
+                path.beta *= albedo(paint, point.position);
+                path.last = None;
+                let direction = crate::optics::fresnel::reflected(ray.direction, normal, cos);
+                Some(Ray::leaving(point.position, direction, hit.primitive))
+            }
+            Surface::Diffuse { ref paint, smooth } => {
+                let normal = self.facing_normal(ray, hit, &point, smooth);
+                path.beta *= albedo(paint, point.position);
+                if path.beta == DVec3::ZERO {
+                    return None;
+                }
+                if !path.has_scattered {
+                    path.roulette_below = ROULETTE_SHARE * path.beta.max_element() / path.share;
+                    path.has_scattered = true;
+                }
+                let receiver = Receiver { point: &point, normal, medium: path.medium, state: &path.state };
+                let direct = self.direct(&receiver, dimensions, &path.sampler, shadow);
+                path.radiance += path.beta * direct * path.scale;
+                let (direction, pdf) = diffuse::sample(normal, path.sampler.get_2d(dimensions + dimension::DIRECTION));
+                path.last = Some(LastScatter { position: point.position, pdf });
+                Some(Ray::leaving(point.position, direction, hit.primitive))
+            }
+            // Dealt with above.
+            Surface::Light { .. } | Surface::Refractor { .. } => None,
+        }
+    }
+
+    /// Both ways on from an interface, through and back, where a path is to split: where both bring enough to be worth a path of their own.
+    #[inline]
+    fn split(&self, path: &mut Path<T::State>, scatter: impl Fn(Choice) -> Scattered) -> Option<[Scattered; 2]> {
+        if path.splits == 0 || path.has_scattered {
+            return None;
+        }
+        let through = scatter(Choice::Transmit);
+        if !through.is_transmitted || through.reflectance.min(1.0 - through.reflectance) * path.share <= SPLIT_SHARE {
+            return None;
+        }
+        let back = scatter(Choice::Reflect);
+        // What an interpolated normal sends to the wrong side is scattered anew: only shares of one whole may be told apart.
+        let is_whole = !back.is_transmitted && back.reflectance == through.reflectance;
+        path.splits -= u32::from(is_whole);
+        is_whole.then_some([through, back])
     }
 
     /// The first surface that a ray meets and that may matter to the tracker.
     #[inline]
-    fn closest(&self, ray: &Ray) -> Option<Hit> {
+    pub(super) fn closest(&self, ray: &Ray) -> Option<Hit> {
         match self.tracker.mask() {
             Some(mask) => self.world.geometry.closest_but(ray, mask),
             None => self.world.geometry.closest(ray),
         }
     }
 
-    /// Light that reaches a diffuse point directly, times 1/π and cosine: the albedo is the caller's.
+    /// The same for each ray.
     #[inline]
-    fn direct(
-        &self,
-        point: &SurfacePoint,
-        normal: DVec3,
-        medium: MediumId,
-        dimensions: u32,
-        sampler: &Sampler,
-        scratch: &mut Scratch<T::State>,
-    ) -> DVec3 {
-        let world = self.world;
-        let mut radiance = DVec3::ZERO;
-        // The environment and the emitters are each asked: a choice between them would waste half of the samples where only one is seen.
-        if self.needs.image_environment {
-            let u = sampler.get_2d(dimensions + dimension::ENVIRONMENT);
-            if let Some(sample) = world.environment.sample(u) {
-                radiance += self.direct_from(None, &sample, point, normal, medium, scratch);
-            }
+    fn closest_many(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        hits.resize(rays.len(), None);
+        match self.tracker.mask() {
+            Some(mask) => self.world.geometry.closest_many_but(rays, mask, hits),
+            None => self.world.geometry.closest_many(rays, hits),
         }
-        if self.needs.emitters {
-            let select = sampler.get_1d(dimensions + dimension::EMITTER_CHOICE);
-            let u = sampler.get_2d(dimensions + dimension::EMITTER);
-            if let Some((object, sample)) = world.emitters.sample(&world.geometry, point.position, select, u) {
-                radiance += self.direct_from(Some(object), &sample, point, normal, medium, scratch);
-            }
-        }
-        radiance
-    }
-
-    /// Light that reaches a diffuse point from the sampled direction of the emitter `target` (`None`: the environment).
-    #[inline]
-    fn direct_from(
-        &self,
-        target: Option<ObjectId>,
-        sample: &DirectionSample,
-        point: &SurfacePoint,
-        normal: DVec3,
-        medium: MediumId,
-        scratch: &mut Scratch<T::State>,
-    ) -> DVec3 {
-        let cos = sample.direction.dot(normal);
-        // The geometric side decides what can be reached; an interpolated normal must not let light through the surface.
-        let is_above = (sample.direction.dot(point.normal) > 0.0) == (normal.dot(point.normal) > 0.0);
-        if cos <= 0.0 || !is_above {
-            return DVec3::ZERO;
-        }
-        let ray = Ray::leaving(point.position, sample.direction, point.primitive);
-        let Some(transmittance) = self.visibility(ray, target, medium, scratch) else { return DVec3::ZERO };
-        let radiance = match target.map(|object| &self.world.object(object).surface) {
-            Some(Surface::Light { radiance }) => *radiance,
-            _ => self.world.environment.radiance(sample.direction),
-        };
-        let weight = power_heuristic(sample.pdf, diffuse::pdf(cos));
-        radiance * transmittance * (diffuse::pdf(cos) * weight / sample.pdf)
-    }
-
-    /// Transmittance from the ray's start to the light `target` (`None`: the environment), through surfaces that do not bend light
-    /// and those that the mode skips; `None` when something else is in the way. Arriving at the very object needs no distance to compare with.
-    #[inline]
-    fn visibility(
-        &self,
-        mut ray: Ray,
-        target: Option<ObjectId>,
-        mut medium: MediumId,
-        scratch: &mut Scratch<T::State>,
-    ) -> Option<DVec3> {
-        let world = self.world;
-        // Whether the ray may pass through a refractor unbent, and so must look at each one it meets.
-        let can_pass = self.needs.index_matching || self.tracker.can_skip();
-        if target.is_none() && !can_pass {
-            let is_open = match self.tracker.mask() {
-                Some(mask) => !world.geometry.is_occluded_but(&ray, f64::INFINITY, mask),
-                None => !world.geometry.is_occluded(&ray, f64::INFINITY),
-            };
-            return is_open.then(|| self.transmittance(medium, &ray, f64::INFINITY));
-        }
-        let mut transmittance = DVec3::ONE;
-        let mut has_state = false;
-        loop {
-            let Some(hit) = self.closest(&ray) else {
-                return target.is_none().then(|| transmittance * self.transmittance(medium, &ray, f64::INFINITY));
-            };
-            transmittance *= self.transmittance(medium, &ray, hit.t);
-            let object = ObjectId(world.geometry.object_of(hit.primitive));
-            if Some(object) == target {
-                return hit.is_front.then_some(transmittance);
-            }
-            if !can_pass || !matches!(world.object(object).surface, Surface::Refractor { .. }) {
-                return None;
-            }
-            if !has_state {
-                scratch.shadow.clone_from(&scratch.state);
-                has_state = true;
-            }
-            // Events are counted along camera paths only.
-            let met = match self.meet(&ray, &hit, &scratch.shadow, medium, &mut Events::default()) {
-                Ok(met) => met,
-                Err(behind) => {
-                    ray = behind;
-                    continue;
-                }
-            };
-            if let Some((sides, interface)) = met.interface {
-                if !interface.is_matched() {
-                    return None;
-                }
-                medium = sides.to;
-            }
-            self.tracker.transmit(&mut scratch.shadow, &met.crossing);
-            ray = ray.beyond(&hit);
-        }
-    }
-
-    /// Asks the tracker about a hit of a refractor by a path in `medium`, and counts a crossing that leaves another one. An error is the ray
-    /// with which the path goes straight on: what it met is no crossing, and the tracker must not hear of it.
-    #[inline]
-    pub(super) fn meet(
-        &self,
-        ray: &Ray,
-        hit: &Hit,
-        state: &T::State,
-        medium: MediumId,
-        events: &mut Events,
-    ) -> Result<Met, Ray> {
-        events.crossings += 1;
-        let (crossing, sides) = self.ask(ray, hit, state, events);
-        if let Some(sides) = sides
-            && !self.world.is_consistent(medium, sides.from)
-        {
-            if let Some(behind) = self.behind_edge(ray, hit, medium, sides, state) {
-                return Err(behind);
-            }
-            events.inconsistent += 1;
-        }
-        let ior_minus_one = |medium| self.world.medium(medium).ior_minus_one;
-        let interface = sides.map(|s| (s, Interface::new(ior_minus_one(s.from), ior_minus_one(s.to))));
-        Ok(Met { crossing, interface })
-    }
-
-    /// What the tracker says about a hit of a refractor.
-    #[inline]
-    fn ask(&self, ray: &Ray, hit: &Hit, state: &T::State, events: &mut Events) -> (Crossing, Option<Sides>) {
-        let world = self.world;
-        let refractor = ObjectId(world.geometry.object_of(hit.primitive));
-        let interior = medium_of(world, Some(refractor));
-        let point = world.geometry.surface(ray, hit);
-        let crossing = Crossing { refractor, interior, is_entering: hit.is_front, point, barycentric: hit.barycentric };
-        let sides = self.tracker.sides(state, &crossing, events);
-        (crossing, sides)
-    }
-
-    /// At an edge or a corner a ray may meet several faces in one place. A crossing there that does not leave the `medium` that the path is in
-    /// is none if the path has just come from that surface in that place, or if the next one does leave that medium, in the same place,
-    /// and the two undo each other: the ray grazes the edge, and rounding shows the leaving first. Then gives the ray behind them.
-    #[cold]
-    fn behind_edge(&self, ray: &Ray, hit: &Hit, medium: MediumId, sides: Sides, state: &T::State) -> Option<Ray> {
-        let geometry = &self.world.geometry;
-        let scale = geometry.bounding_sphere().map_or(0.0, |s| s.radius) + ray.origin.abs().max_element();
-        let is_same_place = |from: f64, to: f64| to - from <= ROUNDINGS * f64::EPSILON * scale;
-        let last = if ray.after == NO_PRIMITIVE { ray.from } else { ray.after };
-        if last != NO_PRIMITIVE
-            && geometry.object_of(last) == geometry.object_of(hit.primitive)
-            && is_same_place(ray.t_min, hit.t)
-        {
-            return Some(ray.beyond(hit));
-        }
-        // Modes that are wrong come here often, and a search this short costs them little.
-        let reach = hit.t + 2.0 * ROUNDINGS * f64::EPSILON * scale;
-        if sides.to != medium || !geometry.is_occluded(&ray.beyond(hit), reach) {
-            return None;
-        }
-        let next = self.closest(&ray.beyond(hit)).filter(|next| is_same_place(hit.t, next.t))?;
-        let object = ObjectId(geometry.object_of(next.primitive));
-        if !matches!(self.world.object(object).surface, Surface::Refractor { .. }) {
-            return None;
-        }
-        let (_, next_sides) = self.ask(ray, &next, state, &mut Events::default());
-        let undone = Sides { from: medium, to: sides.from };
-        (next_sides == Some(undone)).then(|| ray.beyond(&next))
     }
 
     /// What is left of light after the part of `ray` from its start to `t`.
     #[inline]
-    fn transmittance(&self, medium: MediumId, ray: &Ray, t: f64) -> DVec3 {
+    pub(super) fn transmittance(&self, medium: MediumId, ray: &Ray, t: f64) -> DVec3 {
         if !self.needs.absorption {
             return DVec3::ONE;
         }
@@ -435,25 +424,35 @@ impl<T: Tracker> PathTracer<'_, T> {
         let normal = self.outward_normal(hit, point, smooth) * outward;
         if normal.dot(ray.direction) < 0.0 { normal } else { point.normal * outward }
     }
-
-    #[inline]
-    fn environment_pdf(&self, direction: DVec3) -> f64 {
-        if self.needs.image_environment { self.world.environment.pdf(direction) } else { 0.0 }
-    }
-
-    #[inline]
-    fn emitter_pdf(&self, from: DVec3, direction: DVec3, object: ObjectId, point: &SurfacePoint) -> f64 {
-        if !self.needs.emitters {
-            return 0.0;
-        }
-        self.world.emitters.pdf(&self.world.geometry, from, direction, object, point)
-    }
 }
 
-/// Weight of a sample of density `pdf` against another way of density `other`.
-#[inline]
-fn power_heuristic(pdf: f64, other: f64) -> f64 {
-    pdf * pdf / (pdf * pdf + other * other)
+impl<S> Path<S> {
+    /// Leaves the rest of its light to another branch.
+    #[inline]
+    fn take_share(&mut self, share: f64) {
+        self.beta *= share;
+        self.share *= share;
+    }
+
+    /// Russian roulette, with the random numbers of the segment that begins at `dimensions`. A survivor's throughput is raised for those that
+    /// end.
+    #[inline]
+    fn survives(&mut self, dimensions: u32) -> bool {
+        if self.segment <= ROULETTE_FROM {
+            return true;
+        }
+        let mut survival = (self.beta.max_element() / self.roulette_below).min(1.0);
+        if self.segment > LONG_PATH {
+            survival = survival.min(survival_of_long_path(self.segment));
+        }
+        if survival < 1.0 {
+            if self.sampler.get_1d(dimensions + dimension::ROULETTE) >= survival {
+                return false;
+            }
+            self.beta /= survival;
+        }
+        true
+    }
 }
 
 #[inline]

@@ -8,6 +8,7 @@
 #[derive(Debug, Clone, Copy)]
 pub struct Sampler {
     pixel_seed: u32,
+    /// The sample's number with its bits reversed.
     sample: u32,
 }
 
@@ -16,27 +17,24 @@ impl Sampler {
     pub fn new(seed: u64, pixel: u32, sample: u32) -> Self {
         let mut h = mix(seed as u32 ^ 0x9E37_79B9);
         h = mix(h ^ (seed >> 32) as u32);
-        Self { pixel_seed: mix(h ^ pixel.wrapping_mul(0x85EB_CA6B)), sample }
+        Self { pixel_seed: mix(h ^ pixel.wrapping_mul(0x85EB_CA6B)), sample: sample.reverse_bits() }
     }
 
     /// Uniform in [0, 1).
     #[inline]
     pub fn get_1d(&self, dimension: u32) -> f64 {
         let seed = mix(self.pixel_seed ^ dimension.wrapping_mul(0xC2B2_AE35));
-        let index = scramble(self.sample, seed);
         // The first Sobol dimension is the index with its bits reversed.
-        to_unit(scramble(index.reverse_bits(), mix(seed ^ 0x27D4_EB2F)))
+        let first = permute(self.sample, seed);
+        scramble(first.reverse_bits(), mix(seed ^ 0x27D4_EB2F))
     }
 
     /// Uniform in [0, 1)²; uses the one dimension id.
     #[inline]
     pub fn get_2d(&self, dimension: u32) -> [f64; 2] {
         let seed = mix(self.pixel_seed ^ dimension.wrapping_mul(0xC2B2_AE35));
-        let index = scramble(self.sample, seed);
-        [
-            to_unit(scramble(index.reverse_bits(), mix(seed ^ 0x27D4_EB2F))),
-            to_unit(scramble(sobol_second(index), mix(seed ^ 0x1656_67B1))),
-        ]
+        let index = permute(self.sample, seed).reverse_bits();
+        [scramble(index, mix(seed ^ 0x27D4_EB2F)), scramble(sobol_second(index), mix(seed ^ 0x1656_67B1))]
     }
 }
 
@@ -50,24 +48,24 @@ fn mix(mut x: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// Nested uniform scramble in base 2: the permutation of Laine and Karras (2011) with Vegdahl's constants, on reversed bits.
+/// Nested uniform scramble in base 2 on numbers whose bits are reversed: the permutation of Laine and Karras (2011) with Vegdahl's
+/// constants. Every bit depends on those below it only.
 #[inline]
-fn scramble(x: u32, seed: u32) -> u32 {
-    let mut x = x.reverse_bits();
+fn permute(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3D20_ADEA);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);
     x ^= x.wrapping_mul(0x0552_6C56);
-    x ^= x.wrapping_mul(0x53A2_2864);
-    x.reverse_bits()
+    x ^ x.wrapping_mul(0x53A2_2864)
 }
 
+/// The point with the bits `reversed`, lowest first, scrambled.
 #[inline]
-fn to_unit(x: u32) -> f64 {
-    f64::from(x) * (1.0 / 4_294_967_296.0)
+fn scramble(reversed: u32, seed: u32) -> f64 {
+    f64::from(permute(reversed, seed).reverse_bits()) * (1.0 / 4_294_967_296.0)
 }
 
-/// The second Sobol dimension: Pascal's triangle modulo 2, a byte of the index at a time.
+/// The second Sobol dimension, its bits reversed: Pascal's triangle modulo 2, a byte of the index at a time.
 #[inline]
 fn sobol_second(index: u32) -> u32 {
     let bytes = index.to_le_bytes();
@@ -93,7 +91,7 @@ const fn second_table() -> [[u32; 256]; 4] {
             let mut bit = 0;
             while bit < 8 {
                 if value >> bit & 1 == 1 {
-                    table[byte][value] ^= directions[byte * 8 + bit];
+                    table[byte][value] ^= directions[byte * 8 + bit].reverse_bits();
                 }
                 bit += 1;
             }

@@ -1,6 +1,7 @@
 //! One path, vertex by vertex, for people to read. It asks the same questions in the same order as the path tracer.
 
-use super::path::{Met, PathTracer, dimension};
+use super::crossing::Met;
+use super::path::{PathTracer, dimension};
 use super::sampler::Sampler;
 use crate::geometry::Ray;
 use crate::rectify::start::{Start, start};
@@ -112,7 +113,7 @@ struct Tracing<'a> {
 impl Tracing<'_> {
     fn run<T: Tracker>(&self, tracker: &T, ray: Ray) -> TracedPath {
         let world = &*self.prepared.world;
-        let tracer = PathTracer { world, tracker, needs: world.needs, max_depth: self.max_depth };
+        let tracer = PathTracer { world, tracker, needs: world.needs, max_depth: self.max_depth, splits: 0 };
         let ray = Ray::new(ray.origin - world.geometry.origin, ray.direction.normalize());
         let mut state = T::State::default();
         tracker.start(&mut state);

@@ -6,14 +6,17 @@ use std::ops::Range;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::beam::{CHUNK, Gathered};
 use super::bvh::{Bounds, Tree};
+#[cfg(target_arch = "aarch64")]
+use super::kernel::Neon;
 #[cfg(target_arch = "x86_64")]
-use super::kernel::Avx2;
-use super::kernel::{Kernel, Portable};
+use super::kernel::{Avx2, Avx512};
+use super::kernel::{Kernel, KernelChoice, Portable};
 use super::mesh::Mesh;
 use super::ray::{Hit, NO_PRIMITIVE, PrimitiveId, Ray};
 use super::sphere::Sphere;
-use super::triangle::{self, PACK, ShearedRay, TriangleHit, TrianglePack};
+use super::triangle::{self, PACK, PackTest, ShearedRay, TriangleHit, TrianglePack};
 
 /// The surface of one object, in scene coordinates.
 #[derive(Debug, Clone)]
@@ -87,16 +90,17 @@ pub struct Geometry {
     bounds_of_objects: Vec<(DVec3, DVec3)>,
     /// Running sums of triangle areas, restarting at each object.
     areas: Vec<f64>,
-    triangle_tree: Tree,
-    packs: Vec<TrianglePack>,
+    pub(super) triangle_tree: Tree,
+    pub(super) packs: Vec<TrianglePack>,
     sphere_tree: Tree,
     sphere_slots: Vec<u32>,
     bounds: Option<Sphere>,
+    pub(super) kernel: KernelChoice,
 }
 
 /// Triangles that one thread looks at before they are put together: not as many as threads happen to take, since the sign of a zero
 /// depends on the order.
-const CHUNK: usize = 1 << 14;
+const BOUNDS_CHUNK: usize = 1 << 14;
 
 /// A scene farther from zero than this many times its own size is moved.
 const FAR: f64 = 16.0;
@@ -123,6 +127,7 @@ impl Geometry {
             sphere_tree: Tree::default(),
             sphere_slots: Vec::new(),
             bounds: None,
+            kernel: KernelChoice::best(),
         };
         let any_smooth = parts.iter().any(|p| matches!(p, Part::Mesh { smooth: true, .. }));
         geometry.reserve(&parts, any_smooth);
@@ -196,7 +201,7 @@ impl Geometry {
         let (of_triangles, of_spheres) = self.object_of_primitive.split_at(self.triangles.len());
         let (tree, slots) = Tree::build(&boxes, of_triangles, PACK);
         let union = |boxes: &[Bounds]| boxes.iter().fold(Bounds::EMPTY, |a, b| a.union(*b));
-        let of_chunks: Vec<Bounds> = boxes.par_chunks(CHUNK).map(union).collect();
+        let of_chunks: Vec<Bounds> = boxes.par_chunks(BOUNDS_CHUNK).map(union).collect();
         drop(boxes);
         self.packs = slots
             .primitives
@@ -253,6 +258,17 @@ impl Geometry {
         search.search.best
     }
 
+    /// The first hit of each ray, as [`Self::closest`] finds it. The more rays, the less each takes: some dozens at least.
+    pub fn closest_many(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        self.search_many(rays, f64::INFINITY, || Closest { best: None }, |index, search| hits[index] = search.best);
+    }
+
+    /// The first hit of each ray, as [`Self::closest_but`] finds it.
+    pub fn closest_many_but(&self, rays: &[Ray], mask: &Mask, hits: &mut [Option<Hit>]) {
+        let start = || But { mask, search: Closest { best: None } };
+        self.search_many(rays, f64::INFINITY, start, |index, search| hits[index] = search.search.best);
+    }
+
     /// Whether anything lies nearer than `t_max`, as if the primitives of `mask` were not there.
     #[inline]
     pub fn is_occluded_but(&self, ray: &Ray, t_max: f64, mask: &Mask) -> bool {
@@ -304,19 +320,39 @@ impl Geometry {
 
     #[inline]
     fn search(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
-        #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has the feature that this copy of the code is compiled for.
+        match self.kernel {
+            KernelChoice::Portable => self.search_with::<Portable>(ray, t_max, search),
+            // SAFETY: the processor has the features that this copy of the code is compiled for, or it would not have been chosen.
+            #[cfg(target_arch = "x86_64")]
             #[allow(unsafe_code)]
-            return unsafe { self.search_avx2(ray, t_max, search) };
+            KernelChoice::Avx2 => unsafe { self.search_avx2(ray, t_max, search) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            KernelChoice::Avx512 => unsafe { self.search_avx512(ray, t_max, search) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "aarch64")]
+            #[allow(unsafe_code)]
+            KernelChoice::Neon => unsafe { self.search_neon(ray, t_max, search) },
         }
-        self.search_with::<Portable>(ray, t_max, search);
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn search_avx2(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
         self.search_with::<Avx2>(ray, t_max, search);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    fn search_avx512(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
+        self.search_with::<Avx512>(ray, t_max, search);
+    }
+
+    #[cfg(target_arch = "aarch64")]
+    #[target_feature(enable = "neon")]
+    fn search_neon(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
+        self.search_with::<Neon>(ray, t_max, search);
     }
 
     #[inline(always)]
@@ -324,31 +360,147 @@ impl Geometry {
         let mut done = false;
         if !self.packs.is_empty() {
             let sheared = ShearedRay::new(ray);
+            let mut test = PackTest::EMPTY;
             self.triangle_tree.walk::<K>(ray, &mut t_max, |slot, t_max| {
-                let pack = &self.packs[slot as usize];
-                K::meet_triangles(&sheared, pack).for_each(&sheared, pack, |primitive, hit| {
-                    if primitive != ray.from && is_behind(ray, hit.t, primitive) && hit.t <= *t_max {
-                        let TriangleHit { t, barycentric, is_front } = hit;
-                        done |= search.found(Hit { t, primitive, barycentric, is_front }, t_max);
-                    }
-                });
+                done = self.test_pack::<K>(slot, ray, &sheared, t_max, &mut test, search);
                 done
             });
         }
         if !self.spheres.is_empty() && !done {
-            self.sphere_tree.walk::<K>(ray, &mut t_max, |slot, t_max| {
-                let index = self.sphere_slots[slot as usize];
-                let primitive = index + self.triangles.len() as u32;
-                let distances = self.spheres[index as usize].intersect(ray, primitive == ray.from);
-                for (t, is_front) in distances.into_iter().zip([true, false]) {
-                    let Some(t) = t else { continue };
-                    // Both hits of one sphere carry the same id: the second lies behind the first unless they coincide.
-                    if is_behind(ray, t, primitive) && t <= *t_max {
-                        done |= search.found(Hit { t, primitive, barycentric: [0.0; 2], is_front }, t_max);
-                    }
+            self.search_spheres::<K>(ray, t_max, search);
+        }
+    }
+
+    /// Tests the triangles of a pack; returns whether the search is over.
+    #[inline(always)]
+    pub(super) fn test_pack<K: Kernel>(
+        &self,
+        slot: u32,
+        ray: &Ray,
+        sheared: &ShearedRay,
+        t_max: &mut f64,
+        test: &mut PackTest,
+        search: &mut impl Search,
+    ) -> bool {
+        let pack = &self.packs[slot as usize];
+        let met = K::meet_triangles(sheared, pack, ray.t_min, *t_max, test);
+        let mut done = false;
+        test.for_each(met, sheared, pack, |primitive, hit| {
+            if primitive != ray.from && is_behind(ray, hit.t, primitive) && hit.t <= *t_max {
+                let TriangleHit { t, barycentric, is_front } = hit;
+                done |= search.found(Hit { t, primitive, barycentric, is_front }, t_max);
+            }
+        });
+        done
+    }
+
+    #[inline(always)]
+    fn search_spheres<K: Kernel>(&self, ray: &Ray, mut t_max: f64, search: &mut impl Search) {
+        let mut done = false;
+        self.sphere_tree.walk::<K>(ray, &mut t_max, |slot, t_max| {
+            let index = self.sphere_slots[slot as usize];
+            let primitive = index + self.triangles.len() as u32;
+            let distances = self.spheres[index as usize].intersect(ray, primitive == ray.from);
+            for (t, is_front) in distances.into_iter().zip([true, false]) {
+                let Some(t) = t else { continue };
+                // Both hits of one sphere carry the same id: the second lies behind the first unless they coincide.
+                if is_behind(ray, t, primitive) && t <= *t_max {
+                    done |= search.found(Hit { t, primitive, barycentric: [0.0; 2], is_front }, t_max);
                 }
-                done
-            });
+            }
+            done
+        });
+    }
+
+    #[inline]
+    fn search_many<S: Search>(
+        &self,
+        rays: &[Ray],
+        t_max: f64,
+        start: impl Fn() -> S,
+        finish: impl FnMut(usize, &mut S),
+    ) {
+        match self.kernel {
+            KernelChoice::Portable => self.search_many_with::<Portable, S>(rays, t_max, start, finish),
+            // SAFETY: the processor has the features that this copy of the code is compiled for, or it would not have been chosen.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            KernelChoice::Avx2 => unsafe { self.search_many_avx2(rays, t_max, start, finish) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            KernelChoice::Avx512 => unsafe { self.search_many_avx512(rays, t_max, start, finish) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "aarch64")]
+            #[allow(unsafe_code)]
+            KernelChoice::Neon => unsafe { self.search_many_neon(rays, t_max, start, finish) },
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    fn search_many_avx2<S: Search>(
+        &self,
+        rays: &[Ray],
+        t_max: f64,
+        start: impl Fn() -> S,
+        finish: impl FnMut(usize, &mut S),
+    ) {
+        self.search_many_with::<Avx2, S>(rays, t_max, start, finish);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    fn search_many_avx512<S: Search>(
+        &self,
+        rays: &[Ray],
+        t_max: f64,
+        start: impl Fn() -> S,
+        finish: impl FnMut(usize, &mut S),
+    ) {
+        self.search_many_with::<Avx512, S>(rays, t_max, start, finish);
+    }
+
+    #[cfg(target_arch = "aarch64")]
+    #[target_feature(enable = "neon")]
+    fn search_many_neon<S: Search>(
+        &self,
+        rays: &[Ray],
+        t_max: f64,
+        start: impl Fn() -> S,
+        finish: impl FnMut(usize, &mut S),
+    ) {
+        self.search_many_with::<Neon, S>(rays, t_max, start, finish);
+    }
+
+    #[inline(always)]
+    fn search_many_with<K: Kernel, S: Search>(
+        &self,
+        rays: &[Ray],
+        t_max: f64,
+        start: impl Fn() -> S,
+        mut finish: impl FnMut(usize, &mut S),
+    ) {
+        if self.packs.is_empty() {
+            for (index, ray) in rays.iter().enumerate() {
+                let mut search = start();
+                self.search_with::<K>(ray, t_max, &mut search);
+                finish(index, &mut search);
+            }
+            return;
+        }
+        for (chunk, rays) in rays.chunks(CHUNK).enumerate() {
+            let mut finish = |index: usize, search: &mut S, t_max: f64| {
+                if !self.spheres.is_empty() {
+                    self.search_spheres::<K>(&rays[index], t_max, search);
+                }
+                finish(chunk * CHUNK + index, search);
+            };
+            let gathered = Gathered::new(&self.triangle_tree, rays);
+            for beam in gathered.beams() {
+                self.search_triangles_of_beam::<K, S>(rays, beam, t_max, &start, &mut finish);
+            }
+            self.search_triangles_of_many::<K, S>(rays, gathered.others(), t_max, &start, &mut finish);
         }
     }
 
@@ -436,7 +588,7 @@ impl Geometry {
                     corners.fold(NOTHING, |bounds, p| union(bounds, (p, p)))
                 };
                 let triangles = &self.triangles[range.start as usize..range.end as usize];
-                let of_chunks: Vec<_> = triangles.par_chunks(CHUNK).map(of_chunk).collect();
+                let of_chunks: Vec<_> = triangles.par_chunks(BOUNDS_CHUNK).map(of_chunk).collect();
                 of_chunks.into_iter().fold(NOTHING, union)
             }
         }
@@ -515,7 +667,7 @@ fn is_behind(ray: &Ray, t: f64, primitive: PrimitiveId) -> bool {
 }
 
 /// What to do with a hit. Returns whether the search is over.
-trait Search {
+pub(super) trait Search {
     fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool;
 }
 

@@ -1,20 +1,24 @@
 //! Rays, primitives, and the tree over them. The only module that knows obvhs, which builds the tree; the walk is ours.
 
+mod beam;
 mod bvh;
+mod collapse;
 mod distance;
 mod geometry;
 mod hierarchy;
 mod kernel;
+mod many;
 mod mesh;
 pub mod ray;
 pub mod sphere;
 pub mod topology;
 mod triangle;
+mod walk;
 mod winding;
 
 pub use distance::closest_point;
 pub use geometry::{Geometry, Mask, ObjectRange, Part, SurfacePoint, uniform_direction};
 pub use mesh::Mesh;
-pub use ray::{Hit, PrimitiveId, Ray};
+pub use ray::{Hit, NO_PRIMITIVE, PrimitiveId, Ray};
 pub use topology::{Enclosure, Topology};
 pub use winding::WindingTree;

@@ -1,20 +1,22 @@
-//! Rays against triangles, four at a time, watertight (Woop, Benthin and Wald 2013).
+//! Rays against triangles, eight at a time, watertight (Woop, Benthin and Wald 2013).
 //!
 //! Vertices are f32, the ray and all arithmetic f64. Neighbouring triangles compute the edge function of a shared edge from the same
 //! numbers with opposite sign, so no ray slips between them. A ray that goes exactly through an edge or a corner is taken to be moved aside
 //! by an infinitesimal amount, the same for all triangles (simulation of simplicity, Edelsbrunner and Mücke 1990): of the triangles there
 //! it meets as many as a ray close by would, so that counting crossings counts right.
 
+use std::hint::select_unpredictable;
+
 use glam::{DVec3, Vec3};
 
 use super::ray::{NO_PRIMITIVE, PrimitiveId, Ray};
 
 /// Triangles in a pack.
-pub const PACK: usize = 4;
+pub const PACK: usize = 8;
 
-/// Four triangles, structure of arrays. Unused lanes are [`NO_PRIMITIVE`] and all zero, which nothing hits.
+/// Eight triangles, structure of arrays. Unused lanes are [`NO_PRIMITIVE`] and NaN, which nothing meets.
 #[derive(Debug, Clone)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub struct TrianglePack {
     /// `[corner][axis][lane]`
     pub(super) corners: [[[f32; PACK]; 3]; 3],
@@ -22,7 +24,7 @@ pub struct TrianglePack {
 }
 
 impl TrianglePack {
-    pub const EMPTY: Self = Self { corners: [[[0.0; PACK]; 3]; 3], ids: [NO_PRIMITIVE; PACK] };
+    pub const EMPTY: Self = Self { corners: [[[f32::NAN; PACK]; 3]; 3], ids: [NO_PRIMITIVE; PACK] };
 
     pub fn set(&mut self, lane: usize, id: PrimitiveId, triangle: [Vec3; 3]) {
         self.ids[lane] = id;
@@ -46,23 +48,18 @@ pub struct ShearedRay {
 impl ShearedRay {
     #[inline]
     pub fn new(ray: &Ray) -> Self {
-        let d = ray.direction;
-        let size = d.abs();
-        let z = if size.x > size.y && size.x > size.z {
-            0
-        } else if size.y > size.z {
-            1
-        } else {
-            2
-        };
-        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        if d[z] < 0.0 {
-            (x, y) = (y, x);
-        }
+        let d = ray.direction.to_array();
+        let [x, y, z] = d.map(f64::abs);
+        // Without branches: which axis it is can hardly be foretold.
+        let longest = select_unpredictable(x > y && x > z, 0, 2 - usize::from(y > z));
+        let [next, last] = [[1, 2, 0][longest], [2, 0, 1][longest]];
+        let is_swapped = d[longest] < 0.0;
+        let (x, y) = (select_unpredictable(is_swapped, last, next), select_unpredictable(is_swapped, next, last));
+        let origin = ray.origin.to_array();
         Self {
-            axes: [x, y, z],
-            origin: [ray.origin[x], ray.origin[y], ray.origin[z]],
-            shear: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]],
+            axes: [x, y, longest],
+            origin: [origin[x], origin[y], origin[longest]],
+            shear: [d[x] / d[longest], d[y] / d[longest], 1.0 / d[longest]],
         }
     }
 }
@@ -102,37 +99,39 @@ pub struct TriangleHit {
     pub is_front: bool,
 }
 
-/// Edge functions and depths of the four triangles of a pack, and a bit for each triangle that the ray's *line* meets.
+/// Edge functions of the triangles of a pack and distances at which the ray's line meets their planes.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
 pub(super) struct PackTest {
     /// Edge functions opposite each corner: `[corner][lane]`.
     pub edges: [[f64; PACK]; 3],
-    /// Distances of the corners along the ray's longest axis, sheared to be distances along the ray.
-    pub depths: [[f64; PACK]; 3],
-    pub met: u32,
+    /// Their sums: positive seen from the front.
+    pub determinants: [f64; PACK],
+    pub distances: [f64; PACK],
 }
 
 impl PackTest {
-    /// Calls `found` for every triangle that is met, at positive or negative distance.
+    pub const EMPTY: Self = Self { edges: [[0.0; PACK]; 3], determinants: [0.0; PACK], distances: [0.0; PACK] };
+
+    /// Calls `found` for every triangle of `met`, unless the ray goes through an edge or corner and is taken to pass beside it.
     #[inline(always)]
-    pub fn for_each(&self, ray: &ShearedRay, pack: &TrianglePack, mut found: impl FnMut(PrimitiveId, TriangleHit)) {
-        let mut met = self.met;
+    pub fn for_each(
+        &self,
+        mut met: u32,
+        ray: &ShearedRay,
+        pack: &TrianglePack,
+        mut found: impl FnMut(PrimitiveId, TriangleHit),
+    ) {
         while met != 0 {
-            let lane = met.trailing_zeros() as usize;
+            let lane = met.trailing_zeros() as usize % PACK;
             met &= met - 1;
             let [u, v, w] = self.edges.map(|edge| edge[lane]);
-            let determinant = u + v + w;
-            // All zero: seen edge-on, its neighbours are hit instead. Unused lanes are points and end here too.
-            if determinant == 0.0 {
-                continue;
-            }
+            let determinant = self.determinants[lane];
             if (u == 0.0 || v == 0.0 || w == 0.0) && !ray.is_met_aside(pack, lane, [u, v, w], determinant > 0.0) {
                 continue;
             }
-            let [z0, z1, z2] = self.depths.map(|depth| depth[lane]);
-            let t = (u * z0 + v * z1 + w * z2) / determinant;
             let barycentric = [v / determinant, w / determinant];
-            found(pack.ids[lane], TriangleHit { t, barycentric, is_front: determinant > 0.0 });
+            found(pack.ids[lane], TriangleHit { t: self.distances[lane], barycentric, is_front: determinant > 0.0 });
         }
     }
 }
@@ -152,7 +151,9 @@ mod tests {
 
     fn meet(ray: &Ray, pack: &TrianglePack, found: impl FnMut(PrimitiveId, TriangleHit)) {
         let ray = ShearedRay::new(ray);
-        Portable::meet_triangles(&ray, pack).for_each(&ray, pack, found);
+        let mut test = PackTest::EMPTY;
+        let met = Portable::meet_triangles(&ray, pack, f64::NEG_INFINITY, f64::INFINITY, &mut test);
+        test.for_each(met, &ray, pack, found);
     }
 
     fn hit(origin: DVec3, direction: DVec3) -> Option<TriangleHit> {

@@ -11,8 +11,9 @@ use glam::DVec3;
 /// An ordered pair of media.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interface {
-    /// η = n2/n1.
+    /// η = n2/n1, and n1/n2.
     eta: f64,
+    inverse_eta: f64,
     /// E = η² − 1.
     e: f64,
 }
@@ -35,8 +36,8 @@ impl Interface {
     #[inline]
     pub fn new(from_minus_one: f64, to_minus_one: f64) -> Self {
         let (m1, m2) = (from_minus_one, to_minus_one);
-        let n1 = 1.0 + m1;
-        Self { eta: (1.0 + m2) / n1, e: (m2 - m1) * (2.0 + m1 + m2) / (n1 * n1) }
+        let (n1, n2) = (1.0 + m1, 1.0 + m2);
+        Self { eta: n2 / n1, inverse_eta: n1 / n2, e: (m2 - m1) * (2.0 + m1 + m2) / (n1 * n1) }
     }
 
     /// Whether both media have the same index: the ray goes straight on and nothing is reflected.
@@ -48,7 +49,7 @@ impl Interface {
     /// (n1/n2)², the factor on radiance of a transmission seen along a camera path (Veach 1997, chapter 5).
     #[inline]
     pub fn radiance_factor(&self) -> f64 {
-        1.0 / (self.eta * self.eta)
+        self.inverse_eta * self.inverse_eta
     }
 
     /// Reflectance at `c` = cos θi in (0, 1].
@@ -79,7 +80,7 @@ impl Interface {
     /// [`Self::refraction`].
     #[inline]
     pub fn transmitted(&self, direction: DVec3, normal: DVec3, c: f64, b: f64) -> DVec3 {
-        let t = (direction - normal * (self.e / (c + b))) / self.eta;
+        let t = (direction - normal * (self.e / (c + b))) * self.inverse_eta;
         // One Newton step towards unit length, so that errors do not grow over thousands of interfaces.
         t * (0.5 * (3.0 - t.length_squared()))
     }

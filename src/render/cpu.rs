@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::events::Events;
 use super::film::Film;
 use super::prepare::Prepared;
-use crate::estimator::path::{PathTracer, Scratch, dimension};
+use crate::estimator::path::{Batch, PathTracer, dimension};
 use crate::estimator::sampler::Sampler;
 use crate::rectify::start::StartRegion;
 use crate::scene::camera::Camera;
@@ -20,6 +20,9 @@ use crate::tracking::reference::Reference;
 use crate::tracking::stack::Stack;
 use crate::tracking::{Mode, Tracker};
 
+/// Splits by default: more bring less than they cost.
+pub const SPLITS: u32 = 2;
+
 /// What decides an image, next to the scene and the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RenderSettings {
@@ -27,6 +30,8 @@ pub struct RenderSettings {
     pub seed: u64,
     /// Cap on the segments of a path, the camera's first being one; `None`: no cap.
     pub max_depth: Option<u32>,
+    /// How many interfaces from the camera on paths may split at, into one that is reflected and one that goes through; 0: never.
+    pub splits: u32,
     /// Whether work that the scene does not need is left out. Off only to measure what that saves.
     pub leave_out: bool,
 }
@@ -70,41 +75,68 @@ impl Pass<'_> {
             tracker,
             needs: if self.settings.leave_out { world.needs } else { SceneNeeds::EVERYTHING.without_impossible(world) },
             max_depth: self.settings.max_depth.unwrap_or(u32::MAX),
+            splits: self.settings.splits,
         };
         let camera = Camera { position: self.camera.position - world.geometry.origin, ..*self.camera };
         let lens = StartRegion::new(world, camera.position, camera.aperture_radius);
         let width = film.width;
         let size = DVec2::new(f64::from(film.width), f64::from(film.height));
-        let first = film.samples;
+        let (first, last) = (film.samples, film.samples + self.samples);
+        let allocation = film.allocation.clone();
+        let range = |pixel: usize| match &allocation {
+            Some(allocation) => allocation.samples(pixel, first)..allocation.samples(pixel, last),
+            None => first..last,
+        };
+        let pilot: Vec<_> = match &mut film.pilot {
+            Some(pilot) => pilot.rows(width as usize).map(Some).collect(),
+            None => (0..film.height).map(|_| None).collect(),
+        };
 
         let events = (film.sums.par_chunks_mut(width as usize))
             .zip(film.counts.par_chunks_mut(width as usize))
+            .zip(pilot)
             .enumerate()
-            .map_init(Scratch::<T::State>::default, |scratch, (row, (sums, counts))| {
-                scratch.events = Events::default();
-                for (column, (sum, count)) in sums.iter_mut().zip(counts).enumerate() {
+            .map_init(Batch::<T::State>::default, |batch, (row, ((sums, counts), mut pilot))| {
+                batch.events = Events::default();
+                let first_pixel = row * width as usize;
+                // Where the next radiance goes.
+                let mut columns = (0..width as usize)
+                    .flat_map(|column| std::iter::repeat_n(column, range(first_pixel + column).len()));
+                let mut trace = |batch: &mut Batch<T::State>| {
+                    tracer.trace(batch);
+                    let mut non_finite = 0;
+                    for ((radiance, segments), column) in batch.drain().zip(&mut columns) {
+                        if radiance.is_finite() {
+                            sums[column] += radiance;
+                            counts[column] += 1;
+                        } else {
+                            non_finite += 1;
+                        }
+                        if let Some(pilot) = &mut pilot {
+                            pilot.add(column, radiance, segments);
+                        }
+                    }
+                    batch.events.non_finite += non_finite;
+                };
+                for column in 0..width {
                     // A row can take a third of a second, which is too long to wait for an image that is out of date.
                     if self.cancel.load(Ordering::Relaxed) {
                         return Events::default();
                     }
-                    let pixel = row as u32 * width + column as u32;
-                    for sample in first..first + self.samples {
-                        let sampler = Sampler::new(self.settings.seed, pixel, sample);
+                    let pixel = first_pixel + column as usize;
+                    for sample in range(pixel) {
+                        let sampler = Sampler::new(self.settings.seed, pixel as u32, sample);
                         let [x, y] = sampler.get_2d(dimension::PIXEL);
-                        let at = DVec2::new(column as f64 + x, row as f64 + y);
+                        let at = DVec2::new(f64::from(column) + x, row as f64 + y);
                         let ray = camera.ray(at, size, lens_point(&camera, &sampler));
-                        let start = lens.start(world, ray);
-                        scratch.events.ambiguous += u64::from(start.is_ambiguous);
-                        let radiance = tracer.radiance(start.ray, start.medium, &sampler, scratch);
-                        if radiance.is_finite() {
-                            *sum += radiance;
-                            *count += 1;
-                        } else {
-                            scratch.events.non_finite += 1;
+                        batch.add(&lens.start(world, ray), sampler, &tracer);
+                        if batch.is_full() {
+                            trace(batch);
                         }
                     }
                 }
-                scratch.events
+                trace(batch);
+                batch.events
             })
             .reduce(Events::default, |mut a, b| {
                 a += b;
@@ -114,7 +146,7 @@ impl Pass<'_> {
             return false;
         }
         film.events += events;
-        film.samples += self.samples;
+        film.samples = last;
         true
     }
 }

@@ -1,7 +1,10 @@
 //! Accumulated radiance.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
+use super::allocation::{Allocation, PILOT, Pilot};
 use super::events::Events;
 
 /// Sums of radiance samples per pixel in f64, row 0 at the top.
@@ -13,9 +16,13 @@ pub struct Film {
     pub sums: Vec<DVec3>,
     /// Finite samples in each pixel's sum.
     pub counts: Vec<u32>,
-    /// Samples taken of every pixel, finite or not.
+    /// Samples taken of every pixel, finite or not; with an `allocation`, in the mean.
     pub samples: u32,
     pub events: Events,
+    /// What decides the allocation, where there is to be one and it has not been decided.
+    pub pilot: Option<Pilot>,
+    /// How samples are spread over the pixels; `None`: evenly.
+    pub allocation: Option<Arc<Allocation>>,
 }
 
 impl Film {
@@ -28,7 +35,34 @@ impl Film {
             counts: vec![0; pixels],
             samples: 0,
             events: Events::default(),
+            pilot: None,
+            allocation: None,
         }
+    }
+
+    /// A film whose samples go where they matter, once [`Self::allocate`] has been called.
+    pub fn adaptive(width: u32, height: u32) -> Self {
+        let film = Self::new(width, height);
+        Self { pilot: Some(Pilot::new(film.sums.len())), ..film }
+    }
+
+    /// Decides how the further samples of `films`, which are of one size and are compared with each other, are spread. Nothing happens
+    /// before their pilot samples are taken, nor after the first time.
+    pub fn allocate(films: &mut [&mut Self]) {
+        if films.iter().any(|film| film.samples != PILOT) {
+            return;
+        }
+        let Some(allocation) = Allocation::new(films.iter().map(|film| &**film)) else { return };
+        let allocation = Arc::new(allocation);
+        for film in films {
+            film.pilot = None;
+            film.allocation = Some(Arc::clone(&allocation));
+        }
+    }
+
+    /// Samples that may be taken at once from here: a decision that is due must not be passed over.
+    pub fn samples_to_decision(&self) -> u32 {
+        if self.pilot.is_some() && self.samples < PILOT { PILOT - self.samples } else { u32::MAX }
     }
 
     /// Mean radiance of a pixel by index; black before the first sample.

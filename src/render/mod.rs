@@ -1,5 +1,6 @@
 //! Samples in bulk: a scene made ready, a film, and passes over it on all cores.
 
+pub mod allocation;
 pub mod cpu;
 pub mod display;
 pub mod events;
@@ -8,7 +9,7 @@ pub mod prepare;
 pub mod surfaces;
 pub mod worker;
 
-pub use cpu::{RenderSettings, accumulate};
+pub use cpu::{RenderSettings, SPLITS, accumulate};
 pub use display::{Display, ToneCurve};
 pub use events::Events;
 pub use film::Film;

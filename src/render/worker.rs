@@ -500,6 +500,7 @@ mod tests {
                 mode: snapshot.mode,
                 seed: first.seed,
                 max_depth: first.max_depth,
+                splits: crate::render::SPLITS,
                 leave_out: true,
             };
             let mut film = crate::render::Film::new(snapshot.size[0], snapshot.size[1]);

@@ -13,7 +13,7 @@ use super::error::SceneError;
 use super::light::Emitters;
 use super::needs::SceneNeeds;
 use super::shapes;
-use super::world::{MediumId, Object, ObjectId, Paint, Surface, World, WorldMedium};
+use super::world::{Interfaces, MediumId, Object, ObjectId, Paint, Surface, World, WorldMedium};
 use crate::geometry::topology::MAX_FACES;
 use crate::geometry::{Enclosure, Geometry, Mesh, ObjectRange, Part, Topology, WindingTree};
 use crate::optics::dispersion::{IOR_RANGE, WAVELENGTH_D_UM};
@@ -68,6 +68,7 @@ pub fn compile(description: &Description, previous: Option<(&Description, &World
     Ok(World {
         geometry,
         objects,
+        interfaces: Interfaces::new(&media),
         media,
         emitters,
         environment,

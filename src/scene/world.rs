@@ -8,6 +8,7 @@ use super::environment::EnvironmentLight;
 use super::light::Emitters;
 use super::needs::SceneNeeds;
 use crate::geometry::{Enclosure, Geometry, Topology, WindingTree};
+use crate::optics::Interface;
 
 /// Index into [`World::media`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -38,6 +39,28 @@ pub struct WorldMedium {
 impl WorldMedium {
     pub fn ior(&self) -> f64 {
         1.0 + self.ior_minus_one
+    }
+}
+
+/// The interface between each ordered pair of media.
+#[derive(Debug, Clone, Default)]
+pub struct Interfaces {
+    media: usize,
+    /// By `from * media + to`; empty where there are too many to be kept.
+    pairs: Vec<Interface>,
+}
+
+impl Interfaces {
+    /// Media up to which all pairs are kept.
+    const MOST: usize = 64;
+
+    pub fn new(media: &[WorldMedium]) -> Self {
+        if media.len() > Self::MOST {
+            return Self::default();
+        }
+        let between = |from: &WorldMedium, to: &WorldMedium| Interface::new(from.ior_minus_one, to.ior_minus_one);
+        let pairs = media.iter().flat_map(|from| media.iter().map(move |to| between(from, to))).collect();
+        Self { media: media.len(), pairs }
     }
 }
 
@@ -98,6 +121,7 @@ pub struct World {
     pub geometry: Arc<Geometry>,
     pub objects: Vec<Object>,
     pub media: Vec<WorldMedium>,
+    pub interfaces: Interfaces,
     pub emitters: Emitters,
     pub environment: EnvironmentLight,
     pub needs: SceneNeeds,
@@ -118,6 +142,15 @@ impl World {
 
     pub fn medium(&self, id: MediumId) -> &WorldMedium {
         &self.media[id.0 as usize]
+    }
+
+    /// The interface between two media.
+    #[inline]
+    pub fn interface(&self, from: MediumId, to: MediumId) -> Interface {
+        match self.interfaces.pairs.get(from.0 as usize * self.interfaces.media + to.0 as usize) {
+            Some(interface) => *interface,
+            None => Interface::new(self.medium(from).ior_minus_one, self.medium(to).ior_minus_one),
+        }
     }
 
     /// Whether leaving the medium `left` is what a path in the medium `current` must do. Media are compared by identity; the reserved

@@ -10,7 +10,7 @@ use glam::DVec3;
 use iorect::estimator::trace::{Follow, TracedPath, trace};
 use iorect::geometry::{Ray, uniform_direction};
 use iorect::optics::{IorModel, Medium};
-use iorect::render::{Film, Prepared, RenderSettings, accumulate, prepare};
+use iorect::render::{Film, Prepared, RenderSettings, SPLITS, accumulate, prepare};
 use iorect::scene::camera::Camera;
 use iorect::scene::description::{
     CameraDescription, Description, Environment, Refractor, Shape, Transform, WorldMedium,
@@ -85,7 +85,7 @@ pub fn deflection_degrees(path: &TracedPath) -> f64 {
 /// Renders and returns the film.
 pub fn render(prepared: &Prepared, mode: Mode, size: (u32, u32), spp: u32, max_depth: Option<u32>) -> Film {
     let camera = Camera::new(&prepared.description.camera).expect("the camera is fine");
-    let settings = RenderSettings { mode, seed: 1, max_depth, leave_out: true };
+    let settings = RenderSettings { mode, seed: 1, max_depth, leave_out: true, splits: SPLITS };
     let mut film = Film::new(size.0, size.1);
     assert!(accumulate(prepared, &camera, &settings, &mut film, spp, &AtomicBool::new(false)));
     film

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::mailbox::{Alarm, Mailbox, Taken};
 use super::{Board, News, Request, Snapshot, Wake, guarded};
-use crate::render::{Film, Prepared, RenderSettings, accumulate};
+use crate::render::{Film, Prepared, RenderSettings, SPLITS, accumulate};
 use crate::scene::camera::Camera;
 use crate::scene::description::Source;
 use crate::tracking::Mode;
@@ -191,6 +191,7 @@ impl Progress {
                 mode: *mode,
                 seed: self.job.request.seed,
                 max_depth: self.job.request.max_depth,
+                splits: SPLITS,
                 leave_out: true,
             };
             let begin = Instant::now();
