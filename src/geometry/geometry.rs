@@ -100,7 +100,7 @@ pub struct Geometry {
 
 /// Triangles that one thread looks at before they are put together: not as many as threads happen to take, since the sign of a zero
 /// depends on the order.
-const CHUNK: usize = 1 << 14;
+const BOUNDS_CHUNK: usize = 1 << 14;
 
 /// A scene farther from zero than this many times its own size is moved.
 const FAR: f64 = 16.0;
@@ -201,7 +201,7 @@ impl Geometry {
         let (of_triangles, of_spheres) = self.object_of_primitive.split_at(self.triangles.len());
         let (tree, slots) = Tree::build(&boxes, of_triangles, PACK);
         let union = |boxes: &[Bounds]| boxes.iter().fold(Bounds::EMPTY, |a, b| a.union(*b));
-        let of_chunks: Vec<Bounds> = boxes.par_chunks(CHUNK).map(union).collect();
+        let of_chunks: Vec<Bounds> = boxes.par_chunks(BOUNDS_CHUNK).map(union).collect();
         drop(boxes);
         self.packs = slots
             .primitives
@@ -611,7 +611,7 @@ impl Geometry {
                     corners.fold(NOTHING, |bounds, p| union(bounds, (p, p)))
                 };
                 let triangles = &self.triangles[range.start as usize..range.end as usize];
-                let of_chunks: Vec<_> = triangles.par_chunks(CHUNK).map(of_chunk).collect();
+                let of_chunks: Vec<_> = triangles.par_chunks(BOUNDS_CHUNK).map(of_chunk).collect();
                 of_chunks.into_iter().fold(NOTHING, union)
             }
         }
