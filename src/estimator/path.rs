@@ -91,7 +91,7 @@ struct Path<S> {
     beta: DVec3,
     scale: f64,
     last: Option<LastScatter>,
-    /// Throughput below which Russian roulette sets in.
+    /// Throughput below which Russian roulette sets in. A branch's share counts as throughput: a small one is not followed for long.
     roulette_below: f64,
     has_scattered: bool,
     /// Of its root's light at the splits so far.

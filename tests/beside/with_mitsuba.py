@@ -52,8 +52,8 @@ SCENES = {
     "water": HERE / "water.toml",
 }
 # iorect's arguments: without any variance reduction (also what the reference is made with), and the curves.
-IORECT_PLAIN = []
-IORECT_CURVES = {"iorect": []}
+IORECT_PLAIN = ["--sampler", "independent", "--splits", 0, "--adaptive", "off"]
+IORECT_CURVES = {"iorect": [], "iorect uniform, unsplit": ["--splits", 0, "--adaptive", "off"]}
 # Mitsuba's: sampler, and the segment from which Russian roulette ends paths.
 NO_ROULETTE = 100_000
 MITSUBA_PLAIN = ("independent", NO_ROULETTE)
