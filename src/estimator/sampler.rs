@@ -176,4 +176,23 @@ mod tests {
         // Standard deviation of the product is 1/12.
         assert!(mean.abs() < 4.0 / 12.0 / f64::from(count).sqrt(), "{mean}");
     }
+
+    /// Independent numbers are uniform, and neither the samples of a pixel nor the two of a pair know of each other.
+    #[test]
+    fn independent_numbers() {
+        let count = 40_000;
+        let numbers = |sample| Sampler::of(Sequence::Independent, 4, 17, sample).get_2d(6);
+        let product = |a: f64, b: f64| (a - 0.5) * (b - 0.5) * 12.0;
+        let (mut mean, mut square, mut pair, mut next) = (0.0, 0.0, 0.0, 0.0);
+        for sample in 0..count {
+            let ([a, b], [c, _]) = (numbers(sample), numbers(sample + 1));
+            mean += (a - 0.5) * 12f64.sqrt();
+            square += product(a, a) - 1.0;
+            pair += product(a, b);
+            next += product(a, c);
+        }
+        // Each sum has a standard deviation of the root of the count, that of squares less.
+        let most = 4.0 * f64::from(count).sqrt();
+        assert!([mean, square, pair, next].iter().all(|sum| sum.abs() < most), "{mean} {square} {pair} {next}");
+    }
 }
