@@ -1,9 +1,10 @@
 //! Beams: rays that lie close together, such as those of one pixel, go through the tree as one. Boxes are tested once for all of them, triangles for each.
 
 use super::bvh::{LEAF, Node, Tree, WIDTH};
-use super::geometry::{Geometry, Search};
+use super::geometry::Geometry;
 use super::kernel::Kernel;
 use super::ray::Ray;
+use super::search::Search;
 use super::triangle::{PackTest, ShearedRay};
 use super::walk::{BoxRay, END, Stack, entry};
 

@@ -8,9 +8,10 @@ use std::array::from_fn;
 use std::hint::select_unpredictable;
 
 use super::bvh::{LEAF, Node};
-use super::geometry::{Geometry, Search};
+use super::geometry::Geometry;
 use super::kernel::Kernel;
 use super::ray::Ray;
+use super::search::Search;
 use super::triangle::{PackTest, ShearedRay, TrianglePack};
 use super::walk::{BoxRay, END, Stack, entry};
 

@@ -10,6 +10,7 @@ mod kernel;
 mod many;
 mod mesh;
 pub mod ray;
+mod search;
 pub mod sphere;
 pub mod topology;
 mod triangle;

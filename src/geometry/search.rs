@@ -1,0 +1,363 @@
+//! Questions along rays: the first hit, every hit, whether there is any; one ray at a time and many.
+
+use super::beam::{GATHERED, Gathered};
+use super::geometry::{Geometry, Mask};
+#[cfg(target_arch = "aarch64")]
+use super::kernel::Neon;
+#[cfg(target_arch = "x86_64")]
+use super::kernel::{Avx2, Avx512};
+use super::kernel::{Kernel, KernelChoice, Portable};
+use super::ray::{Hit, PrimitiveId, Ray};
+use super::triangle::{PackTest, ShearedRay, TriangleHit};
+
+impl Geometry {
+    /// The first hit in the order (distance, primitive).
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let mut search = Closest { best: None };
+        self.search(ray, f64::INFINITY, &mut search);
+        search.best
+    }
+
+    /// The first hit, as if the primitives of `mask` were not there.
+    #[inline]
+    pub fn closest_but(&self, ray: &Ray, mask: &Mask) -> Option<Hit> {
+        let mut search = But { mask, search: Closest { best: None } };
+        self.search(ray, f64::INFINITY, &mut search);
+        search.search.best
+    }
+
+    /// The first hit of each ray, as [`Self::closest`] finds it, in less time if there are some dozens at least. `hits` is as long as `rays`.
+    pub fn closest_many(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        self.search_many(rays, |_| f64::INFINITY, || Closest { best: None }, |index, search| hits[index] = search.best);
+    }
+
+    /// The first hit of each ray, as [`Self::closest_but`] finds it.
+    pub fn closest_many_but(&self, rays: &[Ray], mask: &Mask, hits: &mut [Option<Hit>]) {
+        let start = || But { mask, search: Closest { best: None } };
+        self.search_many(rays, |_| f64::INFINITY, start, |index, search| hits[index] = search.search.best);
+    }
+
+    /// Whether anything lies along each ray nearer than its reach, as [`Self::is_occluded`] finds it.
+    pub fn is_occluded_many(&self, rays: &[Ray], reaches: &[f64], occluded: &mut [bool]) {
+        let start = || Any { found: false };
+        self.search_many(rays, |index| reaches[index], start, |index, search| occluded[index] = search.found);
+    }
+
+    /// Whether anything lies along each ray nearer than its reach, as [`Self::is_occluded_but`] finds it.
+    pub fn is_occluded_many_but(&self, rays: &[Ray], reaches: &[f64], mask: &Mask, occluded: &mut [bool]) {
+        let start = || But { mask, search: Any { found: false } };
+        self.search_many(rays, |index| reaches[index], start, |index, search| occluded[index] = search.search.found);
+    }
+
+    /// Whether anything lies nearer than `t_max`, as if the primitives of `mask` were not there.
+    #[inline]
+    pub fn is_occluded_but(&self, ray: &Ray, t_max: f64, mask: &Mask) -> bool {
+        let mut search = But { mask, search: Any { found: false } };
+        self.search(ray, t_max, &mut search);
+        search.search.found
+    }
+
+    /// Whether anything lies nearer than `t_max`.
+    #[inline]
+    pub fn is_occluded(&self, ray: &Ray, t_max: f64) -> bool {
+        let mut search = Any { found: false };
+        self.search(ray, t_max, &mut search);
+        search.found
+    }
+
+    /// Calls `visit` for every hit, in no particular order.
+    pub fn for_each_hit(&self, ray: &Ray, visit: impl FnMut(Hit)) {
+        self.search(ray, f64::INFINITY, &mut All { visit });
+    }
+
+    /// The first hit of one object, as if it were alone.
+    pub fn closest_of(&self, ray: &Ray, object: u32) -> Option<Hit> {
+        let mut search =
+            ClosestOf { object, object_of_primitive: &self.object_of_primitive, closest: Closest { best: None } };
+        self.search(ray, f64::INFINITY, &mut search);
+        search.closest.best
+    }
+
+    /// Every hit, in the order (distance, primitive).
+    pub fn all_hits(&self, ray: &Ray) -> Vec<Hit> {
+        let mut hits = Vec::new();
+        self.for_each_hit(ray, |hit| hits.push(hit));
+        hits.sort_by(|a, b| (a.t, a.primitive).partial_cmp(&(b.t, b.primitive)).expect("distances are numbers"));
+        hits
+    }
+
+    #[inline]
+    fn search(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
+        match self.kernel {
+            KernelChoice::Portable => self.search_with::<Portable>(ray, t_max, search),
+            // SAFETY: the processor has the features that this copy of the code is compiled for, or it would not have been chosen.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            KernelChoice::Avx2 => unsafe { self.search_avx2(ray, t_max, search) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            KernelChoice::Avx512 => unsafe { self.search_avx512(ray, t_max, search) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "aarch64")]
+            #[allow(unsafe_code)]
+            KernelChoice::Neon => unsafe { self.search_neon(ray, t_max, search) },
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    fn search_avx2(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
+        self.search_with::<Avx2>(ray, t_max, search);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    fn search_avx512(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
+        self.search_with::<Avx512>(ray, t_max, search);
+    }
+
+    #[cfg(target_arch = "aarch64")]
+    #[target_feature(enable = "neon")]
+    fn search_neon(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
+        self.search_with::<Neon>(ray, t_max, search);
+    }
+
+    #[inline(always)]
+    fn search_with<K: Kernel>(&self, ray: &Ray, mut t_max: f64, search: &mut impl Search) {
+        let mut done = false;
+        if !self.packs.is_empty() {
+            let sheared = ShearedRay::new(ray);
+            let mut test = PackTest::EMPTY;
+            self.triangle_tree.walk::<K>(
+                ray,
+                &mut t_max,
+                |child| self.fetch::<K>(child),
+                |slot, t_max| {
+                    done = self.test_pack::<K>(slot, ray, &sheared, t_max, &mut test, search);
+                    done
+                },
+            );
+        }
+        if !self.spheres.is_empty() && !done {
+            self.search_spheres::<K>(ray, t_max, search);
+        }
+    }
+
+    /// Tests the triangles of a pack; returns whether the search is over.
+    #[inline(always)]
+    pub(super) fn test_pack<K: Kernel>(
+        &self,
+        slot: u32,
+        ray: &Ray,
+        sheared: &ShearedRay,
+        t_max: &mut f64,
+        test: &mut PackTest,
+        search: &mut impl Search,
+    ) -> bool {
+        let pack = &self.packs[slot as usize];
+        let met = K::meet_triangles(sheared, pack, ray.t_min, *t_max, test);
+        let mut done = false;
+        test.for_each(met, sheared, pack, |primitive, hit| {
+            if primitive != ray.from && is_behind(ray, hit.t, primitive) && hit.t <= *t_max {
+                let TriangleHit { t, barycentric, is_front } = hit;
+                done |= search.found(Hit { t, primitive, barycentric, is_front }, t_max);
+            }
+        });
+        done
+    }
+
+    #[inline(always)]
+    fn search_spheres<K: Kernel>(&self, ray: &Ray, mut t_max: f64, search: &mut impl Search) {
+        let mut done = false;
+        self.sphere_tree.walk::<K>(
+            ray,
+            &mut t_max,
+            |_| {},
+            |slot, t_max| {
+                let index = self.sphere_slots[slot as usize];
+                let primitive = index + self.triangles.len() as u32;
+                let distances = self.spheres[index as usize].intersect(ray, primitive == ray.from);
+                for (t, is_front) in distances.into_iter().zip([true, false]) {
+                    let Some(t) = t else { continue };
+                    // Both hits of one sphere carry the same id: the second lies behind the first unless they coincide.
+                    if is_behind(ray, t, primitive) && t <= *t_max {
+                        done |= search.found(Hit { t, primitive, barycentric: [0.0; 2], is_front }, t_max);
+                    }
+                }
+                done
+            },
+        );
+    }
+
+    #[inline]
+    fn search_many<S: Search>(
+        &self,
+        rays: &[Ray],
+        t_max: impl Fn(usize) -> f64,
+        start: impl Fn() -> S,
+        finish: impl FnMut(usize, &mut S),
+    ) {
+        match self.kernel {
+            KernelChoice::Portable => self.search_many_with::<Portable, S>(rays, t_max, start, finish),
+            // SAFETY: the processor has the features that this copy of the code is compiled for, or it would not have been chosen.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            KernelChoice::Avx2 => unsafe { self.search_many_avx2(rays, t_max, start, finish) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            KernelChoice::Avx512 => unsafe { self.search_many_avx512(rays, t_max, start, finish) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "aarch64")]
+            #[allow(unsafe_code)]
+            KernelChoice::Neon => unsafe { self.search_many_neon(rays, t_max, start, finish) },
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    fn search_many_avx2<S: Search>(
+        &self,
+        rays: &[Ray],
+        t_max: impl Fn(usize) -> f64,
+        start: impl Fn() -> S,
+        finish: impl FnMut(usize, &mut S),
+    ) {
+        self.search_many_with::<Avx2, S>(rays, t_max, start, finish);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    fn search_many_avx512<S: Search>(
+        &self,
+        rays: &[Ray],
+        t_max: impl Fn(usize) -> f64,
+        start: impl Fn() -> S,
+        finish: impl FnMut(usize, &mut S),
+    ) {
+        self.search_many_with::<Avx512, S>(rays, t_max, start, finish);
+    }
+
+    #[cfg(target_arch = "aarch64")]
+    #[target_feature(enable = "neon")]
+    fn search_many_neon<S: Search>(
+        &self,
+        rays: &[Ray],
+        t_max: impl Fn(usize) -> f64,
+        start: impl Fn() -> S,
+        finish: impl FnMut(usize, &mut S),
+    ) {
+        self.search_many_with::<Neon, S>(rays, t_max, start, finish);
+    }
+
+    #[inline(always)]
+    fn search_many_with<K: Kernel, S: Search>(
+        &self,
+        rays: &[Ray],
+        t_max: impl Fn(usize) -> f64,
+        start: impl Fn() -> S,
+        mut finish: impl FnMut(usize, &mut S),
+    ) {
+        if self.packs.is_empty() {
+            for (index, ray) in rays.iter().enumerate() {
+                let mut search = start();
+                self.search_with::<K>(ray, t_max(index), &mut search);
+                finish(index, &mut search);
+            }
+            return;
+        }
+        for (chunk, rays) in rays.chunks(GATHERED).enumerate() {
+            let t_max = |index: usize| t_max(chunk * GATHERED + index);
+            let mut finish = |index: usize, search: &mut S, t_max: f64| {
+                if !self.spheres.is_empty() {
+                    self.search_spheres::<K>(&rays[index], t_max, search);
+                }
+                finish(chunk * GATHERED + index, search);
+            };
+            let gathered = Gathered::new(&self.triangle_tree, rays);
+            for beam in gathered.beams() {
+                self.search_triangles_of_beam::<K, S>(rays, beam, t_max, &start, &mut finish);
+            }
+            self.search_triangles_of_many::<K, S>(rays, gathered.others(), t_max, &start, &mut finish);
+        }
+    }
+}
+
+/// Whether a hit comes after the ray's start in the order (distance, primitive).
+#[inline(always)]
+fn is_behind(ray: &Ray, t: f64, primitive: PrimitiveId) -> bool {
+    t > ray.t_min || (t == ray.t_min && primitive > ray.after)
+}
+
+/// What to do with a hit. Returns whether the search is over.
+pub(super) trait Search {
+    fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool;
+}
+
+struct Closest {
+    best: Option<Hit>,
+}
+
+impl Search for Closest {
+    #[inline(always)]
+    fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool {
+        // Hits at equal distance go to the smaller id, whatever the order of the walk.
+        if self.best.is_none_or(|best| (hit.t, hit.primitive) < (best.t, best.primitive)) {
+            self.best = Some(hit);
+            *t_max = hit.t;
+        }
+        false
+    }
+}
+
+/// Another search that passes over some primitives.
+struct But<'a, S> {
+    mask: &'a Mask,
+    search: S,
+}
+
+impl<S: Search> Search for But<'_, S> {
+    #[inline(always)]
+    fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool {
+        !self.mask.contains(hit.primitive) && self.search.found(hit, t_max)
+    }
+}
+
+struct ClosestOf<'a> {
+    object: u32,
+    object_of_primitive: &'a [u32],
+    closest: Closest,
+}
+
+impl Search for ClosestOf<'_> {
+    #[inline(always)]
+    fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool {
+        self.object_of_primitive[hit.primitive as usize] == self.object && self.closest.found(hit, t_max)
+    }
+}
+
+struct Any {
+    found: bool,
+}
+
+impl Search for Any {
+    #[inline(always)]
+    fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool {
+        self.found |= hit.t < *t_max;
+        self.found
+    }
+}
+
+struct All<F> {
+    visit: F,
+}
+
+impl<F: FnMut(Hit)> Search for All<F> {
+    #[inline(always)]
+    fn found(&mut self, hit: Hit, _: &mut f64) -> bool {
+        (self.visit)(hit);
+        false
+    }
+}
