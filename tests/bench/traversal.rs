@@ -50,6 +50,10 @@ struct Options {
 
 fn main() {
     let mut options = Options { quick: false, mesh: String::new(), rays: 1_000_000, rounds: 5, alone: false };
+    // Run among the tests, it only shows that it runs.
+    if !std::env::args().any(|word| word == "--bench") {
+        options = Options { quick: true, mesh: "nest-60k".into(), rays: 1000, rounds: 1, alone: true };
+    }
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().unwrap_or_else(|| stop(&format!("{argument} needs a value")));
