@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::film::Film;
 
 /// Samples that every pixel gets before anything is decided.
-pub const PILOT: u32 = 4;
+pub const PILOT: u32 = 8;
 /// The greatest and the least weight, as powers of two.
 const LEVELS: i32 = 3;
 /// Pixels this far apart, in either direction, tell of each other.
