@@ -133,8 +133,8 @@ impl<S: Default> Default for Batch<S> {
 }
 
 impl<S: Default> Batch<S> {
-    /// So many paths hide the time that memory takes, and stay in the nearest cache themselves.
-    pub const SIZE: usize = 64;
+    /// So many paths are enough for beams to form and to hide the time that memory takes; more bring little.
+    pub const SIZE: usize = 256;
 
     pub fn is_full(&self) -> bool {
         self.count >= Self::SIZE

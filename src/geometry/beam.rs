@@ -14,7 +14,7 @@ pub(super) const MOST: usize = 32;
 const FEWEST: usize = 4;
 /// Beams that are being gathered at a time.
 const OPEN: usize = 4;
-/// How far the directions of a beam's rays may lie apart in each component, and their origins, relative to the tree's radius.
+/// How far the directions of a beam's rays may lie from those of its first in each component, and their origins, relative to the tree's radius.
 const SPREAD: [f64; 2] = [0.004, 0.004];
 
 /// Intervals that hold what is known of all rays of a beam.
@@ -68,6 +68,36 @@ fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
+/// Where a ray is and where it goes, as numbers of which none differs by more than 1 in a beam.
+#[derive(Clone, Copy)]
+struct Place {
+    numbers: [f32; 8],
+    octant: u8,
+}
+
+impl Place {
+    const NOWHERE: Self = Self { numbers: [0.0; 8], octant: u8::MAX };
+
+    /// `scale`: what to multiply directions and origins by.
+    #[inline(always)]
+    fn new(ray: &Ray, scale: [f64; 2]) -> Self {
+        let [turn, shift] = scale;
+        let mut place = Self { numbers: [0.0; 8], octant: 0 };
+        for k in 0..3 {
+            place.numbers[k] = (ray.direction[k] * turn) as f32;
+            place.numbers[4 + k] = (ray.origin[k] * shift) as f32;
+            place.octant |= u8::from(ray.direction[k].is_sign_negative()) << k;
+        }
+        place
+    }
+
+    #[inline(always)]
+    fn is_near(&self, other: &Self) -> bool {
+        let near = |k: usize| (self.numbers[k] - other.numbers[k]).abs() <= 1.0;
+        (0..8).fold(self.octant == other.octant, |all, k| all & near(k))
+    }
+}
+
 /// Rays that may become a beam.
 #[derive(Clone, Copy)]
 pub(super) struct Bundle {
@@ -81,22 +111,10 @@ impl Bundle {
     pub(super) fn members(&self) -> impl Iterator<Item = usize> + '_ {
         self.members[..self.length].iter().map(|&index| usize::from(index))
     }
-
-    /// Whether a ray lies near enough to the bundle's first.
-    #[inline(always)]
-    fn takes(&self, tree: &Tree, rays: &[Ray], ray: &Ray) -> bool {
-        let first = &rays[usize::from(self.members[0])];
-        let [turn, shift] = SPREAD;
-        let is_same_octant =
-            (0..3).all(|k| first.direction[k].is_sign_negative() == ray.direction[k].is_sign_negative());
-        is_same_octant
-            && (first.direction - ray.direction).abs().max_element() <= turn
-            && (first.origin - ray.origin).abs().max_element() <= shift * tree.radius
-    }
 }
 
 /// Rays that are looked at together: indices are short, and lists have fixed lengths.
-pub(super) const GATHERED: usize = 128;
+pub(super) const GATHERED: usize = 256;
 
 /// What has become of a chunk of rays.
 pub(super) struct Gathered {
@@ -108,27 +126,33 @@ pub(super) struct Gathered {
 
 impl Gathered {
     /// Divides `rays`, at most [`GATHERED`], into beams and others, in an order that depends on the rays alone.
+    #[inline(always)]
     pub(super) fn new(tree: &Tree, rays: &[Ray]) -> Self {
         let mut gathered =
             Self { beams: [Bundle::EMPTY; GATHERED / FEWEST], beam_count: 0, others: [0; GATHERED], other_count: 0 };
         let mut open = [Bundle::EMPTY; OPEN];
-        let (mut latest, mut oldest) = (0, 0);
+        let mut places = [Place::NOWHERE; OPEN];
+        let mut oldest = 0;
+        let [turn, shift] = SPREAD;
+        let scale = [1.0 / turn, 1.0 / (shift * tree.radius)];
         for (index, ray) in rays.iter().enumerate() {
-            let takes = |number: &usize| open[*number].length > 0 && open[*number].takes(tree, rays, ray);
-            // Most rays go where the one before them went.
-            let taker = Some(latest).filter(takes).or_else(|| (0..OPEN).find(takes));
-            let number = taker.unwrap_or_else(|| {
+            let place = Place::new(ray, scale);
+            let takers = (0..OPEN).fold(0, |takers, k| takers | u32::from(places[k].is_near(&place)) << k);
+            let number = if takers != 0 {
+                takers.trailing_zeros() as usize
+            } else {
                 let number = oldest;
                 oldest = (oldest + 1) % OPEN;
                 gathered.take(&mut open[number]);
+                places[number] = place;
                 number
-            });
-            latest = number;
-            let bundle = &mut open[number];
-            bundle.members[bundle.length] = index as u16;
+            };
+            let bundle = &mut open[number % OPEN];
+            bundle.members[bundle.length % MOST] = index as u16;
             bundle.length += 1;
             if bundle.length == MOST {
                 gathered.take(bundle);
+                places[number % OPEN] = Place::NOWHERE;
             }
         }
         open.iter_mut().for_each(|bundle| gathered.take(bundle));
