@@ -19,6 +19,7 @@
 //! | [`check`] | what is wrong or doubtful in a scene, with advice |
 //! | [`measure`] | image differences |
 //! | [`export`] | PNG and EXR, labelled comparisons |
+//! | [`report`] | error against run time, stability, what was left out, growth, and the page that shows them |
 //! | [`cli`], [`app`] | the command line and the window, both thin over the rest |
 //!
 //! # Invariants
@@ -37,6 +38,7 @@ pub mod measure;
 pub mod optics;
 pub mod rectify;
 pub mod render;
+pub mod report;
 pub mod scatter;
 pub mod scene;
 pub mod tracking;

@@ -22,6 +22,7 @@ const LAYERS: &[&[&str]] = &[
     &["estimator::trace"],
     &["check", "measure"],
     &["render::worker", "export"],
+    &["report"],
     &["cli", "app"],
 ];
 
@@ -37,6 +38,8 @@ const CRATES: &[(&[&str], &[&str])] = &[
     (&["anyhow"], &["cli", "app"]),
     (&["toml_edit", "tobj", "ply_rs_bw", "gltf"], &["scene"]),
     (&["ab_glyph", "epaint_default_fonts", "png"], &["export", "app"]),
+    (&["nv_flip", "statrs"], &["measure"]),
+    (&["maud", "plotters"], &["report"]),
 ];
 
 #[test]

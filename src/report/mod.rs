@@ -1,0 +1,1 @@
+//! Measurements of whole scenes, and the page that shows them.
