@@ -2,11 +2,7 @@
 
 use super::beam::{GATHERED, Gathered};
 use super::geometry::{Geometry, Mask};
-#[cfg(target_arch = "aarch64")]
-use super::kernel::Neon;
-#[cfg(target_arch = "x86_64")]
-use super::kernel::{Avx2, Avx512};
-use super::kernel::{Kernel, KernelChoice, Portable};
+use super::kernel::{Kernel, Task};
 use super::ray::{Hit, PrimitiveId, Ray};
 use super::triangle::{PackTest, ShearedRay, TriangleHit};
 
@@ -89,39 +85,7 @@ impl Geometry {
 
     #[inline]
     fn search(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
-        match self.kernel {
-            KernelChoice::Portable => self.search_with::<Portable>(ray, t_max, search),
-            // SAFETY: the processor has the features that this copy of the code is compiled for, or it would not have been chosen.
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code)]
-            KernelChoice::Avx2 => unsafe { self.search_avx2(ray, t_max, search) },
-            // SAFETY: as above.
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code)]
-            KernelChoice::Avx512 => unsafe { self.search_avx512(ray, t_max, search) },
-            // SAFETY: as above.
-            #[cfg(target_arch = "aarch64")]
-            #[allow(unsafe_code)]
-            KernelChoice::Neon => unsafe { self.search_neon(ray, t_max, search) },
-        }
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    fn search_avx2(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
-        self.search_with::<Avx2>(ray, t_max, search);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    fn search_avx512(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
-        self.search_with::<Avx512>(ray, t_max, search);
-    }
-
-    #[cfg(target_arch = "aarch64")]
-    #[target_feature(enable = "neon")]
-    fn search_neon(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
-        self.search_with::<Neon>(ray, t_max, search);
+        self.kernel.run(One { geometry: self, ray, t_max, search });
     }
 
     #[inline(always)]
@@ -199,57 +163,7 @@ impl Geometry {
         start: impl Fn() -> S,
         finish: impl FnMut(usize, &mut S),
     ) {
-        match self.kernel {
-            KernelChoice::Portable => self.search_many_with::<Portable, S>(rays, t_max, start, finish),
-            // SAFETY: the processor has the features that this copy of the code is compiled for, or it would not have been chosen.
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code)]
-            KernelChoice::Avx2 => unsafe { self.search_many_avx2(rays, t_max, start, finish) },
-            // SAFETY: as above.
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code)]
-            KernelChoice::Avx512 => unsafe { self.search_many_avx512(rays, t_max, start, finish) },
-            // SAFETY: as above.
-            #[cfg(target_arch = "aarch64")]
-            #[allow(unsafe_code)]
-            KernelChoice::Neon => unsafe { self.search_many_neon(rays, t_max, start, finish) },
-        }
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    fn search_many_avx2<S: Search>(
-        &self,
-        rays: &[Ray],
-        t_max: impl Fn(usize) -> f64,
-        start: impl Fn() -> S,
-        finish: impl FnMut(usize, &mut S),
-    ) {
-        self.search_many_with::<Avx2, S>(rays, t_max, start, finish);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    fn search_many_avx512<S: Search>(
-        &self,
-        rays: &[Ray],
-        t_max: impl Fn(usize) -> f64,
-        start: impl Fn() -> S,
-        finish: impl FnMut(usize, &mut S),
-    ) {
-        self.search_many_with::<Avx512, S>(rays, t_max, start, finish);
-    }
-
-    #[cfg(target_arch = "aarch64")]
-    #[target_feature(enable = "neon")]
-    fn search_many_neon<S: Search>(
-        &self,
-        rays: &[Ray],
-        t_max: impl Fn(usize) -> f64,
-        start: impl Fn() -> S,
-        finish: impl FnMut(usize, &mut S),
-    ) {
-        self.search_many_with::<Neon, S>(rays, t_max, start, finish);
+        self.kernel.run(Many { geometry: self, rays, t_max, start, finish });
     }
 
     #[inline(always)]
@@ -282,6 +196,37 @@ impl Geometry {
             }
             self.search_triangles_of_many::<K, S>(rays, gathered.others(), t_max, &start, &mut finish);
         }
+    }
+}
+
+/// A search along one ray.
+struct One<'a, S> {
+    geometry: &'a Geometry,
+    ray: &'a Ray,
+    t_max: f64,
+    search: &'a mut S,
+}
+
+impl<S: Search> Task for One<'_, S> {
+    #[inline(always)]
+    fn run<K: Kernel>(self) {
+        self.geometry.search_with::<K>(self.ray, self.t_max, self.search);
+    }
+}
+
+/// Searches along many rays.
+struct Many<'a, D, B, F> {
+    geometry: &'a Geometry,
+    rays: &'a [Ray],
+    t_max: D,
+    start: B,
+    finish: F,
+}
+
+impl<D: Fn(usize) -> f64, B: Fn() -> S, F: FnMut(usize, &mut S), S: Search> Task for Many<'_, D, B, F> {
+    #[inline(always)]
+    fn run<K: Kernel>(self) {
+        self.geometry.search_many_with::<K, S>(self.rays, self.t_max, self.start, self.finish);
     }
 }
 

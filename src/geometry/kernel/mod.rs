@@ -15,11 +15,11 @@ mod portable;
 mod tests;
 
 #[cfg(target_arch = "x86_64")]
-pub(super) use avx2::Avx2;
+use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
-pub(super) use avx512::Avx512;
+use avx512::Avx512;
 #[cfg(target_arch = "aarch64")]
-pub(super) use neon::Neon;
+use neon::Neon;
 pub(super) use portable::Portable;
 
 use super::bvh::Node;
@@ -41,6 +41,12 @@ pub(super) trait Kernel {
     /// A bit for each triangle whose interior, edges or corners the ray's line meets at a distance from `t_min` to `t_max`; fills in `test`
     /// where there is any. Triangles that are points or seen edge-on are met nowhere.
     fn meet_triangles(ray: &ShearedRay, pack: &TrianglePack, t_min: f64, t_max: f64, test: &mut PackTest) -> u32;
+}
+
+/// Work that is compiled once for each kernel. Implementations are `#[inline(always)]`, and so is what they call, or the copies would be compiled for
+/// any processor.
+pub(super) trait Task {
+    fn run<K: Kernel>(self);
 }
 
 /// A quotient that is at least t is not less than t·`SHORTER` before it is rounded, and one that is at most t no more than t·`LONGER`, rounding of
@@ -87,4 +93,40 @@ impl KernelChoice {
     pub fn best() -> Self {
         Self::available().last().copied().unwrap_or(Self::Portable)
     }
+
+    /// Does `task` with this kernel, which is one of those [`Self::available`].
+    #[inline]
+    #[allow(unsafe_code)]
+    pub fn run(self, task: impl Task) {
+        match self {
+            Self::Portable => task.run::<Portable>(),
+            // SAFETY: the processor has the features that this copy of the code is compiled for, or it would not be available.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => unsafe { run_avx2(task) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => unsafe { run_avx512(task) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => unsafe { run_neon(task) },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn run_avx2(task: impl Task) {
+    task.run::<Avx2>();
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn run_avx512(task: impl Task) {
+    task.run::<Avx512>();
+}
+
+#[cfg(target_arch = "aarch64")]
+#[target_feature(enable = "neon")]
+fn run_neon(task: impl Task) {
+    task.run::<Neon>();
 }
