@@ -93,8 +93,12 @@ impl Place {
 
     #[inline(always)]
     fn is_near(&self, other: &Self) -> bool {
-        let near = |k: usize| (self.numbers[k] - other.numbers[k]).abs() <= 1.0;
-        (0..8).fold(self.octant == other.octant, |all, k| all & near(k))
+        // A loop: closures would not be compiled for the processor that the kernel is for.
+        let mut is_near = self.octant == other.octant;
+        for k in 0..8 {
+            is_near &= (self.numbers[k] - other.numbers[k]).abs() <= 1.0;
+        }
+        is_near
     }
 }
 
@@ -137,7 +141,10 @@ impl Gathered {
         let scale = [1.0 / turn, 1.0 / (shift * tree.radius)];
         for (index, ray) in rays.iter().enumerate() {
             let place = Place::new(ray, scale);
-            let takers = (0..OPEN).fold(0, |takers, k| takers | u32::from(places[k].is_near(&place)) << k);
+            let mut takers = 0;
+            for (k, other) in places.iter().enumerate() {
+                takers |= u32::from(other.is_near(&place)) << k;
+            }
             let number = if takers != 0 {
                 takers.trailing_zeros() as usize
             } else {
