@@ -1,1 +1,8 @@
 //! Measurements of whole scenes, and the page that shows them.
+
+pub mod growth;
+pub mod left_out;
+pub mod machine;
+pub mod progress;
+pub mod store;
+pub mod timing;
