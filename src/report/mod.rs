@@ -4,5 +4,6 @@ pub mod growth;
 pub mod left_out;
 pub mod machine;
 pub mod progress;
+pub mod stability;
 pub mod store;
 pub mod timing;
