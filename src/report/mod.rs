@@ -1,8 +1,12 @@
 //! Measurements of whole scenes, and the page that shows them.
 
+pub mod data;
 pub mod growth;
 pub mod left_out;
 pub mod machine;
+pub mod make;
+pub mod page;
+pub mod pictures;
 pub mod progress;
 pub mod stability;
 pub mod store;
