@@ -65,12 +65,18 @@ pub fn how(need: &str) -> Option<&'static str> {
         "absorption" => "no distance is kept and no exponential taken on the way between surfaces",
         "index_matching" => "shadow rays stop at the first surface, because every surface bends light",
         "smooth_normals" => "no normals are kept, and none interpolated",
-        "spheres" => "always empty, costs nothing: the tree of spheres has no node, so that no switch can show a saving",
+        "spheres" => {
+            "always empty, costs nothing: the tree of spheres has no node, so that no switch can show a saving"
+        }
         "triangles" => {
             "always empty, costs nothing: the tree of triangles has no node, so that no switch can show a saving"
         }
-        "emitters" => "there is no lamp to choose: neither way shoots a shadow ray towards one, so that no switch can show a saving",
-        "image_environment" => "there is no image to choose directions from: neither way does, so that no switch can show a saving",
+        "emitters" => {
+            "there is no lamp to choose: neither way shoots a shadow ray towards one, so that no switch can show a saving"
+        }
+        "image_environment" => {
+            "there is no image to choose directions from: neither way does, so that no switch can show a saving"
+        }
         _ => return None,
     })
 }
@@ -81,12 +87,7 @@ fn is_switched_while_tracing(need: &str) -> bool {
 }
 
 /// Measures one scene on the current pool. `None` when cancelled.
-pub fn measure(
-    prepared: &Prepared,
-    camera: &Camera,
-    plan: &LeftOutPlan,
-    progress: &Progress<'_>,
-) -> Option<LeftOut> {
+pub fn measure(prepared: &Prepared, camera: &Camera, plan: &LeftOutPlan, progress: &Progress<'_>) -> Option<LeftOut> {
     let world = &prepared.world;
     let names = world.needs.left_out();
     let (render, images_are_equal, samples) = put_back(prepared, camera, plan, SceneNeeds::EVERYTHING, progress)?;
@@ -146,8 +147,7 @@ fn put_back(
     let samples = without.samples_for(plan.slice_secs, progress);
     // Both start again, so that they end with the same samples.
     without.film = Film::new(plan.width, plan.height);
-    let times =
-        pairs(plan.pairs, progress, || with.slice(samples, progress), || without.slice(samples, progress))?;
+    let times = pairs(plan.pairs, progress, || with.slice(samples, progress), || without.slice(samples, progress))?;
     Some((Ratio::of(&times)?, are_equal(&with.film, &without.film), with.film.samples))
 }
 

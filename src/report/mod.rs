@@ -1,5 +1,6 @@
 //! Measurements of whole scenes, and the page that shows them.
 
+pub mod experiment;
 pub mod growth;
 pub mod left_out;
 pub mod machine;
