@@ -25,7 +25,11 @@ impl Table {
 
 /// In quotation marks where it has to be.
 fn quoted(field: &str) -> String {
-    if field.contains([',', '"', '\n', '\r']) { format!("\"{}\"", field.replace('"', "\"\"")) } else { field.to_owned() }
+    if field.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", field.replace('"', "\"\""))
+    } else {
+        field.to_owned()
+    }
 }
 
 /// All digits; empty for what is not known.
@@ -61,7 +65,10 @@ fn left_out(report: &Report) -> Table {
         about: "What a scene does not need, and the time with it over the time without",
         columns: vec![
             ("scene", "name of the scene"),
-            ("left_out", "what is put back, in names separated by spaces: all that the scene does not need, or one of it"),
+            (
+                "left_out",
+                "what is put back, in names separated by spaces: all that the scene does not need, or one of it",
+            ),
             ("task", "render or rectify"),
             ("ratio", "time with what is left out over time without: median of the pairs' ratios"),
             ("ratio_low", "lower end of an interval for the true median, which supposes no distribution"),
@@ -93,7 +100,10 @@ fn growth(report: &Report) -> Table {
             ("build_secs", "seconds of tessellating, analysing meshes and building the tree"),
             ("rectify_secs", "seconds of rectification"),
             ("sample_secs", "seconds of one sample of one pixel, all threads working"),
-            ("memory_bytes", "by how much the process's memory rose for the prepared scene; empty where it is too little to tell"),
+            (
+                "memory_bytes",
+                "by how much the process's memory rose for the prepared scene; empty where it is too little to tell",
+            ),
         ],
         rows,
     }
@@ -138,6 +148,9 @@ mod tests {
             rows: vec![vec!["plain".into(), "1".into()], vec!["a, \"b\"\nc".into(), String::new()]],
         };
         assert_eq!(table.text(), "name,value\r\nplain,1\r\n\"a, \"\"b\"\"\nc\",\r\n");
-        assert_eq!([number(0.1), number(1e-300), number(None)], ["0.1".to_owned(), format!("{}", 1e-300), String::new()]);
+        assert_eq!(
+            [number(0.1), number(1e-300), number(None)],
+            ["0.1".to_owned(), format!("{}", 1e-300), String::new()]
+        );
     }
 }

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::experiment::SceneErrors;
 use super::growth::Growth;
 use super::left_out::LeftOut;
 use super::machine::Machine;
@@ -50,6 +51,7 @@ pub struct SceneReport {
     pub build_secs: f64,
     pub rectify_secs: f64,
     pub pictures: Option<Pictures>,
+    pub errors: Option<SceneErrors>,
     pub left_out: Option<LeftOut>,
 }
 

@@ -282,6 +282,7 @@ fn scene(
         build_secs: prepared.seconds.bvh,
         rectify_secs: prepared.seconds.rectify,
         pictures: Some(pictures),
+        errors: None,
         left_out,
     }))
 }

@@ -1,6 +1,8 @@
 //! Measurements of whole scenes, and the page that shows them.
 
+pub mod csv;
 pub mod data;
+pub mod experiment;
 pub mod growth;
 pub mod left_out;
 pub mod machine;

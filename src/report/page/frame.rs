@@ -71,7 +71,11 @@ fn origin(origin: &Origin) -> Markup {
     let load = origin.load_before.map(|load| {
         let is_quiet = load < 0.25;
         let share = fixed(load, 2);
-        if is_quiet { format!("quiet (load {share})") } else { format!("others were using it (load {share}): times are longer than they need to be") }
+        if is_quiet {
+            format!("quiet (load {share})")
+        } else {
+            format!("others were using it (load {share}): times are longer than they need to be")
+        }
     });
     html! {
         dl class="origin" {
