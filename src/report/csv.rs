@@ -2,6 +2,9 @@
 
 use super::data::Report;
 use super::growth::Measure;
+use super::stability::Map;
+
+mod errors;
 
 /// A file of comma-separated values.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +42,68 @@ fn number(x: impl Into<Option<f64>>) -> String {
 
 /// Every table that the report has something for.
 pub fn tables(report: &Report) -> Vec<Table> {
-    [left_out(report), growth(report), exponents(report)].into_iter().filter(|table| !table.rows.is_empty()).collect()
+    let all = [
+        errors::runs(report),
+        errors::points(report),
+        errors::curves(report),
+        errors::pairs(report),
+        stability(report),
+        maps(report),
+        left_out(report),
+        growth(report),
+        exponents(report),
+    ];
+    all.into_iter().filter(|table| !table.rows.is_empty()).collect()
+}
+
+fn stability(report: &Report) -> Table {
+    let rows = report.stability.as_ref().map_or(Vec::new(), |found| found.csv_rows().split_off(1));
+    Table {
+        file: "stability.csv",
+        about: "Every measurement of the stiff and extreme cases and of the sweeps",
+        columns: vec![
+            ("check", "case or sweep"),
+            ("number", "number of the case; empty for those beyond the forty, and for sweeps"),
+            ("name", "name of the case or sweep"),
+            ("at", "where in the sweep"),
+            ("what", "what was measured"),
+            ("expected", "the closed form's value"),
+            ("measured", "what the program gave"),
+            ("error", "how far apart the two are"),
+            ("error_kind", "absolute or relative"),
+            ("bound", "the largest error allowed, next to four times the noise"),
+            ("noise", "standard error of what is random"),
+            ("unit", "unit of the values"),
+            ("outcome", "passed, failed or not run"),
+            ("reason", "why not passed, where that is known"),
+        ],
+        rows,
+    }
+}
+
+fn maps(report: &Report) -> Table {
+    let maps = report.stability.iter().flat_map(|found| &found.maps);
+    let rows_of = |map: &Map| {
+        let rows = map.csv_rows().split_off(1);
+        let parameter = map.row_parameter.clone();
+        rows.into_iter().map(move |mut row| {
+            row.insert(3, parameter.clone());
+            row
+        })
+    };
+    Table {
+        file: "fresnel-maps.csv",
+        about: "Relative errors of Fresnel's equations over index and angle",
+        columns: vec![
+            ("formula", "how it was computed"),
+            ("quantity", "reflectance or transmittance"),
+            ("eta", "index behind the interface over that before it"),
+            ("row_parameter", "what the next column is"),
+            ("row", "the angle, as the column before says"),
+            ("relative_error", "against an evaluation with twice the digits"),
+        ],
+        rows: maps.flat_map(rows_of).collect(),
+    }
 }
 
 fn left_out(report: &Report) -> Table {

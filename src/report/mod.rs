@@ -13,3 +13,4 @@ pub mod progress;
 pub mod stability;
 pub mod store;
 pub mod timing;
+pub mod write;
