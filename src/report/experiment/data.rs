@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::plan::Plan;
 use crate::estimator::sampler::Sequence;
 use crate::measure::Interval;
-use crate::render::{Events, VarianceReduction};
+use crate::render::{Events, RenderSettings, VarianceReduction};
 use crate::tracking::Mode;
 
 /// Error against run time of one scene, in all modes.
@@ -31,8 +31,8 @@ pub struct SceneErrors {
 /// The two references that errors are taken against.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReferenceAbout {
-    /// Samples per pixel of each.
-    pub spp: u32,
+    /// Samples per pixel of each: what the plan says, or more where more were kept.
+    pub spp: [u32; 2],
     pub seeds: [u64; 2],
     /// Both together. Of an earlier day where they were kept.
     pub render_secs: f64,
@@ -70,7 +70,12 @@ impl Technique {
         Self { sampler: default.sequence, adaptive: true, ..Self::independent() }
     }
 
-    pub fn variance_reduction(self) -> VarianceReduction {
+    /// Settings of an image by this technique, adaptive sampling left aside, which is the film's business.
+    pub fn settings(self, mode: Mode, seed: u64, max_depth: Option<u32>) -> RenderSettings {
+        RenderSettings { mode, seed, max_depth, leave_out: true, variance: self.variance_reduction() }
+    }
+
+    fn variance_reduction(self) -> VarianceReduction {
         VarianceReduction { sequence: self.sampler, splits: self.splits, sample_environment: self.sample_environment }
     }
 }

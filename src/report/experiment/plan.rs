@@ -7,7 +7,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use super::data::Technique;
-use crate::render::{Film, Prepared, RenderSettings, accumulate};
+use crate::render::{Film, Prepared, accumulate};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 
@@ -97,13 +97,7 @@ impl Plan {
 
 /// Seconds that one sample of every pixel takes.
 fn probe(prepared: &Prepared, camera: &Camera, effort: &Effort, mode: Mode) -> f64 {
-    let settings = RenderSettings {
-        mode,
-        seed: effort.first_seed,
-        max_depth: effort.max_depth,
-        leave_out: true,
-        variance: Technique::independent().variance_reduction(),
-    };
+    let settings = Technique::independent().settings(mode, effort.first_seed, effort.max_depth);
     let mut film = Film::new(effort.size[0], effort.size[1]);
     let mut add = |samples| {
         let start = Instant::now();

@@ -1,0 +1,187 @@
+//! Bias and variance apart, from images with different seeds.
+
+use super::truth::{TruePixel, Truth, trimmed_mean};
+use crate::measure::Interval;
+use crate::measure::statistics::{CONFIDENCE, jackknife, t_quantile};
+
+/// An image, linear RGB.
+pub type Image = Vec<[f32; 3]>;
+
+/// Sums over runs of x − r and of its square, per pixel and channel.
+pub struct Spread<'a> {
+    truth: &'a Truth,
+    images: &'a [&'a Image],
+    sums: Vec<[Sums; 3]>,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    /// Of x − r: near the truth little is lost to cancellation.
+    values: f64,
+    squares: f64,
+}
+
+impl Sums {
+    fn without(self, x: f64) -> Self {
+        Self { values: self.values - x, squares: self.squares - x * x }
+    }
+
+    /// Sample variance of `count` runs.
+    fn variance(self, count: f64) -> f64 {
+        (self.squares - self.values * self.values / count) / (count - 1.0)
+    }
+
+    /// The square of what the runs share: the mean of all products of two different runs.
+    fn squared_mean(self, count: f64) -> f64 {
+        (self.values * self.values - self.squares) / (count * (count - 1.0))
+    }
+}
+
+/// Mean over all components, relative as in relMSE.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parts {
+    /// Of one run.
+    pub variance: f64,
+    pub bias_squared: f64,
+}
+
+impl<'a> Spread<'a> {
+    /// Of two images or more, each of the truth's size.
+    pub fn new(truth: &'a Truth, images: &'a [&'a Image]) -> Self {
+        let mut sums = vec![[Sums::default(); 3]; truth.pixels.len()];
+        for image in images {
+            for ((sums, x), truth) in sums.iter_mut().zip(*image).zip(&truth.pixels) {
+                for c in 0..3 {
+                    let d = f64::from(x[c]) - truth.mean[c];
+                    sums[c].values += d;
+                    sums[c].squares += d * d;
+                }
+            }
+        }
+        Self { truth, images, sums }
+    }
+
+    fn count(&self) -> f64 {
+        self.images.len() as f64
+    }
+
+    /// Bias and variance of all runs.
+    pub fn parts(&self) -> Parts {
+        self.parts_of(self.sums.iter().copied(), self.count())
+    }
+
+    /// The same of all runs but one, for each.
+    pub fn parts_without_one(&self) -> Vec<Parts> {
+        let without = |image: &&Image| {
+            let sums = self.sums.iter().zip(*image).zip(&self.truth.pixels);
+            let sums = sums
+                .map(|((sums, x), truth)| std::array::from_fn(|c| sums[c].without(f64::from(x[c]) - truth.mean[c])));
+            self.parts_of(sums, self.count() - 1.0)
+        };
+        self.images.iter().map(without).collect()
+    }
+
+    fn parts_of(&self, sums: impl Iterator<Item = [Sums; 3]>, count: f64) -> Parts {
+        let (mut variance, mut bias_squared) = (0.0, 0.0);
+        for (sums, truth) in sums.zip(&self.truth.pixels) {
+            for c in 0..3 {
+                variance += truth.weight[c] * sums[c].variance(count);
+                bias_squared += truth.weight[c] * (sums[c].squared_mean(count) - truth.half_gap[c].powi(2));
+            }
+        }
+        let components = self.truth.components();
+        Parts { variance: variance / components, bias_squared: bias_squared / components }
+    }
+
+    /// bias² of each pixel, mean over its channels.
+    fn bias_squared_of_pixels(&self, weight: impl Fn(&TruePixel, usize) -> f64) -> Vec<f64> {
+        let of_pixel = |(sums, truth): (&[Sums; 3], &TruePixel)| {
+            let of_channel =
+                |c: usize| weight(truth, c) * (sums[c].squared_mean(self.count()) - truth.half_gap[c].powi(2));
+            (0..3).map(of_channel).sum::<f64>() / 3.0
+        };
+        self.sums.iter().zip(&self.truth.pixels).map(of_pixel).collect()
+    }
+
+    /// What the runs share, with all that is said about it; of three runs or more.
+    pub fn bias(&self) -> super::Bias {
+        let whole = self.parts().bias_squared;
+        let left_out: Vec<f64> = self.parts_without_one().iter().map(|parts| parts.bias_squared).collect();
+        let of_runs = jackknife(whole, &left_out).map_or(0.0, |interval| interval.high - whole);
+        // Moving r by its noise n moves bias² by −2 b n; half_gap is distributed as n is.
+        let of_references = (self.sums.iter().zip(&self.truth.pixels))
+            .map(|(sums, truth)| {
+                let moved = |c: usize| truth.weight[c] * 2.0 * sums[c].values / self.count() * truth.half_gap[c];
+                (0..3).map(moved).sum::<f64>().powi(2)
+            })
+            .sum::<f64>()
+            .sqrt()
+            / self.truth.components();
+        let half_width = of_runs.hypot(t_quantile(CONFIDENCE, 1_000_000) * of_references);
+
+        let of_pixels = self.bias_squared_of_pixels(|truth, c| truth.weight[c]);
+        // Pixels share no random numbers, so without a bias these scatter independently about 0, each in its own way.
+        let scatter = of_pixels.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let significance = if scatter > 0.0 { of_pixels.iter().sum::<f64>() / scatter } else { 0.0 };
+        let of_pixels_absolute = self.bias_squared_of_pixels(|_, _| 1.0);
+        let sum_of = |of: &dyn Fn(usize, usize) -> f64| {
+            (0..self.sums.len()).map(|pixel| (0..3).map(|c| of(pixel, c)).sum::<f64>()).sum::<f64>()
+        };
+        let difference = sum_of(&|pixel, c| self.sums[pixel][c].values) / self.count();
+        let brightness = sum_of(&|pixel, c| self.truth.pixels[pixel].mean[c]);
+        super::Bias {
+            squared: Interval::around(whole, half_width),
+            squared_mse: of_pixels_absolute.iter().sum::<f64>() / of_pixels_absolute.len() as f64,
+            squared_trimmed: trimmed_mean(of_pixels),
+            significance,
+            is_biased: significance > super::BIAS_SIGNIFICANCE,
+            brightness: if brightness > 0.0 { difference / brightness } else { 0.0 },
+        }
+    }
+}
+
+/// Relative variances of two modes and of their difference, seed by seed, over the seeds: of all, and of all but one for each.
+pub fn paired_variances(truth: &Truth, mode: &[&Image], against: &[&Image]) -> (PairedVariances, Vec<PairedVariances>) {
+    let (count, components) = (mode.len() as f64, truth.components());
+    let mut all = PairedVariances::default();
+    let mut without = vec![PairedVariances::default(); mode.len()];
+    for (pixel, truth) in truth.pixels.iter().enumerate() {
+        for c in 0..3 {
+            let values = |run: usize| {
+                let (a, b) = (f64::from(mode[run][pixel][c]), f64::from(against[run][pixel][c]));
+                [a - truth.mean[c], b - truth.mean[c], a - b]
+            };
+            let mut sums = [Sums::default(); 3];
+            for run in 0..mode.len() {
+                for (sums, value) in sums.iter_mut().zip(values(run)) {
+                    sums.values += value;
+                    sums.squares += value * value;
+                }
+            }
+            let weight = truth.weight[c] / components;
+            all.add(weight, sums.map(|sums| sums.variance(count)));
+            for (run, without) in without.iter_mut().enumerate() {
+                let values = values(run);
+                let variance = |which: usize| sums[which].without(values[which]).variance(count - 1.0);
+                without.add(weight, std::array::from_fn(variance));
+            }
+        }
+    }
+    (all, without)
+}
+
+/// See [`paired_variances`].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PairedVariances {
+    pub of_mode: f64,
+    pub of_against: f64,
+    pub of_difference: f64,
+}
+
+impl PairedVariances {
+    fn add(&mut self, weight: f64, [mode, against, difference]: [f64; 3]) {
+        self.of_mode += weight * mode;
+        self.of_against += weight * against;
+        self.of_difference += weight * difference;
+    }
+}
