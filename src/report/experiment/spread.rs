@@ -185,3 +185,86 @@ impl PairedVariances {
         self.of_difference += weight * difference;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::truth::tests::{SIZE, image, noise, references};
+    use super::*;
+
+    /// Runs that are all off by `bias` on every fifth pixel, with noise of variance `scale`²/12.
+    fn runs(count: u64, bias: f64, scale: f64) -> Vec<Image> {
+        let off = move |pixel: usize| if pixel.is_multiple_of(5) { bias } else { 0.0 };
+        (0..count).map(|seed| image(|pixel, c| off(pixel) + scale * noise(seed, pixel, c))).collect()
+    }
+
+    fn of<T>(images: &[Image], look: impl FnOnce(Spread<'_>, &Truth) -> T) -> T {
+        let truth = Truth::new(&references(0.05), SIZE).unwrap();
+        let images: Vec<&Image> = images.iter().collect();
+        look(Spread::new(&truth, &images), &truth)
+    }
+
+    #[test]
+    fn bias_and_variance_come_apart() {
+        for count in [3, 8] {
+            of(&runs(count, 0.2, 0.6), |spread, truth| {
+                let weights = |every: usize| {
+                    truth.pixels.iter().step_by(every).flat_map(|pixel| pixel.weight).sum::<f64>() / truth.components()
+                };
+                let (bias, parts) = (spread.bias(), spread.parts());
+                assert!((parts.variance / (weights(1) * 0.36 / 12.0) - 1.0).abs() < 0.05, "{parts:?}");
+                assert!(bias.squared.contains(weights(5) * 0.04), "{bias:?}");
+                assert!(bias.squared.high - bias.squared.low < 0.6 * bias.squared.value, "{bias:?}");
+                assert!(bias.is_biased);
+                assert!((bias.brightness / (0.04 / 1.0) - 1.0).abs() < 0.1, "{bias:?}");
+                // The planted error: the mean film's squared error alone takes what noise is left for a bias.
+                let naively = parts.bias_squared + parts.variance / count as f64;
+                assert!(!bias.squared.contains(naively), "{bias:?} {naively}");
+            });
+        }
+    }
+
+    #[test]
+    fn without_a_bias_none_is_found() {
+        let mut significances = Vec::new();
+        for first in 0..20 {
+            let images: Vec<Image> =
+                (0..4).map(|run| image(|pixel, c| 0.6 * noise(100 + 10 * first + run, pixel, c))).collect();
+            significances.push(of(&images, |spread, _| spread.bias().significance));
+        }
+        assert!(significances.iter().all(|z| z.abs() < 4.0), "{significances:?}");
+        // They share references, so they are not quite independent; but neither are they all small.
+        assert!(significances.iter().any(|z| z.abs() > 0.5), "{significances:?}");
+    }
+
+    #[test]
+    fn leaving_one_out_is_what_it_says() {
+        let images = runs(4, 0.1, 0.4);
+        let left_out = of(&images, |spread, _| spread.parts_without_one());
+        let direct = of(&images[1..], |spread, _| spread.parts());
+        assert!((left_out[0].variance - direct.variance).abs() < 1e-12);
+        assert!((left_out[0].bias_squared - direct.bias_squared).abs() < 1e-12);
+    }
+
+    /// A mode that adds a tenth of fresh noise to what it shares with the other: its difference has 1 % of the variance.
+    #[test]
+    fn what_pairs_share_drops_out() {
+        let shared = runs(5, 0.0, 0.5);
+        let mode: Vec<Image> = (0..5)
+            .map(|seed| image(|pixel, c| 0.5 * noise(seed, pixel, c) + 0.05 * noise(900 + seed, pixel, c)))
+            .collect();
+        let unrelated: Vec<Image> = (0..5).map(|seed| image(|pixel, c| 0.5 * noise(700 + seed, pixel, c))).collect();
+        let truth = Truth::new(&references(0.0), SIZE).unwrap();
+        let variances = |mode: &[Image]| {
+            let (mode, shared): (Vec<&Image>, Vec<&Image>) = (mode.iter().collect(), shared.iter().collect());
+            paired_variances(&truth, &mode, &shared)
+        };
+        let (all, without_one) = variances(&mode);
+        assert!((all.of_against / all.of_difference / 100.0 - 1.0).abs() < 0.05, "{all:?}");
+        assert!((all.of_mode / all.of_difference / 101.0 - 1.0).abs() < 0.05, "{all:?}");
+        assert_eq!(without_one.len(), 5);
+        assert!(without_one.iter().all(|one| (one.of_mode / all.of_mode - 1.0).abs() < 0.1), "{without_one:?}");
+        // The twin: modes that share nothing have a difference that is noisier than either.
+        let (unpaired, _) = variances(&unrelated);
+        assert!((unpaired.of_difference / unpaired.of_against / 2.0 - 1.0).abs() < 0.05, "{unpaired:?}");
+    }
+}

@@ -61,6 +61,12 @@ impl Truth {
     /// When the image has another size or a component that is not finite.
     pub fn errors(&self, image: &[[f32; 3]], seed: u64, render_secs: f64) -> Result<RunPoint, MetricError> {
         let flip = None;
+        if image.len() != self.pixels.len() {
+            return Err(MetricError::SizesDiffer { image: image.len(), reference: self.pixels.len() });
+        }
+        if let Some(pixel) = image.iter().position(|x| !x.iter().all(|c| c.is_finite())) {
+            return Err(MetricError::NotFinite { which: "image", pixel });
+        }
         let (mut mse, mut smape) = (0.0, 0.0);
         let mut relative = Vec::with_capacity(image.len());
         for (x, truth) in image.iter().zip(&self.pixels) {
@@ -94,4 +100,102 @@ pub fn trimmed_mean(mut values: Vec<f64>) -> f64 {
         values.select_nth_unstable_by(kept, f64::total_cmp);
     }
     values[..kept].iter().sum::<f64>() / kept as f64
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::estimator::sampler::{Sampler, Sequence};
+    use crate::render::Events;
+
+    pub const SIZE: [u32; 2] = [64, 48];
+
+    /// Noise of variance 1/12 for each number: uniform in [−½, ½), another for each seed.
+    pub fn noise(seed: u64, pixel: usize, channel: usize) -> f64 {
+        Sampler::of(Sequence::Independent, seed, pixel as u32, 0).get_1d(channel as u32) - 0.5
+    }
+
+    /// A smooth picture between 0.5 and 1.5 with something added.
+    pub fn image(added: impl Fn(usize, usize) -> f64) -> Vec<[f32; 3]> {
+        let true_value = |pixel: usize, channel: usize| 1.0 + 0.5 * ((pixel * (channel + 1)) as f64 * 0.01).sin();
+        (0..(SIZE[0] * SIZE[1]) as usize)
+            .map(|pixel| std::array::from_fn(|c| (true_value(pixel, c) + added(pixel, c)) as f32))
+            .collect()
+    }
+
+    /// References with noise of standard deviation `scale`/√12.
+    pub fn references(scale: f64) -> References {
+        References {
+            images: [1_000_001, 1_000_002].map(|seed| image(|pixel, c| scale * noise(seed, pixel, c))),
+            spp: [1, 1],
+            render_secs: 0.0,
+            events: Events::default(),
+        }
+    }
+
+    /// An image that is off by 0.1 everywhere has an MSE of 0.01, however noisy the references are, where one reference alone adds
+    /// its own noise.
+    #[test]
+    fn noise_of_references_cancels() {
+        let references = references(0.5);
+        let truth = Truth::new(&references, SIZE).unwrap();
+        let biased = image(|_, _| 0.1);
+        let errors = truth.errors(&biased, 3, 1.5).unwrap();
+        let variance = 0.25 / 12.0;
+        // Standard deviation over 9216 components of 0.2 times the noise of the mean, and of the product of both noises.
+        let scatter = ((0.04 * variance / 2.0 + variance * variance / 4.0) / truth.components()).sqrt();
+        assert!((errors.mse - 0.01).abs() < 4.0 * scatter, "{} ± {scatter}", errors.mse);
+        assert!(errors.relmse > 0.0 && errors.relmse_trimmed < errors.relmse);
+        assert_eq!((errors.seed, errors.render_secs), (3, 1.5));
+        let against_one = crate::measure::difference(&biased, &references.images[0]).unwrap();
+        assert!((against_one.mse - 0.01 - variance).abs() < 20.0 * scatter, "{}", against_one.mse);
+
+        let errors_of_truth = truth.errors(&image(|_, _| 0.0), 0, 0.0).unwrap();
+        assert!(errors_of_truth.mse.abs() < 4.0 * scatter, "{}", errors_of_truth.mse);
+    }
+
+    /// Without noise in the references, figures are those of [`crate::measure::difference`].
+    #[test]
+    fn figures_are_the_usual_ones() {
+        let references = references(0.0);
+        let truth = Truth::new(&references, SIZE).unwrap();
+        let noisy = image(|pixel, c| noise(7, pixel, c));
+        let errors = truth.errors(&noisy, 0, 0.0).unwrap();
+        let usual = crate::measure::difference(&noisy, &references.images[0]).unwrap();
+        for (a, b) in [
+            (errors.mse, usual.mse),
+            (errors.relmse, usual.relmse),
+            (errors.relmse_trimmed, usual.relmse_trimmed),
+            (errors.smape, usual.smape),
+        ] {
+            assert!((a - b).abs() < 1e-12 * b, "{a} {b}");
+        }
+        assert_eq!(truth.noise(), 0.0);
+    }
+
+    #[test]
+    fn noise_of_the_references_is_known() {
+        let truth = Truth::new(&references(0.3), SIZE).unwrap();
+        let expected = truth.pixels.iter().flat_map(|p| p.weight).sum::<f64>() * 0.09 / 12.0 / truth.components();
+        assert!((truth.noise() / expected - 1.0).abs() < 0.05, "{} {expected}", truth.noise());
+    }
+
+    #[test]
+    fn what_is_not_finite_or_of_another_size_is_refused() {
+        let truth = Truth::new(&references(0.0), SIZE).unwrap();
+        let mut broken = image(|_, _| 0.0);
+        broken[5][1] = f32::NAN;
+        assert!(truth.errors(&broken, 0, 0.0).is_err());
+        assert!(truth.errors(&broken[..5], 0, 0.0).is_err());
+    }
+
+    #[test]
+    fn trimming_drops_one_in_a_thousand() {
+        let mut values = vec![1.0; 2000];
+        values[17] = 1e9;
+        values[1700] = 1e9;
+        assert_eq!(trimmed_mean(values.clone()), 1.0);
+        values[3] = 1e9;
+        assert!(trimmed_mean(values) > 1e5);
+    }
 }
