@@ -2,12 +2,12 @@
 
 use super::data::{Bias, Curve, Plateau, Point, RunPoint, Slope, Technique};
 use super::plan::Plan;
-use super::run::Run;
+use super::run::{Level, Run};
 use super::spread::{Image, Parts, Spread};
-use super::truth::Truth;
+use super::truth::{Truth, worst};
 use crate::estimator::sampler::Sequence;
 use crate::measure::Interval;
-use crate::measure::metrics::MetricError;
+use crate::measure::MetricError;
 use crate::measure::statistics::{geometric_mean, jackknife, mean, slope_over_runs};
 use crate::render::Events;
 use crate::tracking::Mode;
@@ -31,13 +31,14 @@ pub struct Subject {
 /// # Errors
 /// When an image does not fit the references or holds a component that is not finite.
 pub fn curve(subject: &Subject, runs: &[Run], plan: &Plan, truth: &Truth) -> Result<Curve, MetricError> {
+    let last = images(runs, plan.spp.len() - 1);
+    let left_out: Vec<Vec<usize>> = last.iter().map(|image| worst(&truth.relative(image))).collect();
     let mut points = Vec::with_capacity(plan.spp.len());
     for (level, &spp) in plan.spp.iter().enumerate() {
         let images = images(runs, level);
         let spread = Spread::new(truth, &images);
-        points.push(point(subject, spp, level, runs, truth, spread.parts())?);
+        points.push(point(subject, spp, level, runs, &left_out, truth, spread.parts())?);
     }
-    let last = images(runs, plan.spp.len() - 1);
     let bias = Spread::new(truth, &last).bias();
     let mut events = Events::default();
     runs.iter().for_each(|run| events += run.events);
@@ -65,11 +66,16 @@ fn point(
     spp: u32,
     level: usize,
     runs: &[Run],
+    left_out: &[Vec<usize>],
     truth: &Truth,
     parts: Parts,
 ) -> Result<Point, MetricError> {
     let runs = (runs.iter())
-        .map(|run| truth.errors(&run.levels[level].image, run.seed, run.levels[level].render_secs))
+        .zip(left_out)
+        .map(|(run, left_out)| {
+            let Level { render_secs, image } = &run.levels[level];
+            truth.errors(image, left_out, run.seed, *render_secs)
+        })
         .collect::<Result<Vec<RunPoint>, _>>()?;
     let over_runs = |figure: &dyn Fn(&RunPoint) -> f64| geometric_mean(&runs.iter().map(figure).collect::<Vec<f64>>());
     let secs = over_runs(&|run| run.render_secs + subject.secs_before);
@@ -106,9 +112,10 @@ fn slope(points: &[Point], bias: &Bias, reference_noise: f64) -> Option<Slope> {
     };
     let spp = |point: &Point, _: &RunPoint| f64::from(point.spp);
     Some(Slope {
-        trimmed: fit(&spp, &|run| run.relmse_trimmed)?,
+        trimmed: fit(&spp, &|run| run.relmse_steady)?,
+        trimmed_anew: fit(&spp, &|run| run.relmse_trimmed),
         untrimmed: fit(&spp, &|run| run.relmse),
-        by_secs: fit(&|_, run| run.render_secs, &|run| run.relmse_trimmed),
+        by_secs: fit(&|_, run| run.render_secs, &|run| run.relmse_steady),
         from_spp: fitted[0].spp,
         to_spp: fitted[fitted.len() - 1].spp,
     })

@@ -145,7 +145,7 @@ fn measure(maker: &Maker<'_>, progress: Progress<'_>) -> Result<Option<SceneErro
         bvh_secs: prepared.seconds.bvh,
         rectify_secs: prepared.seconds.rectify,
         reference: ReferenceAbout {
-            spp: references.spp,
+            spp: references.spp[0].min(references.spp[1]),
             seeds: reference::SEEDS,
             render_secs: references.render_secs,
             relmse,

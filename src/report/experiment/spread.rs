@@ -1,6 +1,7 @@
 //! Bias and variance apart, from images with different seeds.
 
-use super::truth::{TruePixel, Truth, trimmed_mean};
+use super::truth::{Relative, TruePixel, Truth, mean_without, worst};
+use super::{BIAS_SIGNIFICANCE, Bias};
 use crate::measure::Interval;
 use crate::measure::statistics::{CONFIDENCE, jackknife, t_quantile};
 
@@ -93,18 +94,22 @@ impl<'a> Spread<'a> {
         Parts { variance: variance / components, bias_squared: bias_squared / components }
     }
 
-    /// bias² of each pixel, mean over its channels.
-    fn bias_squared_of_pixels(&self, weight: impl Fn(&TruePixel, usize) -> f64) -> Vec<f64> {
+    /// bias² of each pixel, relative, mean over its channels. As bad as its mean image is, noise included.
+    fn bias_squared_of_pixels(&self) -> Vec<Relative> {
         let of_pixel = |(sums, truth): (&[Sums; 3], &TruePixel)| {
-            let of_channel =
-                |c: usize| weight(truth, c) * (sums[c].squared_mean(self.count()) - truth.half_gap[c].powi(2));
-            (0..3).map(of_channel).sum::<f64>() / 3.0
+            let mut relative = Relative::default();
+            for c in 0..3 {
+                let weight = truth.weight[c] / 3.0;
+                relative.badness += weight * (sums[c].values / self.count()).powi(2);
+                relative.error += weight * (sums[c].squared_mean(self.count()) - truth.half_gap[c].powi(2));
+            }
+            relative
         };
         self.sums.iter().zip(&self.truth.pixels).map(of_pixel).collect()
     }
 
     /// What the runs share, with all that is said about it; of three runs or more.
-    pub fn bias(&self) -> super::Bias {
+    pub fn bias(&self) -> Bias {
         let whole = self.parts().bias_squared;
         let left_out: Vec<f64> = self.parts_without_one().iter().map(|parts| parts.bias_squared).collect();
         let of_runs = jackknife(whole, &left_out).map_or(0.0, |interval| interval.high - whole);
@@ -119,22 +124,25 @@ impl<'a> Spread<'a> {
             / self.truth.components();
         let half_width = of_runs.hypot(t_quantile(CONFIDENCE, 1_000_000) * of_references);
 
-        let of_pixels = self.bias_squared_of_pixels(|truth, c| truth.weight[c]);
+        let of_pixels = self.bias_squared_of_pixels();
         // Pixels share no random numbers, so without a bias these scatter independently about 0, each in its own way.
-        let scatter = of_pixels.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let significance = if scatter > 0.0 { of_pixels.iter().sum::<f64>() / scatter } else { 0.0 };
-        let of_pixels_absolute = self.bias_squared_of_pixels(|_, _| 1.0);
-        let sum_of = |of: &dyn Fn(usize, usize) -> f64| {
-            (0..self.sums.len()).map(|pixel| (0..3).map(|c| of(pixel, c)).sum::<f64>()).sum::<f64>()
-        };
-        let difference = sum_of(&|pixel, c| self.sums[pixel][c].values) / self.count();
-        let brightness = sum_of(&|pixel, c| self.truth.pixels[pixel].mean[c]);
-        super::Bias {
+        let scatter = of_pixels.iter().map(|pixel| pixel.error.powi(2)).sum::<f64>().sqrt();
+        let significance =
+            if scatter > 0.0 { of_pixels.iter().map(|pixel| pixel.error).sum::<f64>() / scatter } else { 0.0 };
+        let (mut squared_mse, mut difference, mut brightness) = (0.0, 0.0, 0.0);
+        for (sums, truth) in self.sums.iter().zip(&self.truth.pixels) {
+            for c in 0..3 {
+                squared_mse += sums[c].squared_mean(self.count()) - truth.half_gap[c].powi(2);
+                difference += sums[c].values / self.count();
+                brightness += truth.mean[c];
+            }
+        }
+        Bias {
             squared: Interval::around(whole, half_width),
-            squared_mse: of_pixels_absolute.iter().sum::<f64>() / of_pixels_absolute.len() as f64,
-            squared_trimmed: trimmed_mean(of_pixels),
+            squared_mse: squared_mse / self.truth.components(),
+            squared_trimmed: mean_without(&of_pixels, &worst(&of_pixels)),
             significance,
-            is_biased: significance > super::BIAS_SIGNIFICANCE,
+            is_biased: significance > BIAS_SIGNIFICANCE,
             brightness: if brightness > 0.0 { difference / brightness } else { 0.0 },
         }
     }
