@@ -121,15 +121,14 @@ pub fn power_law(x: &[f64], y: &[f64]) -> Option<PowerLaw> {
     Some(PowerLaw { exponent: Interval::around(line.slope, half_width), factor: line.intercept.exp() })
 }
 
-/// The exponent of a power law that independent runs follow, each of which has a y for every x. `None` of fewer than two runs or two
-/// different x, or where a number is not positive.
+/// The exponent of a power law that independent runs follow, each given as its x and y. `None` of fewer than two runs, where a run has fewer
+/// than two different x, or where a number is not positive.
 ///
 /// Each run is fitted for itself and the interval is that of the mean of the slopes. A run that goes on from x to the next carries its
 /// errors along, so its points do not scatter independently, and the standard error of one regression through them would be too
 /// small; runs with seeds of their own are independent whatever happens within each.
-pub fn slope_over_runs(x: &[f64], runs: &[Vec<f64>]) -> Option<Interval> {
-    let x = logarithms(x)?;
-    let slope = |y: &Vec<f64>| Some(line(&x, &logarithms(y).filter(|y| y.len() == x.len())?)?.slope);
+pub fn slope_over_runs(runs: &[(Vec<f64>, Vec<f64>)]) -> Option<Interval> {
+    let slope = |(x, y): &(Vec<f64>, Vec<f64>)| Some(line(&logarithms(x)?, &logarithms(y)?)?.slope);
     mean_interval(&runs.iter().map(slope).collect::<Option<Vec<f64>>>()?)
 }
 
@@ -231,13 +230,13 @@ mod tests {
     #[test]
     fn slopes_of_runs() {
         let x = [4.0, 8.0, 16.0];
-        let run = |slope: f64| x.iter().map(|x: &f64| x.powf(slope)).collect::<Vec<_>>();
-        let interval = slope_over_runs(&x, &[run(-1.1), run(-0.9)]).unwrap();
+        let run = |slope: f64| (x.to_vec(), x.iter().map(|x: &f64| x.powf(slope)).collect::<Vec<_>>());
+        let interval = slope_over_runs(&[run(-1.1), run(-0.9)]).unwrap();
         close(interval.value, -1.0, 1e-12);
         close(interval.high + 1.0, 12.706_204_736 * 0.1, 1e-6);
         // The planted error: runs that agree on another slope are not taken for −1.
-        assert!(!slope_over_runs(&x, &[run(-0.52), run(-0.5), run(-0.51)]).unwrap().contains(-1.0));
-        assert_eq!(slope_over_runs(&x, &[run(-1.0)]), None);
-        assert_eq!(slope_over_runs(&x, &[run(-1.0), vec![1.0, 0.5]]), None);
+        assert!(!slope_over_runs(&[run(-0.52), run(-0.5), run(-0.51)]).unwrap().contains(-1.0));
+        assert_eq!(slope_over_runs(&[run(-1.0)]), None);
+        assert_eq!(slope_over_runs(&[run(-1.0), (x.to_vec(), vec![1.0, 0.0, 0.5])]), None);
     }
 }

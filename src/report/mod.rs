@@ -1,5 +1,6 @@
 //! Measurements of whole scenes, and the page that shows them.
 
+mod checked;
 pub mod csv;
 pub mod data;
 pub mod experiment;
@@ -10,6 +11,7 @@ pub mod make;
 pub mod page;
 pub mod pictures;
 pub mod progress;
+pub mod reference;
 pub mod stability;
 pub mod store;
 pub mod timing;

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::export::{ExportError, write_atomically};
+use crate::scene::Fingerprint;
 
 /// A folder of finished pieces.
 #[derive(Debug, Clone)]
@@ -44,6 +45,12 @@ impl Store {
 
     pub fn folder(&self) -> &Path {
         &self.folder
+    }
+
+    /// Where something of this build is kept that is no JSON and has a format of its own.
+    pub fn file(&self, name: &str, inputs: Fingerprint) -> PathBuf {
+        let key = sha256(format!("{} {inputs}", self.build).as_bytes());
+        self.folder.join(format!("{name}-{}", &key[..16]))
     }
 
     /// The piece called `name` that follows from `inputs`: as it was kept, else made now and kept. `None` where `make` gives up, as it

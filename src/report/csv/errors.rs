@@ -42,7 +42,15 @@ pub fn runs(report: &Report) -> Table {
     let rows = all(report).flat_map(|(scene, curve)| {
         curve.points.iter().flat_map(move |point| {
             point.runs.iter().map(move |run| {
-                let figures = [run.render_secs, curve.secs_before, run.relmse, run.relmse_trimmed, run.mse, run.smape];
+                let figures = [
+                    run.render_secs,
+                    curve.secs_before,
+                    run.relmse,
+                    run.relmse_trimmed,
+                    run.relmse_steady,
+                    run.mse,
+                    run.smape,
+                ];
                 let mut row = start(scene, curve);
                 row.extend([run.seed.to_string(), point.spp.to_string()]);
                 row.extend(figures.map(number));
@@ -58,6 +66,10 @@ pub fn runs(report: &Report) -> Table {
         ("secs_before", "seconds before the first sample: rectification, of modes that need it"),
         ("relmse", "mean of (x − r₁)(x − r₂)/(r² + 0.01); can be below 0 by chance"),
         ("relmse_trimmed", "the same without the worst 0.1 % of pixels"),
+        (
+            "relmse_steady",
+            "relmse without those 0.1 % of pixels that are the worst at this run's last number of samples; slopes are of this",
+        ),
         ("mse", "mean of (x − r₁)(x − r₂)"),
         ("smape", "mean of 2|x − r|/(|x| + |r| + 0.01)"),
         ("flip", "mean HDR-FLIP; empty where it was not taken"),

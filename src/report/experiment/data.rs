@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::plan::Plan;
 use crate::estimator::sampler::Sequence;
 use crate::measure::Interval;
-use crate::render::{Events, VarianceReduction};
+use crate::render::{Events, RenderSettings, VarianceReduction};
 use crate::tracking::Mode;
 
 /// Error against run time of one scene, in all modes.
@@ -31,7 +31,7 @@ pub struct SceneErrors {
 /// The two references that errors are taken against.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReferenceAbout {
-    /// Samples per pixel of each.
+    /// Samples per pixel of each: what the plan says, or more where more were kept.
     pub spp: u32,
     pub seeds: [u64; 2],
     /// Both together. Of an earlier day where they were kept.
@@ -70,7 +70,12 @@ impl Technique {
         Self { sampler: default.sequence, adaptive: true, ..Self::independent() }
     }
 
-    pub fn variance_reduction(self) -> VarianceReduction {
+    /// Settings of an image by this technique, adaptive sampling left aside, which is the film's business.
+    pub fn settings(self, mode: Mode, seed: u64, max_depth: Option<u32>) -> RenderSettings {
+        RenderSettings { mode, seed, max_depth, leave_out: true, variance: self.variance_reduction() }
+    }
+
+    fn variance_reduction(self) -> VarianceReduction {
         VarianceReduction { sequence: self.sampler, splits: self.splits, sample_environment: self.sample_environment }
     }
 }
@@ -127,19 +132,26 @@ pub struct RunPoint {
     pub render_secs: f64,
     pub relmse: f64,
     pub relmse_trimmed: f64,
+    /// Without those 0.1 % of pixels that are the worst at this run's greatest sample count: the same pixels at every count. There it is
+    /// the trimmed relMSE; before, pixels that are the worst only for the moment are not left out. Slopes are of this figure.
+    pub relmse_steady: f64,
     pub mse: f64,
     pub smape: f64,
     pub flip: Option<f64>,
 }
 
-/// error ∝ samples^slope.
+/// error ∝ samples^slope. Each is fitted to every run for itself, and the interval is over the runs. Of an unbiased mode with independent
+/// samples −1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Slope {
-    /// Fitted to each run for itself; the interval is over the runs. Of an unbiased mode with independent samples −1.
+    /// Of the trimmed relMSE with the same pixels left out all along: [`RunPoint::relmse_steady`].
     pub trimmed: Interval,
-    /// The same of the relMSE with all pixels, which few bright ones can decide.
+    /// Of the trimmed relMSE whose pixels are chosen anew at each sample count. Its expectation does not fall as 1/samples: while bright rare
+    /// paths have reached few pixels, those are left out with all that they add, and later they are too many to be.
+    pub trimmed_anew: Option<Interval>,
+    /// Of the relMSE with all pixels. Unbiased; but a few bright ones can decide it, so that the t-interval promises too much.
     pub untrimmed: Option<Interval>,
-    /// The same of the trimmed relMSE against seconds of rendering, which other programs on the machine can disturb.
+    /// As `trimmed`, against seconds of rendering, which other programs on the machine can disturb.
     pub by_secs: Option<Interval>,
     /// Sample counts of the first and last point that the line goes through.
     pub from_spp: u32,

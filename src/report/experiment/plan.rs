@@ -7,7 +7,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use super::data::Technique;
-use crate::render::{Film, Prepared, RenderSettings, accumulate};
+use crate::render::{Film, Prepared, accumulate};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 
@@ -23,7 +23,7 @@ pub struct Effort {
     pub max_depth: Option<u32>,
     /// Rendering of runs and references together takes about so long.
     pub secs: f64,
-    /// No run takes more samples than this, however fast.
+    /// No run takes more samples than this, however fast, unless it is below 16.
     pub largest_spp: u32,
     /// Samples of each reference for each sample of a run.
     pub reference_factor: u32,
@@ -38,7 +38,7 @@ impl Effort {
         max_depth: None,
         secs: 4.0,
         largest_spp: 256,
-        reference_factor: 4,
+        reference_factor: 2,
     };
     /// All built-in scenes in two hours.
     pub const FULL: Self =
@@ -57,8 +57,10 @@ pub struct Plan {
     pub reference_spp: u32,
 }
 
-/// The least doublings that a slope can be seen in. A scene that is too slow for them is measured in smaller images.
-const LEAST_DOUBLINGS: u32 = 5;
+/// The doublings that a slope can be seen well in. A scene that is too slow for them is measured in smaller images.
+const WANTED_DOUBLINGS: u32 = 5;
+/// Doublings that are made whatever the time: with fewer there is nothing to see, and a busy machine would decide that.
+const LEAST_DOUBLINGS: u32 = 4;
 /// Images are not made smaller than this many pixels.
 const LEAST_PIXELS: u32 = 1500;
 /// Modes other than `rectified` and `reference` that are expected to differ and so to be rendered with every seed, and the shipped
@@ -74,13 +76,13 @@ impl Plan {
         let references = 2.0 * f64::from(effort.reference_factor) * secs_per_spp(Mode::Reference);
         let affordable = |size: [u32; 2]| {
             let share = f64::from(size[0] * size[1]) / f64::from(effort.size[0] * effort.size[1]);
-            (effort.secs / ((curves + references) * share).max(1e-9)).clamp(1.0, f64::from(effort.largest_spp))
+            (effort.secs / ((curves + references) * share).max(1e-9)).min(f64::from(effort.largest_spp))
         };
         let mut size = effort.size;
-        while affordable(size) < f64::from(1 << LEAST_DOUBLINGS) && size[0] * size[1] >= 4 * LEAST_PIXELS {
+        while affordable(size) < f64::from(1 << WANTED_DOUBLINGS) && size[0] * size[1] >= 4 * LEAST_PIXELS {
             size = size.map(|side| side / 2);
         }
-        let doublings = affordable(size).log2().floor() as u32;
+        let doublings = (affordable(size).log2().floor() as u32).max(LEAST_DOUBLINGS);
         Self {
             size,
             seeds: (0..u64::from(seeds)).map(|run| effort.first_seed.wrapping_add(run)).collect(),
@@ -97,13 +99,7 @@ impl Plan {
 
 /// Seconds that one sample of every pixel takes.
 fn probe(prepared: &Prepared, camera: &Camera, effort: &Effort, mode: Mode) -> f64 {
-    let settings = RenderSettings {
-        mode,
-        seed: effort.first_seed,
-        max_depth: effort.max_depth,
-        leave_out: true,
-        variance: Technique::independent().variance_reduction(),
-    };
+    let settings = Technique::independent().settings(mode, effort.first_seed, effort.max_depth);
     let mut film = Film::new(effort.size[0], effort.size[1]);
     let mut add = |samples| {
         let start = Instant::now();
