@@ -134,6 +134,33 @@ pub fn furnace_deficit(n: f64, vertices: u32) -> f64 {
         / f64::from(steps)
 }
 
+/// Shares of the light that meets a ball of index `n` in vacuum, averaged over its disc, that are reflected outside (first) or leave
+/// after 0, 1, 2, … internal reflections: R, then T² R^p.
+pub fn shares_of_ball<const COUNT: usize>(n: f64) -> [f64; COUNT] {
+    let steps = 20_000;
+    let mut shares = [0.0; COUNT];
+    for k in 0..steps {
+        let c = (f64::from(k) + 0.5) / f64::from(steps);
+        let r = reflectance(1.0, n, c);
+        let weight = 2.0 * c / f64::from(steps);
+        for (p, share) in shares.iter_mut().enumerate() {
+            *share += weight * if p == 0 { r } else { (1.0 - r).powi(2) * r.powi(p as i32 - 1) };
+        }
+    }
+    shares
+}
+
+/// Mean transmittance over the disc of a matched ball of radius R that absorbs σ: with s = σR, [1 − (1 + 2s) e^(−2s)]/(2s²).
+pub fn absorbing_ball(s: f64) -> f64 {
+    (1.0 - (1.0 + 2.0 * s) * (-2.0 * s).exp()) / (2.0 * s * s)
+}
+
+/// How far a slab of index `n` and thickness 1 moves a ray sideways that meets it at `degrees`.
+pub fn lateral_shift(n: f64, degrees: f64) -> f64 {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    sin * (1.0 - cos / (n * n - sin * sin).sqrt())
+}
+
 /// Mean over all directions of the radiance seen from a distance `a` from the centre of a unit ball of index `n` in a white room: n²
 /// where a ray ever escapes, a n sin θ < 1, and nothing elsewhere.
 pub fn radiance_in_ball(n: f64, a: f64) -> f64 {
@@ -234,5 +261,13 @@ mod tests {
             close(prism_deviation(world, ior, 60.0), degrees, 1e-8);
         }
         close(rainbow(1.333), 137.921893, 1e-8);
+        let expected = [0.0917779593, 0.835544400, 0.0611832167, 0.00799337706, 0.00196821288];
+        for (share, expected) in shares_of_ball::<5>(1.5).into_iter().zip(expected) {
+            close(share, expected, 1e-5);
+        }
+        close(absorbing_ball(1.0), 0.296997075, 1e-8);
+        close(absorbing_ball(0.01), 0.986766136, 1e-8);
+        close(lateral_shift(1.5, 30.0), 0.193813782, 1e-8);
+        close(lateral_shift(1.5, 45.0), 0.329142308, 1e-8);
     }
 }

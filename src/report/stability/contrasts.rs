@@ -28,8 +28,8 @@ pub(super) const SWEEPS: &[SweepDefinition] = &[
     },
     SweepDefinition {
         name: "Critical angles",
-        about: "From a denser medium, so near to the critical angle: reflectance inside it, in roundings of 2⁻⁵³ (1 + c²/b²), which is what \
-                rounding the cosine alone does; and wrong decisions on either side.",
+        about: "From a denser medium, so near to the critical angle: error of the transmittance inside it, in roundings of 2⁻⁵³ (1 + c²/b²), \
+                which is what rounding the cosine alone does; and wrong decisions on either side.",
         parameter: "distance from the critical cosine, relative",
         measure: critical,
     },
@@ -107,10 +107,11 @@ fn critical(subject: &Subject) -> Result<Vec<Step>, Unmeasured> {
             if inside <= 1.0 {
                 let truth = fresnel(m1, m2, inside);
                 let evaluated = subject.formula.evaluate(m1, m2, inside);
-                let error = (evaluated.reflectance / truth.reflectance - 1.0).abs();
+                let error = (evaluated.transmittance / truth.transmittance - 1.0).abs();
                 let roundings = error / (0.5 * f64::EPSILON * (1.0 + truth.condition));
-                let what = format!("R in roundings, {name}");
-                steps.push(Step::at(offset, Measurement::absolute(what, roundings, 0.0, ROUNDINGS)));
+                let what = format!("error of T, {name}");
+                let measurement = Measurement::absolute(what, roundings, 0.0, ROUNDINGS);
+                steps.push(Step::at(offset, measurement.in_unit("roundings")));
             }
             let is_wrong = |c: f64| {
                 c > 0.0 && c <= 1.0 && subject.formula.evaluate(m1, m2, c).is_total != fresnel(m1, m2, c).is_total

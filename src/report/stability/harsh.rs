@@ -146,6 +146,6 @@ pub(super) fn matched_absorbers(sigma: f64) -> crate::scene::Description {
     for (min, max) in [([-100.0, -100.0, -0.5], [100.0, 100.0, 0.25]), ([-90.0, -90.0, 0.0], [90.0, 90.0, 0.5])] {
         add(&mut description, Shape::Box { min: min.into(), max: max.into() }, 1.333, sigma);
     }
-    description.camera.vertical_fov = 1e-3;
+    description.camera.vertical_fov = 1e-6;
     description
 }

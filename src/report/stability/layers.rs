@@ -1,6 +1,7 @@
 //! Cases 12 to 16 and 25: plane interfaces, one to a thousand of them.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::closed_forms::{absorbing_slab, prism_deviation, stack_transmittance};
 use super::definition::{CaseDefinition, Measured, Subject, Unmeasured};
@@ -9,6 +10,7 @@ use super::scenes::{add, empty, layers, level_lamp, mean, mesh_shape, ready, ren
 use crate::estimator::trace::{Follow, VertexEvent, trace};
 use crate::geometry::{Mesh, Ray};
 use crate::scene::description::Description;
+use crate::tracking::Mode;
 
 pub(super) const CASES: &[CaseDefinition] = &[
     CaseDefinition::new(12, "Slab of glass at 0°, 45° and 60°", "T = (1 − R)/(1 + R)", slab),
@@ -77,21 +79,19 @@ fn two_hundred(subject: &Subject) -> Measured {
     let mut measurements = Vec::new();
     let expected = stack_transmittance(&indices, 45.0);
     let description = layers(&boxes, 45.0);
-    image_means(subject, description.clone(), "T, rendered", expected, subject.amount(32, 512), &mut measurements)?;
+    image_means(subject, description.clone(), "T, rendered", expected, subject.amount(16, 512), &mut measurements)?;
     let scene = ready(description)?;
     let camera = scene.description.camera.position;
     let ray = Ray::new(camera, -camera.normalize());
     for &mode in subject.modes {
-        let count = samples_of(mode, subject.amount(4000, 40_000));
-        let mut through = 0;
-        for seed in 0..u64::from(count) {
-            if seed % 100 == 0 {
-                subject.go_on()?;
-            }
-            let path = trace(&scene, mode, ray, Follow::Sample, seed, None);
-            through += u32::from(path.vertices.last().is_some_and(|v| v.event == VertexEvent::Emit));
-        }
-        let measured = f64::from(through) / f64::from(count);
+        subject.go_on()?;
+        let count = samples_of(mode, subject.amount(4000, 40_000)) / if mode == Mode::Reference { 2 } else { 1 };
+        let goes_through = |seed: &u64| {
+            let path = trace(&scene, mode, ray, Follow::Sample, *seed, None);
+            path.vertices.last().is_some_and(|v| v.event == VertexEvent::Emit)
+        };
+        let through = (0..u64::from(count)).into_par_iter().filter(goes_through).count();
+        let measured = through as f64 / f64::from(count);
         let noise = (expected * (1.0 - expected) / f64::from(count)).sqrt();
         let what = format!("T, share of {count} paths, {mode}");
         measurements.push(Measurement::absolute(what, measured, expected, BIAS).with_noise(noise));

@@ -8,6 +8,7 @@
 //! Expected values are closed forms, evaluated here in f64 or in [`extended`] precision; none comes from this renderer. What needs a
 //! capability that the program does not have is *not run*, which is never a pass; what is missed is a failure with its reason.
 
+mod beyond;
 mod closed_forms;
 mod contrasts;
 mod convex;
@@ -76,7 +77,7 @@ pub fn maps(subject: &Subject) -> Option<Vec<Map>> {
 /// All cases: the forty in order, and those beyond.
 pub fn cases() -> Vec<CaseDefinition> {
     let mut cases: Vec<CaseDefinition> =
-        [optics::CASES, layers::CASES, nests::CASES, images::CASES, shells::CASES, harsh::CASES, images::EXTRAS]
+        [optics::CASES, layers::CASES, nests::CASES, images::CASES, shells::CASES, harsh::CASES, beyond::CASES]
             .concat();
     cases.sort_by_key(|case| case.number.unwrap_or(u32::MAX));
     cases
