@@ -112,7 +112,7 @@ fn thousand(subject: &Subject) -> Measured {
             let direction = DVec3::new(degrees.to_radians().sin(), -degrees.to_radians().cos(), 0.0);
             let path = trace(&scene, mode, Ray::new(-direction, direction), Follow::Transmit, 0, None);
             // A chord, not an arc cosine, which knows no angles below 1e-8.
-            let turned = if path.vertices.len() == 1000 && path.escaped {
+            let turned = if path.vertices.len() == 1000 && path.escaped && path.events.total() == 0 {
                 2.0 * ((DVec3::from(path.final_direction) - direction).length() / 2.0).asin()
             } else {
                 f64::NAN

@@ -186,9 +186,15 @@ pub struct Numbers(pub u64);
 
 impl Numbers {
     /// Uniform in [0, 1).
+    #[expect(clippy::should_implement_trait, reason = "numbers are drawn one at a time, not iterated over")]
     pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         ((self.0 >> 33) as f64) / (1u64 << 31) as f64
+    }
+
+    /// Uniform in [low, high).
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
     }
 
     /// Uniform in 0..count.

@@ -128,11 +128,11 @@ fn powers_of_two(subject: &Subject) -> Result<Vec<Step>, Unmeasured> {
 }
 
 /// Why meshes far from the origin, beside something near it, lose their shape.
-const STORED_SHORT: &str = "vertices are stored in f32 about one origin for the whole scene: so far out neighbouring numbers are as far \
-                            apart as the shells";
+const STORED_SHORT: &str = "vertices are stored in f32 about one origin for the whole scene, and faces within 8 of its steps are one \
+                            surface: so far out that is more than the gap";
 
 /// Why what lies very close together is one.
-const MERGED: &str = "by design: faces within 8 units in the last place (f32) of their largest coordinate are one surface, so that what \
+const MERGED: &str = "by design: triangles within 8 steps of f32 of each other, and spheres within 1e-12, are one surface, so that what \
                       is meant to touch need not be modelled to the last bit";
 
 fn offset(subject: &Subject) -> Result<Vec<Step>, Unmeasured> {
@@ -217,7 +217,7 @@ fn gap(subject: &Subject) -> Result<Vec<Step>, Unmeasured> {
 fn depth(subject: &Subject) -> Result<Vec<Step>, Unmeasured> {
     let mut steps = Vec::new();
     for count in [1, 2, 3, 10, 30, 100, 300, 1000] {
-        let of = |k: usize| (1.0 - k as f64 / (count as f64 + 1.0), if k % 2 == 0 { 1.5 } else { 1.4 });
+        let of = |k: usize| (1.0 - k as f64 / (count as f64 + 1.0), [1.5, 1.4][k % 2]);
         let list: Vec<_> = (0..count).map(of).collect();
         let scene = ready(nest(1.0, &list))?;
         for &mode in subject.modes {
