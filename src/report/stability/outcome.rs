@@ -237,6 +237,18 @@ pub struct Step {
     pub measurement: Measurement,
 }
 
+impl Step {
+    /// At a value of the parameter.
+    pub fn at(x: f64, measurement: Measurement) -> Self {
+        Self { x, label: None, measurement }
+    }
+
+    /// At a place with a name.
+    pub fn named(x: f64, label: impl Into<String>, measurement: Measurement) -> Self {
+        Self { x, label: Some(label.into()), measurement }
+    }
+}
+
 /// Relative error of a quantity of Fresnel's equations over the relative index and an angle, ready to be drawn as a picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Map {
