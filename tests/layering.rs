@@ -40,7 +40,7 @@ const CRATES: &[(&[&str], &[&str])] = &[
     (&["ab_glyph", "epaint_default_fonts", "png"], &["export", "app"]),
     (&["sha2"], &["scene::fingerprint", "report"]),
     (&["statrs"], &["measure"]),
-    (&["maud", "plotters"], &["report"]),
+    (&["maud"], &["report"]),
 ];
 
 #[test]

@@ -327,14 +327,103 @@ fn exponents_follow_from_the_table() {
     }
 }
 
+/// Slopes on the page are those of the runs in the table: of each seed for itself, then their mean.
+#[test]
+fn slopes_follow_from_the_runs() {
+    let (runs, curves) = (MADE.table("error-runs.csv"), MADE.table("error-curves.csv"));
+    let mut on_page = rows_of("curves").into_iter().filter(|row| row[0] != "mode");
+    let mut checked = 0;
+    for row in &curves {
+        let shown_row = on_page.next().unwrap();
+        let name = if row["technique"] == "shipped" { "as shipped" } else { &row["mode"] };
+        assert_eq!(shown_row[0], name);
+        if !row["equal_to"].is_empty() {
+            assert!(shown_row[1].contains(&row["equal_to"]));
+            continue;
+        }
+        assert_eq!(row["slope"].is_empty(), shown_row[1] == "–", "{shown_row:?}");
+        if row["slope"].is_empty() {
+            continue;
+        }
+        let mut by_seed: BTreeMap<&str, Vec<(f64, f64)>> = BTreeMap::new();
+        let is_of_curve = |run: &&BTreeMap<String, String>| {
+            let spp = field(run, "spp");
+            ["scene", "mode", "technique"].iter().all(|key| run[*key] == row[*key])
+                && (field(row, "slope_from_spp")..=field(row, "slope_to_spp")).contains(&spp)
+        };
+        for run in runs.iter().filter(is_of_curve) {
+            by_seed.entry(&run["seed"]).or_default().push((field(run, "spp"), field(run, "relmse_steady")));
+        }
+        let slopes: Vec<f64> = by_seed.values().map(|points| slope(points)).collect();
+        let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
+        assert!(slopes.len() == 4 && (mean - field(row, "slope")).abs() < 1e-9, "{row:?}: {mean}");
+        assert!((mean - shown(&shown_row[1])).abs() <= 0.005 + 1e-9, "{shown_row:?}");
+        // The twin: one seed alone has another slope.
+        assert!((slopes[0] - mean).abs() > 1e-9);
+        checked += 1;
+    }
+    assert!(checked >= 4 && on_page.next().is_none(), "{checked} slopes");
+}
+
+/// The camera is under water: what starts with an empty stack, or takes the outside for vacuum, is wrong there, and the page says so.
+#[test]
+fn wrong_modes_show_as_biased() {
+    let verdicts: Vec<Vec<String>> = rows_of("curves").into_iter().filter(|row| row[0] != "mode").collect();
+    let curves = MADE.table("error-curves.csv");
+    assert_eq!(verdicts.len(), curves.len());
+    let verdict = |scene: &str, mode: &str| {
+        let at = curves
+            .iter()
+            .position(|row| row["scene"] == scene && row["mode"] == mode && row["technique"] == "independent");
+        verdicts[at.unwrap()].get(5).cloned().unwrap_or_default()
+    };
+    for mode in ["naive", "stack"] {
+        assert!(verdict("camera-in-water", mode).starts_with("✗ biased"), "{}", verdict("camera-in-water", mode));
+    }
+    assert!(verdict("nest", "naive").starts_with("✗ biased"), "{}", verdict("nest", "naive"));
+    for scene in ["camera-in-water", "nest"] {
+        assert!(verdict(scene, "rectified").starts_with("✓ none seen"), "{}", verdict(scene, "rectified"));
+    }
+    assert!(
+        MADE.page.contains("rectified shows no bias in 2 of 2 scenes") && MADE.page.contains("Other modes are wrong")
+    );
+}
+
+/// What passed and what did not is on the page as it came out, and no case is missing.
+#[test]
+fn stability_is_shown_as_it_came_out() {
+    let found = MADE.report.stability.as_ref().unwrap();
+    let rows: Vec<_> = rows_of("cases").into_iter().filter(|row| row[0] != "case").collect();
+    assert_eq!(rows.len(), found.cases.len());
+    for (row, case) in rows.iter().zip(&found.cases) {
+        assert_eq!(row[0], case.number.map_or("+".to_owned(), |number| number.to_string()));
+        assert!(row[2].ends_with(case.outcome.name()), "{row:?}");
+        if let Some(worst) = case.worst() {
+            assert!((shown(&row[5]) - worst.error).abs() <= 0.01 * worst.error, "{row:?}: {worst:?}");
+        }
+    }
+    let table = MADE.table("stability.csv");
+    let measurements: usize = found.cases.iter().map(|case| case.measurements.len().max(1)).sum();
+    assert_eq!(table.iter().filter(|row| row["check"] == "case").count(), measurements);
+    assert!(table.iter().all(
+        |row| row["outcome"] != "passed" || field(row, "error") <= field(row, "bound") + 4.0 * field(row, "noise")
+    ));
+    // The twin: a failure that is planted shows as one, with its reason.
+    let mut report = MADE.report.clone();
+    let case = &mut report.stability.as_mut().unwrap().cases[3];
+    case.outcome = iorect::report::stability::Outcome::Failed { reason: "a <planted> fault".into() };
+    let page = page::html(&report, &[]);
+    assert!(pieces(&page).is_ok() && page.contains("a &lt;planted&gt; fault") && page.contains("1 failed"));
+}
+
 /// Ratios of what was left out, likewise.
 #[test]
 fn what_was_left_out_is_on_the_page_as_in_the_table() {
     let rows = MADE.table("left-out.csv");
-    let whole: Vec<_> = rows.iter().filter(|row| row["task"] == "render" && row["left_out"].contains(' ')).collect();
     let on_page = rows_of("left-out");
     for scene in &MADE.report.scenes {
-        let row = whole.iter().find(|row| row["scene"] == scene.name).unwrap();
+        // The first is of all that is left out together.
+        let row = rows.iter().find(|row| row["scene"] == scene.name).unwrap();
         let shown_row = on_page.iter().find(|cells| cells[0] == scene.name).unwrap();
         assert!((shown(&shown_row[1]) - field(row, "ratio")).abs() <= 0.0005 + 1e-12, "{shown_row:?}");
         assert_eq!(shown_row[4], "✓ equal");
@@ -425,4 +514,40 @@ fn only_what_is_asked_for_is_there() {
     assert!(page.contains("id=\"left-out\"") && !page.contains("id=\"growth\"") && !page.contains("id=\"stability\""));
     assert!(pieces(&page).is_ok());
     assert!(!Path::new("report.html").exists());
+}
+
+/// The program itself: what it writes and says, and that a second run takes everything over.
+#[test]
+fn the_command_writes_a_report_and_goes_on_from_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "[camera]\nposition = [0, 0, 4]\ntarget = [0, 0, 0]\n[environment]\ncolor = [1.0, 1.0, 1.0]\n\
+        [[medium]]\nname = \"glass\"\nior = 1.5\n\
+        [[refractor]]\nname = \"ball\"\nmedium = \"glass\"\nshape = { sphere = { center = [0, 0, 0], radius = 1.0 } }\n";
+    std::fs::write(folder.path().join("ball & chain.toml"), scene).unwrap();
+    let run = |further: &[&str]| {
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_iorect"))
+            .current_dir(folder.path())
+            .args(["report", "ball & chain.toml", "-o", "a/report", "--tiny", "--only", "left-out", "--threads", "2"])
+            .args(further)
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.stderr.is_empty(), "no progress without a terminal");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let said = run(&[]);
+    assert!(said.contains("report.html") && said.contains("left-out.csv"), "{said}");
+    let page = std::fs::read_to_string(folder.path().join("a/report/report.html")).unwrap();
+    assert!(pieces(&page).is_ok() && page.contains("'ball &amp; chain.toml'"));
+    let json: Value = serde_json::from_str(&run(&["--json"])).unwrap();
+    assert_eq!((&json["origin"]["pieces_made"], &json["origin"]["pieces_reused"]), (&0.into(), &2.into()));
+    assert_eq!(json["scenes"][0]["name"], "ball & chain");
+    let left: Vec<String> = std::fs::read_dir(folder.path().join("a/report"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    assert_eq!(
+        left.iter().cloned().collect::<BTreeSet<_>>(),
+        ["cache", "left-out.csv", "report.html", "report.json"].map(String::from).into()
+    );
 }

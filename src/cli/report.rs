@@ -1,15 +1,18 @@
 //! `iorect report`: measurements of scenes as a page, tables and JSON.
 
 use std::collections::HashSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::arguments::ReportArguments;
 use super::{Failure, print};
+use crate::export::words::duration;
+use crate::export::{ExportError, require_writable};
 use crate::report::data::Report;
 use crate::report::make::{Extent, Part, ReportError, Request, Subject, make};
 use crate::report::progress::Progress;
@@ -23,8 +26,12 @@ const STEPS: u64 = 10_000;
 pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     let subjects = subjects(&arguments.scenes)?;
     // Hours of work are not to be lost to a folder that cannot be written into.
-    let store = Store::open(&arguments.output.join("cache")).map_err(Failure::bad_output)?;
-    crate::export::require_writable(&arguments.output.join("report.html")).map_err(Failure::bad_output)?;
+    let unwritable = |error: ExportError| {
+        let advice = "the folder for the report cannot be used; choose another with `-o DIR`";
+        Failure::Wrong(anyhow::Error::new(error).context(advice))
+    };
+    let store = Store::open(&arguments.output.join("cache")).map_err(unwritable)?;
+    require_writable(&arguments.output.join("report.html")).map_err(unwritable)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads.unwrap_or(0) as usize)
         .build()
@@ -56,6 +63,7 @@ fn failure(error: ReportError) -> Failure {
     match error {
         ReportError::Scene(error) => error.into(),
         ReportError::Output(error) => Failure::output(error),
+        error @ ReportError::Experiment(_) => Failure::Failed(error.into()),
     }
 }
 
@@ -93,13 +101,13 @@ fn progress_bar() -> ProgressBar {
     let template = "{bar:30.cyan/dim} {percent:>3} % · {elapsed}, {eta} left · {wide_msg}";
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     let bar = ProgressBar::new(STEPS).with_style(style.progress_chars("━━─"));
-    bar.enable_steady_tick(std::time::Duration::from_millis(250));
+    bar.enable_steady_tick(Duration::from_millis(250));
     bar
 }
 
-fn summary(report: &Report, written: &[std::path::PathBuf]) -> String {
+fn summary(report: &Report, written: &[PathBuf]) -> String {
     let origin = &report.origin;
-    let mut text = format!("{} scenes in {}", report.scenes.len(), crate::export::words::duration(origin.seconds));
+    let mut text = format!("{} scenes in {}", report.scenes.len(), duration(origin.seconds));
     if origin.pieces_reused > 0 {
         text +=
             &format!(", {} of {} pieces from before", origin.pieces_reused, origin.pieces_reused + origin.pieces_made);

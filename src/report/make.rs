@@ -8,11 +8,13 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::data::{Origin, Report, SceneReport};
+use super::experiment::{Effort, ExperimentError, SceneErrors, scene_errors};
 use super::growth::{self, Growth, GrowthPlan, Quantity};
 use super::left_out::{self, LeftOutPlan};
 use super::machine::{self, Machine};
 use super::pictures::{self, PicturePlan};
 use super::progress::Progress;
+use super::stability::{self, Stability};
 use super::store::Store;
 use crate::export::ExportError;
 use crate::export::words::grouped;
@@ -65,11 +67,28 @@ pub struct Subject {
     pub description: Arc<Description>,
 }
 
+/// Which of the stability checks are run, from the first on.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct StabilityPlan {
+    pub effort: stability::Effort,
+    pub cases: usize,
+    pub sweeps: usize,
+    pub has_maps: bool,
+}
+
+impl StabilityPlan {
+    fn all(effort: stability::Effort) -> Self {
+        Self { effort, cases: usize::MAX, sweeps: usize::MAX, has_maps: true }
+    }
+}
+
 /// How much of each is measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Extent {
     pub is_quick: bool,
     pub pictures: PicturePlan,
+    pub errors: Effort,
+    pub stability: StabilityPlan,
     pub left_out: LeftOutPlan,
     pub growth: GrowthPlan,
 }
@@ -91,10 +110,12 @@ impl Extent {
     pub fn quick(seed: u64, threads: usize) -> Self {
         Self {
             is_quick: true,
-            pictures: PicturePlan { width: 240, height: 135, samples: 24, seed },
-            left_out: LeftOutPlan { width: 128, height: 72, seed, pairs: 6, slice_secs: 0.02, each: false },
+            pictures: PicturePlan { width: 192, height: 108, samples: 16, seed, secs: 1.2 },
+            errors: Effort { first_seed: seed, ..Effort::QUICK },
+            stability: StabilityPlan::all(stability::Effort::Quick),
+            left_out: LeftOutPlan { width: 96, height: 54, seed, pairs: 6, slice_secs: 0.02, each: false },
             growth: GrowthPlan {
-                triangles: half_decades(1000, 300_000),
+                triangles: half_decades(1000, 1_000_000),
                 nesting: half_decades(1, 1000),
                 objects: half_decades(1, 10_000),
                 threads: doublings(threads),
@@ -111,7 +132,9 @@ impl Extent {
     pub fn full(seed: u64, threads: usize) -> Self {
         Self {
             is_quick: false,
-            pictures: PicturePlan { width: 384, height: 216, samples: 128, seed },
+            pictures: PicturePlan { width: 384, height: 216, samples: 128, seed, secs: 120.0 },
+            errors: Effort { first_seed: seed, ..Effort::FULL },
+            stability: StabilityPlan::all(stability::Effort::Full),
             left_out: LeftOutPlan { width: 192, height: 108, seed, pairs: 15, slice_secs: 0.25, each: true },
             growth: GrowthPlan {
                 triangles: half_decades(1000, 10_000_000),
@@ -131,12 +154,23 @@ impl Extent {
     pub fn tiny(seed: u64, threads: usize) -> Self {
         Self {
             is_quick: true,
-            pictures: PicturePlan { width: 32, height: 18, samples: 9, seed },
+            // Time decides nothing here.
+            pictures: PicturePlan { width: 32, height: 18, samples: 9, seed, secs: 1e9 },
+            errors: Effort {
+                size: [24, 16],
+                seeds: 4,
+                first_seed: seed,
+                secs: 1e9,
+                largest_spp: 32,
+                reference_factor: 4,
+                ..Effort::QUICK
+            },
+            stability: StabilityPlan { effort: stability::Effort::Quick, cases: 11, sweeps: 1, has_maps: false },
             left_out: LeftOutPlan { width: 16, height: 9, seed, pairs: 2, slice_secs: 1e-4, each: true },
             growth: GrowthPlan {
-                triangles: vec![300, 1000, 3000],
-                nesting: vec![1, 3, 10, 30],
-                objects: vec![1, 3, 10, 30],
+                triangles: vec![500, 1000, 2000, 4000, 8000, 16_000],
+                nesting: vec![1, 2, 4, 8, 16, 32],
+                objects: vec![1, 2, 4, 8, 16, 32],
                 threads: doublings(threads.min(2)),
                 width: 8,
                 height: 8,
@@ -166,6 +200,8 @@ pub enum ReportError {
     Scene(#[from] SceneError),
     #[error(transparent)]
     Output(#[from] ExportError),
+    #[error(transparent)]
+    Experiment(#[from] ExperimentError),
 }
 
 /// Takes the measurements that are asked for, on rayon's current pool. `None` when cancelled; what was finished by then is in `store`.
@@ -195,6 +231,15 @@ pub fn make(request: &Request, store: &Store, progress: &Progress<'_>) -> Result
             None => return Ok(None),
         }
     }
+    let stability = if request.parts.contains(&Part::Stability) {
+        let found = all_stability(&request.extent.stability, &tally)?;
+        if found.is_none() {
+            return Ok(None);
+        }
+        found
+    } else {
+        None
+    };
     let growth = if request.parts.contains(&Part::Growth) {
         match all_growth(&request.extent.growth, &tally)? {
             Some(growth) => growth,
@@ -218,19 +263,27 @@ pub fn make(request: &Request, store: &Store, progress: &Progress<'_>) -> Result
         pieces_reused: tally.reused.get(),
         pieces_made: tally.made.get(),
     };
-    Ok(Some(Report { origin, scenes, stability: None, growth }))
+    Ok(Some(Report { origin, scenes, stability, growth }))
 }
 
 /// Units of work that a request comes to, of about a second of a quick report each.
 fn weight_of(request: &Request) -> f64 {
     let has = |part: Part| if request.parts.contains(&part) { 1.0 } else { 0.0 };
     let sizes = Quantity::ALL.iter().flat_map(|&quantity| request.extent.growth.sizes(quantity));
-    let scene = PICTURES + has(Part::LeftOut) * LEFT_OUT;
-    request.subjects.len() as f64 * scene + has(Part::Growth) * sizes.map(|&size| weight_of_size(size)).sum::<f64>()
+    let errors = has(Part::Error) * request.extent.errors.secs.min(MOST_ERRORS);
+    let scene = PICTURES + errors + has(Part::LeftOut) * LEFT_OUT;
+    let checks = stability::cases().len().min(request.extent.stability.cases)
+        + stability::sweeps().len().min(request.extent.stability.sweeps)
+        + 1;
+    let growth = sizes.map(|&size| weight_of_size(size)).sum::<f64>();
+    request.subjects.len() as f64 * scene + has(Part::Stability) * checks as f64 * CHECK + has(Part::Growth) * growth
 }
 
 const PICTURES: f64 = 1.0;
 const LEFT_OUT: f64 = 0.5;
+const CHECK: f64 = 0.4;
+/// However long one is ready to wait for error against time.
+const MOST_ERRORS: f64 = 1000.0;
 
 fn weight_of_size(size: u64) -> f64 {
     0.2 + size as f64 * 1e-6
@@ -269,6 +322,13 @@ fn scene(
             return Ok(None);
         }
     }
+    let mut found = None;
+    if request.parts.contains(&Part::Error) {
+        found = errors(request, subject, prepared, tally)?;
+        if found.is_none() {
+            return Ok(None);
+        }
+    }
     let world = &prepared.world;
     let ray = Ray::new(camera.position - world.geometry.origin, camera.forward);
     Ok(Some(SceneReport {
@@ -282,9 +342,69 @@ fn scene(
         build_secs: prepared.seconds.bvh,
         rectify_secs: prepared.seconds.rectify,
         pictures: Some(pictures),
-        errors: None,
+        errors: found,
         left_out,
     }))
+}
+
+/// Error against run time, whose pieces the experiment keeps by itself; `None` when cancelled.
+fn errors(
+    request: &Request,
+    subject: &Subject,
+    prepared: &Prepared,
+    tally: &Tally<'_>,
+) -> Result<Option<SceneErrors>, ReportError> {
+    let (done, all, tell) = (tally.done.get(), tally.all, tally.progress.tell);
+    let weight = request.extent.errors.secs.min(MOST_ERRORS);
+    let name = &subject.name;
+    tell(&format!("{name} · error against time"), done / all);
+    if tally.progress.is_cancelled() {
+        return Ok(None);
+    }
+    let within = |what: &str, part: f64| tell(&format!("{name} · {what}"), (done + part * weight) / all);
+    let progress = Progress { cancel: tally.progress.cancel, tell: &within };
+    let found = scene_errors(prepared, &request.extent.errors, tally.store, progress)?;
+    tally.done.set(done + weight);
+    Ok(found)
+}
+
+/// Cases, sweeps and maps, each a piece; `None` when cancelled.
+fn all_stability(plan: &StabilityPlan, tally: &Tally<'_>) -> Result<Option<Stability>, ReportError> {
+    let (mut cases, mut sweeps) = (Vec::new(), Vec::new());
+    for definition in stability::cases().iter().take(plan.cases) {
+        let what = format!("stability · {}", definition.name);
+        let case = tally.piece(&what, CHECK, "stability-case", &(plan.effort, definition.name), |progress| {
+            let case = definition.run(&stability::Subject::shipped(plan.effort, progress.cancel));
+            Ok((!progress.is_cancelled()).then_some(case))
+        })?;
+        match case {
+            Some(case) => cases.push(case),
+            None => return Ok(None),
+        }
+    }
+    for definition in stability::sweeps().iter().take(plan.sweeps) {
+        let what = format!("stability · {}", definition.name);
+        let sweep = tally.piece(&what, CHECK, "stability-sweep", &(plan.effort, definition.name), |progress| {
+            let sweep = definition.run(&stability::Subject::shipped(plan.effort, progress.cancel));
+            Ok((!progress.is_cancelled()).then_some(sweep))
+        })?;
+        match sweep {
+            Some(sweep) => sweeps.push(sweep),
+            None => return Ok(None),
+        }
+    }
+    let mut maps = Vec::new();
+    if plan.has_maps {
+        let what = "stability · maps of Fresnel's equations";
+        let made = tally.piece(what, CHECK, "stability-maps", &plan.effort, |progress| {
+            Ok(stability::maps(&stability::Subject::shipped(plan.effort, progress.cancel)))
+        })?;
+        match made {
+            Some(made) => maps = made,
+            None => return Ok(None),
+        }
+    }
+    Ok(Some(Stability { effort: plan.effort, cases, sweeps, maps }))
 }
 
 /// Every quantity; `None` when cancelled.

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::progress::Progress;
+use super::timing::Timed;
 use crate::export::color_map::{diverging, luminance, round_up_to_125};
 use crate::export::{ExportError, Picture, png_bytes};
 use crate::measure::difference;
@@ -22,12 +23,19 @@ const ROUNDING: f64 = 1e-12;
 /// What is rendered.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PicturePlan {
+    /// Halved with `height` where a scene is slow.
     pub width: u32,
     pub height: u32,
-    /// Per pixel, in the mean.
+    /// Per pixel, in the mean; fewer where smaller pictures are not enough.
     pub samples: u32,
     pub seed: u64,
+    /// Seconds that all pictures of a scene may take, about.
+    pub secs: f64,
 }
+
+/// Pictures are not made narrower than this, nor of fewer samples than the pilot's and one.
+const LEAST_WIDTH: u32 = 96;
+const LEAST_SAMPLES: u32 = 9;
 
 /// The pictures of one scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -88,6 +96,7 @@ pub fn make(
     progress: &Progress<'_>,
 ) -> Result<Option<Pictures>, ExportError> {
     let modes: Vec<Mode> = std::iter::once(Mode::Rectified).chain(OTHERS).collect();
+    let plan = &affordable(prepared, camera, plan, modes.len(), progress);
     let Some(films) = render(prepared, camera, plan, &modes, progress) else { return Ok(None) };
     let pictures: Vec<Picture> = films.iter().map(Picture::from).collect();
     let right = &pictures[0];
@@ -101,7 +110,7 @@ pub fn make(
             () => Sameness::Different,
         };
         let (relmse, mean_abs) = (figures.relmse, figures.mean_abs);
-        others.push(OtherMode { mode, sameness, relmse, mean_abs, events: film.events, difference: None });
+        others.push(OtherMode { mode, sameness, relmse, mean_abs, events: named(film.events), difference: None });
     }
     let is_different = |other: &OtherMode| other.sameness == Sameness::Different;
     let different: Vec<&Picture> = others
@@ -124,10 +133,37 @@ pub fn make(
         height: plan.height,
         samples: films[0].samples,
         rectified: base64(&png_bytes(&right.encode(&Display::default()), &[], title)?),
-        rectified_events: films[0].events,
+        rectified_events: named(films[0].events),
         scale,
         others,
     }))
+}
+
+/// The plan with pictures as small as they have to be.
+fn affordable(
+    prepared: &Prepared,
+    camera: &Camera,
+    plan: &PicturePlan,
+    modes: usize,
+    progress: &Progress<'_>,
+) -> PicturePlan {
+    let mut plan = *plan;
+    let settings = settings(Mode::Rectified, plan.seed);
+    // The first sample finds cold caches.
+    let mut probe = Timed::new(prepared, camera, settings, (plan.width.div_ceil(4), plan.height.div_ceil(4)));
+    probe.slice(1, progress);
+    let secs = probe.slice(1, progress) / probe.film.sums.len() as f64 * modes as f64;
+    let takes = |plan: &PicturePlan| secs * f64::from(plan.width) * f64::from(plan.height) * f64::from(plan.samples);
+    while takes(&plan) > plan.secs && plan.width >= 2 * LEAST_WIDTH {
+        (plan.width, plan.height) = (plan.width / 2, plan.height / 2);
+    }
+    let share = (plan.secs / takes(&plan)).min(1.0);
+    plan.samples = ((f64::from(plan.samples) * share) as u32).max(LEAST_SAMPLES.min(plan.samples));
+    plan
+}
+
+fn settings(mode: Mode, seed: u64) -> RenderSettings {
+    RenderSettings { mode, seed, max_depth: None, leave_out: true, variance: VarianceReduction::default() }
 }
 
 /// Films of all modes, with samples where the most wrong of them needs them, as `compare` spreads them.
@@ -143,9 +179,7 @@ fn render(
     while left > 0 {
         let slice = left.min(films[0].samples_to_decision());
         for (film, &mode) in films.iter_mut().zip(modes) {
-            let variance = VarianceReduction::default();
-            let settings = RenderSettings { mode, seed: plan.seed, max_depth: None, leave_out: true, variance };
-            if !accumulate(prepared, camera, &settings, film, slice, progress.cancel) {
+            if !accumulate(prepared, camera, &settings(mode, plan.seed), film, slice, progress.cancel) {
                 return None;
             }
         }
@@ -153,6 +187,11 @@ fn render(
         left -= slice;
     }
     Some(films)
+}
+
+/// Those counts that have names, which are kept.
+fn named(events: Events) -> Events {
+    Events { crossings: 0, mixed: 0, ..events }
 }
 
 /// The difference in luminance that at most [`BEYOND_SCALE`] of the pixels of these pictures exceed.

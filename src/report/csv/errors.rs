@@ -70,6 +70,10 @@ pub fn runs(report: &Report) -> Table {
             "relmse_steady",
             "relmse without those 0.1 % of pixels that are the worst at this run's last number of samples; slopes are of this",
         ),
+        (
+            "relmse_steady",
+            "the same without those 0.1 % that are the worst at the run's last number of samples: of this, slopes are fitted",
+        ),
         ("mse", "mean of (x − r₁)(x − r₂)"),
         ("smape", "mean of 2|x − r|/(|x| + |r| + 0.01)"),
         ("flip", "mean HDR-FLIP; empty where it was not taken"),
@@ -146,7 +150,7 @@ pub fn curves(report: &Report) -> Table {
     });
     let columns = [
         ("equal_to", "the mode whose images these equal, to the last bit; empty for none"),
-        ("slope", "trimmed relMSE ~ samples^slope, fitted to each seed for itself: mean"),
+        ("slope", "relmse_steady ~ samples^slope, fitted to each seed of error-runs.csv for itself: mean"),
         ("slope_low", "lower end of its 95 % t-interval over the seeds"),
         ("slope_high", "its upper end"),
         ("slope_from_spp", "the first number of samples that the line goes through"),

@@ -19,7 +19,7 @@ pub fn section(report: &Report) -> Markup {
             p {
                 "Before it renders, the program works out what a scene needs and does nothing else. To see what that saves, the same samples are rendered both ways, by turns: "
                 "with everything put back (" code { "--leave-out off" } ") and as shipped. The ratio is the median of the pairs' ratios; 1.10 says that a sample would take 10 % longer. "
-                "The interval holds the true median with the probability shown, whatever the distribution of times; one that holds 1 says that no saving was seen. "
+                "The interval holds the true median with the probability shown, whatever the distribution of times; one that holds 1 says that no saving was seen. Where nothing is left out, both ways are the same work, and the ratio shows how well times can be told apart. "
                 "Both images must be the same to the last bit."
             }
             p {

@@ -136,10 +136,12 @@ impl Ruler {
                 let (first, last) = (self.low.ceil() as i32, self.high.floor() as i32);
                 let decades = (last - first + 1).max(0) as usize;
                 if decades < 2 {
-                    // 1, 2 and 5 where there are no two powers of ten.
+                    // Digits between where there are no two powers of ten.
+                    let digits: &[f64] =
+                        if self.high - self.low < 0.8 { &[1.0, 1.5, 2.0, 3.0, 5.0, 7.0] } else { &[1.0, 2.0, 5.0] };
                     let range = self.low.floor() as i32..=self.high.floor() as i32;
                     return range
-                        .flat_map(|k| [1.0, 2.0, 5.0].map(|digit| (digit, k)))
+                        .flat_map(|k| digits.iter().map(move |&digit| (digit, k)))
                         .map(|(digit, k)| (digit * 10_f64.powi(k), scientific(digit, k)))
                         .filter(|(value, _)| (self.low..=self.high).contains(&value.log10()))
                         .collect();
@@ -173,10 +175,8 @@ impl Ruler {
 /// `5·10⁻³`, `10⁴`, and plain numbers from 0.1 to 100.
 fn scientific(digit: f64, exponent: i32) -> String {
     match exponent {
-        -1 => format!("0.{digit}"),
-        0 => format!("{digit}"),
-        1 => format!("{digit}0"),
-        2 => format!("{digit}00"),
+        -1 => format!("{:.2}", digit / 10.0).trim_end_matches('0').to_owned(),
+        0..=2 => format!("{}", digit * 10_f64.powi(exponent)),
         _ if digit == 1.0 => format!("10{}", superscript(exponent)),
         _ => format!("{digit}·10{}", superscript(exponent)),
     }
@@ -365,7 +365,8 @@ mod tests {
         assert!(log.at(1e-4) > 0.0 && log.at(0.3) < 100.0 && log.at(0.0) == 0.0);
         let texts = |ruler: &Ruler| ruler.ticks(7).into_iter().map(|tick| tick.1).collect::<Vec<_>>();
         assert_eq!(texts(&log), ["10⁻⁴", "10⁻³", "0.01", "0.1"].map(|t| t.replace("0.01", "10⁻²")));
-        assert_eq!(texts(&ruler(Scale::Log, &[0.3, 0.8])), ["0.5"].map(str::to_owned));
+        assert_eq!(texts(&ruler(Scale::Log, &[0.3, 0.8])), ["0.3", "0.5", "0.7"]);
+        assert_eq!(texts(&ruler(Scale::Log, &[3.0, 30.0])), ["5", "10", "20"]);
         assert_eq!(texts(&ruler(Scale::Linear, &[-1.0, 2.0])), ["−1.0", "−0.5", "0.0", "0.5", "1.0", "1.5", "2.0"]);
         let many = ruler(Scale::Log, &[1e-12, 1e12]);
         assert!((3..=8).contains(&many.ticks(7).len()));

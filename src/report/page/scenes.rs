@@ -82,14 +82,19 @@ fn gallery(scene: &SceneReport, pictures: &Pictures) -> Markup {
             }
         }
         @if pictures.others.iter().any(|other| other.difference.is_some()) { (scale(pictures.scale)) }
-        @if !same.is_empty() {
-            p class="muted" {
-                @for (index, other) in same.iter().enumerate() {
-                    @if index > 0 { "; " }
-                    code { (other.mode) } " gives "
-                    @if other.sameness == Sameness::Equal { "the same image, to the last bit" } @else { "the same image but for roundings" }
+        @for (sameness, words) in [
+            (Sameness::Equal, "to the last bit"),
+            (Sameness::Rounding, "but for roundings"),
+        ] {
+            @let modes: Vec<&str> = same.iter().filter(|o| o.sameness == sameness).map(|o| o.mode.name()).collect();
+            @if !modes.is_empty() {
+                p class="muted" {
+                    @for (index, mode) in modes.iter().enumerate() {
+                        @if index > 0 { @if index + 1 == modes.len() { " and " } @else { ", " } }
+                        code { (mode) }
+                    }
+                    @if modes.len() == 1 { " gives the same image, " } @else { " give the same image, " } (words) "."
                 }
-                "."
             }
         }
     }
@@ -103,7 +108,8 @@ fn scale(end: f32) -> Markup {
             format!("rgb({r} {g} {b})")
         })
         .collect();
-    let end = number(f64::from(end));
+    // 1, 2 or 5 times a power of ten.
+    let end = format!("{end}");
     html! {
         div style="max-width: 26rem" {
             div class="ramp" style={ "background: linear-gradient(to right, " (stops.join(", ")) ")" } role="img" aria-label="Scale of the differences" {}
