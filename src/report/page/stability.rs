@@ -1,13 +1,13 @@
 //! Stiff and extreme cases, sweeps, and maps of the optics' errors.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use maud::{Markup, html};
 
 use super::map;
-use super::plot::{Axis, Curve, Place, Plot, STYLES, Scale};
+use super::plot::{Axis, Curve, Place, Plot, STYLES, Scale, key};
 use super::words::{number, time, verdict};
-use crate::report::stability::{Case, ErrorKind, Measurement, Outcome, Stability, Sweep};
+use crate::report::stability::{Case, ErrorKind, Measurement, Outcome, Stability, Step, Sweep};
 
 pub fn section(found: &Stability) -> Markup {
     let [passed, failed, not_run] = found.counts();
@@ -25,7 +25,6 @@ pub fn section(found: &Stability) -> Markup {
                     caption { "Of several measurements, the one nearest to its bound" }
                     thead { tr {
                         th class="n" { "case" } th { "what" } th { "outcome" } th class="n" { "expected" } th class="n" { "measured" } th class="n" { "error" } th class="n" { "bound" }
-                        th { "by" }
                     } }
                     tbody { @for case in &found.cases { (row(case)) } }
                 }
@@ -63,7 +62,10 @@ fn row(case: &Case) -> Markup {
             td class="n" { @match case.number { Some(number) => (number), None => "+" } }
             th scope="row" class="wide" {
                 (case.name)
-                @if case.measurements.len() > 1 { span class="interval" { " " (case.measurements.len()) " measurements" } }
+                span class="source" {
+                    (case.source)
+                    @if case.measurements.len() > 1 { " · " (case.measurements.len()) " measurements" }
+                }
             }
             td { (outcome(&case.outcome)) }
             (value(|m| m.expected))
@@ -72,7 +74,6 @@ fn row(case: &Case) -> Markup {
             td class="n" {
                 @match worst { Some(m) => { (number(m.bound)) @if m.noise > 0.0 { " + 4 × " (number(m.noise)) } }, None => "–" }
             }
-            td class="wide muted" { (case.source) }
         }
     }
 }
@@ -106,58 +107,85 @@ fn faults(found: &Stability) -> Markup {
 }
 
 fn of_sweep(sweep: &Sweep) -> Markup {
+    // Values of different units do not go into one plot.
+    let mut by_unit: BTreeMap<&str, Vec<&Step>> = BTreeMap::new();
+    for step in &sweep.steps {
+        by_unit.entry(&step.measurement.unit).or_default().push(step);
+    }
     html! {
         figure {
             figcaption { (sweep.name) " · " (outcome(&sweep.outcome)) }
-            (sweep_plot(sweep))
-            figcaption { (sweep.about) " " span class="interval" { (sweep.steps.len()) " steps in " (time(sweep.seconds)) } }
+            p class="muted" { (sweep.about) " " span class="interval" { (sweep.steps.len()) " measurements in " (time(sweep.seconds)) } }
+            @for (unit, steps) in by_unit { (sweep_plot(sweep, unit, &steps)) }
         }
     }
 }
 
+/// Errors smaller than any rounding that matters: such a value is as good as exact, and would make an axis of hundreds of decades.
+const EXACT: f64 = 1e-20;
+
 /// Error over the parameter; where nothing at all is off, a sentence says more than an empty plot.
-fn sweep_plot(sweep: &Sweep) -> Markup {
+fn sweep_plot(sweep: &Sweep, unit: &str, steps: &[&Step]) -> Markup {
     let mut curves: BTreeMap<&str, Vec<Place>> = BTreeMap::new();
+    let mut exact: BTreeSet<&str> = steps.iter().map(|step| step.measurement.what.as_str()).collect();
     let mut bounds: Vec<Place> = Vec::new();
-    for step in &sweep.steps {
+    for step in steps {
         let m = &step.measurement;
-        curves.entry(&m.what).or_default().push(Place::exact(step.x, m.error));
+        // What could not be measured is in the table and among the reasons.
+        if m.error > EXACT {
+            curves.entry(&m.what).or_default().push(Place::exact(step.x, m.error));
+            exact.remove(m.what.as_str());
+        }
         bounds.push(Place::exact(step.x, m.bound));
     }
-    let is_log = sweep.steps.iter().all(|step| step.x > 0.0);
-    let has_errors = sweep.steps.iter().any(|step| step.measurement.error > 0.0);
-    if !has_errors {
-        return html! { p { strong { "Exact at every step: " } (sweep.steps.len()) " measurements, from " (first_and_last(sweep)) "." } };
+    let unit = if unit.is_empty() { String::new() } else { format!(", {unit}") };
+    if curves.is_empty() {
+        return html! {
+            p { strong { "Exact at every step" } (unit) ": " (steps.len()) " measurements, " (first_and_last(sweep)) "." }
+        };
     }
     bounds.sort_by(|a, b| a.x.total_cmp(&b.x).then(b.y.total_cmp(&a.y)));
     bounds.dedup_by(|a, b| a.x == b.x);
-    let mut lines: Vec<Curve> = (curves.into_iter().enumerate())
-        .map(|(index, (what, mut places))| {
+    let has_bound = bounds.iter().any(|place| place.y > 0.0);
+    let names: Vec<&str> = curves.keys().copied().collect();
+    let mut lines: Vec<Curve> = (curves.into_values().enumerate())
+        .map(|(index, mut places)| {
             places.sort_by(|a, b| a.x.total_cmp(&b.x));
-            Curve { name: short(what), style: index % (STYLES - 1), places }
+            Curve { name: (index + 1).to_string(), style: index % (STYLES - 1), places }
         })
         .collect();
-    lines.push(Curve { name: "bound".to_owned(), style: STYLES - 1, places: bounds });
+    if has_bound {
+        lines.push(Curve { name: "bound".to_owned(), style: STYLES - 1, places: bounds });
+    }
+    let positive = || steps.iter().map(|step| step.x).filter(|x| *x > 0.0);
+    let span = positive().fold(0.0, f64::max) / positive().fold(f64::INFINITY, f64::min);
+    let is_log = span > 30.0;
+    let at_zero =
+        steps.iter().filter(|step| is_log && step.x <= 0.0).map(|step| step.measurement.error).fold(f64::NAN, f64::max);
     let plot = Plot {
         about: format!("{}: error over {}", sweep.name, sweep.parameter),
         x: Axis { label: sweep.parameter.clone(), scale: if is_log { Scale::Log } else { Scale::Linear } },
-        y: Axis::log("error"),
+        y: Axis::log(format!("error{unit}")),
         curves: lines,
         levels: Vec::new(),
     };
-    html! { (plot.draw()) }
-}
-
-/// As much of a name as has room beside a plot.
-fn short(name: &str) -> String {
-    const MOST: usize = 15;
-    if name.chars().count() <= MOST { name.to_owned() } else { name.chars().take(MOST - 1).collect::<String>() + "…" }
+    html! {
+        (plot.draw())
+        ol class="legend" {
+            @for (index, name) in names.iter().enumerate() { li { (key(index % (STYLES - 1))) (index + 1) ": " (name) } }
+        }
+        p class="muted" {
+            @if !exact.is_empty() { "Exact at every step, and not drawn: " (exact.into_iter().collect::<Vec<_>>().join("; ")) ". " }
+            @if !has_bound { "The bound is 0. " }
+            @if !at_zero.is_nan() { "The step at 0 has no place on this axis: largest error there " (number(at_zero)) "." }
+        }
+    }
 }
 
 fn first_and_last(sweep: &Sweep) -> String {
-    let name = |step: &crate::report::stability::Step| step.label.clone().unwrap_or_else(|| number(step.x));
+    let name = |step: &Step| step.label.clone().unwrap_or_else(|| number(step.x));
     match (sweep.steps.first(), sweep.steps.last()) {
-        (Some(first), Some(last)) => format!("{} {} to {}", sweep.parameter, name(first), name(last)),
+        (Some(first), Some(last)) => format!("{}: {} to {}", sweep.parameter, name(first), name(last)),
         _ => String::new(),
     }
 }
