@@ -372,17 +372,23 @@ fn wrong_modes_show_as_biased() {
     let curves = MADE.table("error-curves.csv");
     assert_eq!(verdicts.len(), curves.len());
     let verdict = |scene: &str, mode: &str| {
-        let at = curves
-            .iter()
-            .position(|row| row["scene"] == scene && row["mode"] == mode && row["technique"] == "independent");
-        verdicts[at.unwrap()].get(5).cloned().unwrap_or_default()
+        let place = |mode: &str| {
+            curves.iter().position(|row| {
+                row["scene"] == scene && row["mode"] == mode && row["technique"] == "independent"
+            })
+        };
+        let own = place(mode).unwrap();
+        // What gives the same images is not judged twice.
+        let judged = &curves[own]["equal_to"];
+        verdicts[if judged.is_empty() { own } else { place(judged).unwrap() }][5].clone()
     };
-    for mode in ["naive", "stack"] {
-        assert!(verdict("camera-in-water", mode).starts_with("✗ biased"), "{}", verdict("camera-in-water", mode));
+    for (scene, mode) in [("camera-in-water", "naive"), ("camera-in-water", "stack"), ("nest", "naive")] {
+        let verdict = verdict(scene, mode);
+        assert!(verdict.starts_with("✗ biased"), "{scene}, {mode}: {verdict}");
     }
-    assert!(verdict("nest", "naive").starts_with("✗ biased"), "{}", verdict("nest", "naive"));
     for scene in ["camera-in-water", "nest"] {
-        assert!(verdict(scene, "rectified").starts_with("✓ none seen"), "{}", verdict(scene, "rectified"));
+        let verdict = verdict(scene, "rectified");
+        assert!(verdict.starts_with("✓ none seen"), "{scene}: {verdict}");
     }
     assert!(
         MADE.page.contains("rectified shows no bias in 2 of 2 scenes") && MADE.page.contains("Other modes are wrong")
@@ -431,7 +437,7 @@ fn what_was_left_out_is_on_the_page_as_in_the_table() {
         let [low, ratio, high] = ["ratio_low", "ratio", "ratio_high"].map(|name| field(row, name));
         assert!(low <= ratio && ratio <= high && low > 0.0);
         let names = row["left_out"].split(' ').collect::<Vec<_>>().join(", ");
-        assert_eq!(shown_row[5], names);
+        assert_eq!(shown_row[5], if names.is_empty() { "nothing" } else { &names });
     }
 }
 

@@ -157,12 +157,12 @@ impl Extent {
             // Time decides nothing here.
             pictures: PicturePlan { width: 32, height: 18, samples: 9, seed, secs: 1e9 },
             errors: Effort {
-                size: [24, 16],
+                size: [32, 20],
                 seeds: 4,
                 first_seed: seed,
                 secs: 1e9,
                 largest_spp: 32,
-                reference_factor: 4,
+                reference_factor: 8,
                 ..Effort::QUICK
             },
             stability: StabilityPlan { effort: stability::Effort::Quick, cases: 11, sweeps: 1, has_maps: false },

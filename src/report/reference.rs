@@ -169,7 +169,7 @@ fn write(path: &Path, kept: &Kept) -> Result<(), ExportError> {
     [film.width, film.height, film.samples].into_iter().for_each(|value| writer.small(value));
     writer.events(&film.events);
     writer.number(*render_secs);
-    film.sums.iter().flat_map(|sum| sum.to_array()).for_each(|value| writer.number(value));
+    film.sums.iter().flat_map(DVec3::to_array).for_each(|value| writer.number(value));
     film.counts.iter().for_each(|&count| writer.small(count));
     writer.keep(path)
 }

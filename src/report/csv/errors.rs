@@ -70,10 +70,6 @@ pub fn runs(report: &Report) -> Table {
             "relmse_steady",
             "relmse without those 0.1 % of pixels that are the worst at this run's last number of samples; slopes are of this",
         ),
-        (
-            "relmse_steady",
-            "the same without those 0.1 % that are the worst at the run's last number of samples: of this, slopes are fitted",
-        ),
         ("mse", "mean of (x − r₁)(x − r₂)"),
         ("smape", "mean of 2|x − r|/(|x| + |r| + 0.01)"),
         ("flip", "mean HDR-FLIP; empty where it was not taken"),

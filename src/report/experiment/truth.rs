@@ -62,8 +62,8 @@ impl Truth {
     pub fn relative(&self, image: &[[f32; 3]]) -> Vec<Relative> {
         let of_pixel = |(x, truth): (&[f32; 3], &TruePixel)| {
             let mut relative = Relative::default();
-            for c in 0..3 {
-                let squared = (f64::from(x[c]) - truth.mean[c]).powi(2);
+            for (c, &x) in x.iter().enumerate() {
+                let squared = (f64::from(x) - truth.mean[c]).powi(2);
                 relative.badness += squared * truth.weight[c] / 3.0;
                 relative.error += (squared - truth.half_gap[c].powi(2)) * truth.weight[c] / 3.0;
             }
