@@ -123,7 +123,7 @@ impl SweepDefinition {
         let start = Instant::now();
         let (steps, outcome) = match subject.go_on().and_then(|()| (self.measure)(subject)) {
             Ok(steps) => {
-                let outcome = Outcome::of(steps.iter().map(|step| &step.measurement));
+                let outcome = Outcome::of_steps(&steps);
                 (steps, outcome)
             }
             Err(why) => (Vec::new(), why.outcome()),

@@ -122,8 +122,11 @@ impl Measurement {
         let Self { what, measured, expected, error, bound, unit, .. } = self;
         let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
         let noise = if self.noise > 0.0 { format!(", noise {:.2e}", self.noise) } else { String::new() };
+        // Counts of what must not happen need no error.
+        let is_exact = self.kind == ErrorKind::Absolute && *bound == 0.0 && self.noise == 0.0;
+        let error = if is_exact { String::new() } else { format!(" (error {error:.2e}, bound {bound:.2e}{noise})") };
         let limit = self.limit.as_ref().map_or(String::new(), |limit| format!(": {limit}"));
-        format!("{what}: {measured}{unit}, not {expected} (error {error:.2e}, bound {bound:.2e}{noise}){limit}")
+        format!("{what}: {measured}{unit}, not {expected}{error}{limit}")
     }
 }
 
@@ -145,11 +148,25 @@ pub enum Outcome {
 impl Outcome {
     /// Of measurements that were all taken. None at all is a failure: it tells nothing.
     pub fn of<'a>(measurements: impl IntoIterator<Item = &'a Measurement>) -> Self {
+        Self::of_all(measurements.into_iter().map(|measurement| (String::new(), measurement)))
+    }
+
+    /// Of the steps of a sweep.
+    pub fn of_steps(steps: &[Step]) -> Self {
+        let place = |step: &Step| match &step.label {
+            Some(label) => format!("at {label}, "),
+            None => format!("at {:e}, ", step.x),
+        };
+        Self::of_all(steps.iter().map(|step| (place(step), &step.measurement)))
+    }
+
+    /// Each with its place in words.
+    fn of_all<'a>(measurements: impl Iterator<Item = (String, &'a Measurement)>) -> Self {
         let (mut count, mut faults) = (0, Vec::new());
-        for measurement in measurements {
+        for (place, measurement) in measurements {
             count += 1;
             if !measurement.is_within_bound() {
-                faults.push(measurement.fault());
+                faults.push(place + &measurement.fault());
             }
         }
         match (count, faults.as_slice()) {
@@ -157,7 +174,7 @@ impl Outcome {
             (_, []) => Self::Passed,
             (_, [only]) => Self::Failed { reason: only.clone() },
             (_, [first, ..]) => {
-                Self::Failed { reason: format!("{} of {count} are out of bounds, first {first}", faults.len()) }
+                Self::Failed { reason: format!("{} of {count} are out of bounds; first, {first}", faults.len()) }
             }
         }
     }
