@@ -373,9 +373,9 @@ fn wrong_modes_show_as_biased() {
     assert_eq!(verdicts.len(), curves.len());
     let verdict = |scene: &str, mode: &str| {
         let place = |mode: &str| {
-            curves.iter().position(|row| {
-                row["scene"] == scene && row["mode"] == mode && row["technique"] == "independent"
-            })
+            curves
+                .iter()
+                .position(|row| row["scene"] == scene && row["mode"] == mode && row["technique"] == "independent")
         };
         let own = place(mode).unwrap();
         // What gives the same images is not judged twice.
