@@ -38,8 +38,9 @@ const CRATES: &[(&[&str], &[&str])] = &[
     (&["anyhow"], &["cli", "app"]),
     (&["toml_edit", "tobj", "ply_rs_bw", "gltf"], &["scene"]),
     (&["ab_glyph", "epaint_default_fonts", "png"], &["export", "app"]),
-    (&["nv_flip", "statrs"], &["measure"]),
-    (&["maud", "plotters"], &["report"]),
+    (&["sha2"], &["scene::fingerprint", "report"]),
+    (&["statrs"], &["measure"]),
+    (&["maud"], &["report"]),
 ];
 
 #[test]

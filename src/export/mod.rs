@@ -17,5 +17,5 @@ pub use atomic::{require_writable, write_atomically};
 pub use comparison::{Comparison, LabelledPane, comparison};
 pub use error::ExportError;
 pub use metadata::{metadata, metadata_for_media};
-pub use picture::{Format, Picture, exr, image_png, png, save};
+pub use picture::{Format, Picture, exr, image_png, png, png_bytes, save};
 pub use surfaces::painted_surfaces;
