@@ -5,7 +5,7 @@
 //! well distributed for every n.
 
 /// Where numbers come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sequence {
     /// Sobol points: the samples of a pixel keep out of each other's way.
