@@ -204,7 +204,6 @@ fn what_was_merged_is_said() {
 fn what_does_not_match_is_refused() {
     let desk = Desk::new();
     desk.part("0..2", "a.exr");
-    let plain = "render ball.toml --size 20x14 --samples 2..4";
     let edits = [
         ("--seed 1", "the seed differs: 1 here, 0 there"),
         ("--mode naive", "the mode differs: naive here, rectified there"),
@@ -216,24 +215,25 @@ fn what_does_not_match_is_refused() {
         ("--leave-out off", "--leave-out differs"),
     ];
     for (flags, expected) in edits {
-        let command = plain.replace(if flags.starts_with("--size") { "--size 20x14" } else { "\n" }, "");
-        desk.fine(&format!("{command} {flags} -o b.exr"));
+        let size = if flags.starts_with("--size") { "" } else { "--size 20x14" };
+        desk.fine(&format!("render ball.toml --samples 2..4 {size} {flags} -o b.exr"));
         let error = desk.refused("merge a.exr b.exr -o c.exr", 2);
         assert!(error.contains(expected) && error.contains("b.exr cannot be merged with a.exr"), "{flags}: {error}");
     }
+    let other = "render other.toml --size 20x14 --samples 2..4 -o b.exr";
     for (from, to, expected) in [
         ("ior = 1.333", "ior = 1.334", "the scene's content differs"),
         ("radius = 0.7", "radius = 0.71", "the scene's content differs"),
         ("vertical_fov = 30.0", "vertical_fov = 31.0", "the camera differs"),
     ] {
         desk.put("other.toml", SCENE.replace(from, to));
-        desk.fine(&format!("{} -o b.exr", plain.replace("ball", "other")));
+        desk.fine(other);
         let error = desk.refused("merge a.exr b.exr -o c.exr", 2);
         assert!(error.contains(expected), "{to}: {error}");
     }
     // The twin: other names and comments are no other scene.
     desk.put("other.toml", SCENE.replace("Kugel", "Ball").replace("\"shell\"", "\"outer\"") + "# all the same");
-    desk.fine(&format!("{} -o b.exr", plain.replace("ball", "other")));
+    desk.fine(other);
     assert!(desk.fine("merge b.exr a.exr -o c.exr").contains("Kugel"), "the earlier samples name it");
 }
 

@@ -22,6 +22,7 @@ Examples:
   iorect scenes                                 list the built-in scenes
   iorect compare camera-in-water                naive, stack and rectified side by side, as a PNG
   iorect render nested-spheres --spp 256 -o out.exr
+  iorect merge part*.exr -o all.exr             parts that `render --samples A..B` wrote, as one
   iorect rectify nested-spheres                 what lies on the other side of every surface
   iorect trace camera-in-water --pixel 256,256  one path, vertex by vertex
   iorect check my-scene.toml                    what is wrong or doubtful in a scene

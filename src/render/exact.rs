@@ -118,7 +118,7 @@ mod tests {
         let in_floats: f64 = samples.iter().sum();
         assert!((forwards as f64 * power_of_two(-64) / in_floats - 1.0).abs() < 1e-13);
         // The twin: in f64 it does.
-        assert_ne!(in_floats, samples.iter().rev().sum());
+        assert_ne!(in_floats, samples.iter().rev().sum::<f64>());
     }
 
     #[test]
