@@ -508,7 +508,12 @@ fn wrong_commands_are_refused_before_any_work() {
         (&["render", "nest.toml", "--backend", "gpu"], "not yet supported"),
         (&["render", "nest.toml", "--estimator", "bidirectional"], "not yet supported"),
         (&["rectify", "nest.toml", "--granularity", "face"], "patch, object"),
-        (&["report", "nest.toml", "-o", "out"], "not yet supported"),
+        (&["report", "nest.toml"], "--output"),
+        (&["report", "missing.toml", "-o", "out"], "missing.toml"),
+        (&["report", "nest.toml", "nest.toml", "-o", "out"], "called `nest`"),
+        (&["report", "nest.toml", "-o", "out", "--only", "speed"], "left-out"),
+        (&["report", "nest.toml", "-o", "nest.toml"], "choose another"),
+        (&["report", "nest.toml", "-o", "nest.toml/out", "--quick"], "choose another"),
         (&["export", "nest.toml", "--to", "mitsuba", "-o", "out"], "not yet supported"),
         (&["render", "nest.toml", "-o", "missing/folder/a.png"], "no folder"),
         (&["render", "nest.toml", "-o", "a.jpg"], "`.png` or `.exr`"),
@@ -536,7 +541,10 @@ fn wrong_commands_are_refused_before_any_work() {
     }
     // No folder to write into, even for the superuser.
     #[cfg(target_os = "linux")]
-    assert!(desk.wrong(&["render", "nest.toml", "-o", "/proc/a.png"]).contains("/proc/a.png"));
+    {
+        assert!(desk.wrong(&["render", "nest.toml", "-o", "/proc/a.png"]).contains("/proc/a.png"));
+        assert!(desk.wrong(&["report", "nest.toml", "-o", "/proc/report"]).contains("/proc/report"));
+    }
 }
 
 /// Where there is no display, the window's scene is compared in a file. The camera looks away from everything, to be quick.

@@ -3,53 +3,64 @@
 
 mod common;
 
+use std::sync::atomic::AtomicBool;
+
 use common::{add, deflection_degrees, empty, mean, nest, ready, render, sphere, through};
 use glam::DVec3;
-use iorect::estimator::trace::{Follow, VertexEvent, trace};
+use iorect::estimator::trace::{Follow, trace};
 use iorect::geometry::Ray;
 use iorect::render::Prepared;
+use iorect::report::stability::{Effort, Subject, cases};
 use iorect::scene::description::{Environment, Light, Shape, Transform};
 use iorect::tracking::Mode;
 
-const HEIGHTS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 const CASE_A: [(f64, f64); 4] = [(1.0, 1.5), (0.8, 1.333), (0.6, 1.0), (0.4, 2.417)];
 const CASE_F: [(f64, f64); 5] = [(1.0, 1.31), (0.9, 1.333), (0.8, 1.5), (0.7, 1.7), (0.6, 2.417)];
-const CASE_D: [(f64, f64); 3] = [(1.0, 1.5), (0.7, 1.333), (0.5, 1.5)];
-
-/// Deflection at each of [`HEIGHTS`], `tolerance` in degrees.
-fn check_deflection(scene: &Prepared, mode: Mode, expected: [f64; 5], tolerance: f64) {
-    for (b, degrees) in HEIGHTS.into_iter().zip(expected) {
-        let path = through(scene, mode, b);
-        assert!(path.escaped, "{mode} at {b}");
-        assert_eq!(path.events.total(), 0, "{mode} at {b}");
-        let measured = deflection_degrees(&path);
-        assert!((measured - degrees).abs() <= tolerance, "{mode} at {b}: {measured} is not {degrees}");
-    }
-}
 
 /// Right in every nest that is seen from outside.
 const ALL_BUT_NAIVE: [Mode; 5] = [Mode::Rectified, Mode::RectifiedObject, Mode::Reference, Mode::Stack, Mode::Priority];
 
-#[test]
-fn one_ball() {
-    let ball = ready(nest(1.0, &[(1.0, 1.5)]));
-    for mode in Mode::ALL {
-        check_deflection(&ball, mode, [3.83323350, 11.8412882, 21.0575587, 33.2177294, 54.5763392], 1e-6);
-    }
-}
-
+/// Balls, nests, bubbles, a very thin shell and prisms, in every mode that is right from outside: the report's cases 17 to 22 and 25 ask for
+/// less than is held here.
 #[test]
 fn nests_from_outside() {
+    let never = AtomicBool::new(false);
+    let subject = Subject { modes: &ALL_BUT_NAIVE, ..Subject::shipped(Effort::Quick, &never) };
+    let mut measured = 0;
+    for definition in cases().into_iter().filter(|case| matches!(case.number, Some(17..=22 | 25))) {
+        let case = definition.run(&subject);
+        assert!(case.outcome.is_passed(), "{case:#?}");
+        let bound = if case.number == Some(22) { 1e-9 } else { 1e-6 };
+        for measurement in &case.measurements {
+            assert!(measurement.error <= bound, "{measurement:?}");
+            measured += 1;
+        }
+    }
+    assert!(measured > 100, "{measured}");
+}
+
+/// Nothing is nested in one ball, where naive is right too.
+#[test]
+fn one_ball() {
+    let never = AtomicBool::new(false);
+    let subject = Subject { modes: &Mode::ALL, ..Subject::shipped(Effort::Quick, &never) };
+    let ball = cases().into_iter().find(|case| case.number == Some(17)).expect("the ball is case 17").run(&subject);
+    assert!(ball.outcome.is_passed(), "{ball:#?}");
+    assert_eq!(ball.measurements.len(), 5 * Mode::ALL.len());
+    assert!(ball.measurements.iter().all(|m| m.error <= 1e-6));
+}
+
+/// A shell that is crossed the wrong way round would turn the ray to the other side: paths of three media, by 50-digit arithmetic.
+#[test]
+fn three_media() {
+    let scene = ready(nest(1.0, &[(1.0, 1.5), (0.7, 1.333), (0.5, 1.5)]));
     for mode in ALL_BUT_NAIVE {
-        let a = ready(nest(1.0, &CASE_A));
-        check_deflection(&a, mode, [14.89026936, 53.20437591, -21.11344634, -35.32376167, 36.63552520], 1e-6);
-        assert!(through(&a, mode, 0.7).vertices.iter().any(|v| v.event == VertexEvent::TotalReflection));
-        let f = ready(nest(1.0, &CASE_F));
-        check_deflection(&f, mode, [8.72537123, 27.01173198, 48.27519242, 76.89552179, 128.6267351], 1e-6);
-        let d = ready(nest(1.0, &CASE_D));
-        check_deflection(&d, mode, [4.39260273, 13.88142961, 26.72105044, 19.62510644, 23.18417474], 1e-6);
-        let hollow = ready(nest(1.0, &[(1.0, 1.5), (0.9, 1.0)]));
-        check_deflection(&hollow, mode, [-0.429461587, -1.42197627, -2.96349688, -6.43153000, -41.8030302], 1e-6);
+        for (b, degrees) in
+            [(0.1, 4.39260273), (0.3, 13.88142961), (0.5, 26.72105044), (0.7, 19.62510644), (0.9, 23.18417474)]
+        {
+            let measured = deflection_degrees(&through(&scene, mode, b));
+            assert!((measured - degrees).abs() <= 1e-6, "{mode} at {b}: {measured} is not {degrees}");
+        }
     }
 }
 
@@ -59,61 +70,6 @@ fn naive_is_wrong_in_every_nest() {
         let path = through(&ready(nest(1.0, shells)), Mode::Naive, b);
         assert!((deflection_degrees(&path) - expected).abs() > 1.0);
         assert!(path.events.inconsistent > 0, "wrong, and countedly so");
-    }
-}
-
-#[test]
-fn a_bubble_in_a_world_of_water() {
-    let bubble = ready(nest(1.333, &[(1.0, 1.0)]));
-    for mode in ALL_BUT_NAIVE {
-        for (b, degrees) in [(0.1, -3.84231624), (0.3, -12.2286480), (0.5, -23.5950089), (0.7, -48.9926383)] {
-            let measured = deflection_degrees(&through(&bubble, mode, b));
-            assert!((measured - degrees).abs() < 1e-6, "{mode} at {b}: {measured}");
-        }
-        assert_eq!(through(&bubble, mode, 0.9).vertices[0].event, VertexEvent::TotalReflection);
-    }
-}
-
-/// A shell of thickness 1e-6: Θ = −2.56453e-5°.
-#[test]
-fn a_very_thin_shell() {
-    let shell = ready(nest(1.0, &[(1.0, 1.5), (1.0 - 1e-6, 1.0)]));
-    for mode in ALL_BUT_NAIVE {
-        let path = through(&shell, mode, 0.5);
-        assert_eq!(path.vertices.len(), 4);
-        assert!((deflection_degrees(&path) + 2.56453e-5).abs() < 1e-9);
-    }
-}
-
-/// N shells for a graded ball: r_k = (N−k)/N, n_k = n((N−k−½)/N).
-fn graded(count: usize, ior: impl Fn(f64) -> f64) -> Prepared {
-    let n = count as f64;
-    let shells: Vec<_> = (0..count).map(|k| ((n - k as f64) / n, ior((n - k as f64 - 0.5) / n))).collect();
-    ready(nest(1.0, &shells))
-}
-
-#[test]
-fn graded_balls_as_many_shells() {
-    let luneburg = |r: f64| (2.0 - r * r).sqrt();
-    for (count, half, quarter) in
-        [(10, 29.6432634, 14.9232303), (100, 29.6749795, 14.6892687), (1000, 29.5495953, 14.3609488)]
-    {
-        let ball = graded(count, luneburg);
-        let modes = if count == 1000 { &[Mode::Rectified][..] } else { &[Mode::Rectified, Mode::Reference] };
-        for &mode in modes {
-            for (b, expected) in [(0.5, half), (0.25, quarter)] {
-                let measured = deflection_degrees(&through(&ball, mode, b));
-                assert!(
-                    (measured - expected).abs() < 1e-5,
-                    "{mode}, {count} shells at {b}: {measured} is not {expected}"
-                );
-            }
-        }
-    }
-    for (count, expected) in [(10, 132.100161), (100, 170.127654), (1000, 172.103821)] {
-        let eaton = graded(count, |r| (2.0 / r - 1.0).sqrt());
-        let measured = deflection_degrees(&through(&eaton, Mode::Rectified, 0.5));
-        assert!((measured - expected).abs() < 1e-4, "{count} shells: {measured} is not {expected}");
     }
 }
 
@@ -255,32 +211,6 @@ fn lateral_shift_of_a_slab() {
         let measured = exit.cross(direction).length();
         assert!((measured - shift).abs() < 1e-8, "{measured}");
         assert!((DVec3::from(path.final_direction) - direction).length() < 1e-12);
-    }
-}
-
-#[test]
-fn prism_at_minimum_deviation() {
-    for (world, ior, degrees) in [(1.0, 1.5, 37.1807558), (1.0, 1.333, 23.5950089), (1.333, 1.5, 8.47722885)] {
-        let mut description = empty(world);
-        // Apex of 60° at the top; the ray inside runs level.
-        let h = 0.75f64.sqrt();
-        let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
-        let positions = [-1.0, 1.0]
-            .into_iter()
-            .flat_map(|z| [corner(-0.5, 0.0, z), corner(0.5, 0.0, z), corner(0.0, h, z)])
-            .collect();
-        let triangles = vec![[0, 2, 1], [3, 4, 5], [0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5]];
-        let mesh = iorect::geometry::Mesh { positions, normals: Vec::new(), triangles };
-        assert!(mesh.signed_volume() > 0.0);
-        let shape = Shape::Mesh { path: "prism".into(), mesh: std::sync::Arc::new(mesh), dropped: 0 };
-        add(&mut description, shape, ior, 0.0);
-        let scene = ready(description);
-        let tilt = (degrees / 2.0f64).to_radians();
-        let direction = DVec3::new(tilt.cos(), tilt.sin(), 0.0);
-        let entry = DVec3::new(-0.25, h / 2.0, 0.1);
-        let path = trace(&scene, Mode::Rectified, Ray::new(entry - direction, direction), Follow::Transmit, 0, None);
-        let measured = direction.angle_between(DVec3::from(path.final_direction)).to_degrees();
-        assert!((measured - degrees).abs() < 1e-6, "{measured} is not {degrees}");
     }
 }
 

@@ -8,7 +8,7 @@ use common::{add, nest, ready, render};
 use glam::DVec3;
 use iorect::render::{Prepared, prepare};
 use iorect::scene::Description;
-use iorect::scene::description::Shape;
+use iorect::scene::description::{Environment, Light, Shape, Transform};
 use iorect::tracking::Mode;
 
 /// Hidden, and taken out of the file: the same world.
@@ -58,5 +58,58 @@ fn an_edited_scene_is_the_scene_opened_so() {
                 assert_eq!(image(&edited), image(&ready(after.clone())), "{name}: object {index}, {mode}");
             }
         }
+    }
+}
+
+/// Each edit gives the scene one need more, and with it the work that was left out: the image is that of a scene that had it all along.
+/// Taking the edit back leaves it out again.
+#[test]
+fn an_edit_that_adds_a_need_brings_its_work_back() {
+    let quad = |y: f64| {
+        let [edge_u, edge_v] = [DVec3::Z, DVec3::X];
+        Shape::Quad { center: DVec3::new(0.0, y, 0.0), edge_u, edge_v }
+    };
+    let gradient = Environment::Gradient { zenith: [0.2, 0.4, 1.0], horizon: [1.0; 3], nadir: [0.1; 3] };
+    // Two balls side by side, which need next to nothing.
+    let mut before = common::empty(1.0);
+    before.environment = gradient.clone();
+    for (x, ior) in [(-1.2, 1.5), (1.2, 1.6)] {
+        add(&mut before, Shape::Sphere { center: DVec3::new(x, 0.0, 0.0), radius: 1.0 }, ior, 0.0);
+    }
+    let picture = iorect::scene::load::open("plain-glass").unwrap().environment;
+    assert!(matches!(picture, Environment::Image { .. }));
+    type Edit<'a> = (&'a str, Box<dyn Fn(&mut Description) + 'a>);
+    let edits: [Edit<'_>; 7] = [
+        ("absorption", Box::new(|d| d.media[1].absorption = [0.5, 0.1, 0.3])),
+        ("nesting", Box::new(|d| d.refractors[1].transform.translate.x = -1.0)),
+        ("index_matching", Box::new(|d| d.media[1].ior = iorect::optics::IorModel::Constant(1.5))),
+        ("smooth_normals", Box::new(|d| d.refractors[0].smooth = true)),
+        ("triangles", Box::new(|d| add(d, Shape::Box { min: DVec3::splat(2.5), max: DVec3::splat(3.0) }, 1.7, 0.0))),
+        (
+            "emitters",
+            Box::new(|d| {
+                let (name, radiance, transform) = ("lamp".to_owned(), [9.0; 3], Transform::IDENTITY);
+                d.lights.push(Light { name, shape: quad(3.0), radiance, visible: true, transform });
+            }),
+        ),
+        ("image_environment", Box::new(|d| d.environment = picture.clone())),
+    ];
+    let known = ready(before.clone());
+    let image = |prepared: &Prepared| render(prepared, Mode::Rectified, (32, 18), 4, None).to_rgb();
+    for (need, edit) in edits {
+        assert!(known.world.needs.left_out().contains(&need), "{need} is not needed before");
+        let mut after = before.clone();
+        edit(&mut after);
+        let edited = prepare(Arc::new(after.clone()), Some(&known)).unwrap();
+        assert!(!edited.world.needs.left_out().contains(&need), "{need} is needed now");
+        assert_eq!(image(&edited), image(&ready(after)), "{need}");
+        // The twin: without the work that the edit asks for, it does not show. A smooth ball is as round as it was, equal IORs matter to shadow
+        // rays alone, and triangles are always looked for.
+        if matches!(need, "absorption" | "nesting" | "emitters" | "image_environment") {
+            assert_ne!(image(&edited), image(&known), "{need}");
+        }
+        let undone = prepare(Arc::new(before.clone()), Some(&edited)).unwrap();
+        assert_eq!(undone.world.needs, known.world.needs, "{need}");
+        assert_eq!(image(&undone), image(&known), "{need}");
     }
 }

@@ -38,10 +38,10 @@ const CRATES: &[(&[&str], &[&str])] = &[
     (&["anyhow"], &["cli", "app"]),
     (&["toml_edit", "tobj", "ply_rs_bw", "gltf"], &["scene"]),
     (&["ab_glyph", "epaint_default_fonts", "png"], &["export", "app"]),
-    (&["sha2"], &["scene::fingerprint"]),
+    (&["sha2"], &["scene::fingerprint", "report"]),
     (&["exr"], &["export"]),
     (&["statrs"], &["measure"]),
-    (&["maud", "plotters"], &["report"]),
+    (&["maud"], &["report"]),
 ];
 
 #[test]

@@ -8,6 +8,7 @@ use glam::DVec3;
 use crate::estimator::sampler::Sequence;
 use crate::estimator::trace::Follow;
 use crate::render::{SampleRange, ToneCurve};
+use crate::report::make::Part;
 use crate::tracking::Mode;
 
 /// Longest side of an image.
@@ -26,6 +27,7 @@ Examples:
   iorect rectify nested-spheres                 what lies on the other side of every surface
   iorect trace camera-in-water --pixel 256,256  one path, vertex by vertex
   iorect check my-scene.toml                    what is wrong or doubtful in a scene
+  iorect report -o report --quick               error against time, stability, growth: a page with plots
 
 Exit codes: 0 fine, 1 the work failed, 2 the command or the scene was wrong.";
 
@@ -57,9 +59,8 @@ pub enum Command {
     Check(SceneArguments),
     /// List the built-in scenes
     Scenes(ListArguments),
-    /// Error against run time (not yet supported)
-    #[command(hide = true)]
-    Report(NotYet),
+    /// Measure scenes: error against run time, stability, what was left out, growth, as a page with plots and tables
+    Report(ReportArguments),
     /// The scene with every interface resolved, for other renderers (not yet supported)
     #[command(hide = true)]
     Export(NotYet),
@@ -265,6 +266,43 @@ pub struct TraceArguments {
     /// Most segments, or `none`
     #[arg(long, value_name = "D", default_value = "none", value_parser = depth, allow_negative_numbers = true)]
     pub max_depth: Depth,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Writes report.html, which holds everything and needs no network, and beside it report.json and the tables as CSV. What is finished is
+kept in DIR/cache: a report that was interrupted goes on from there when the same command is given again.
+
+Examples:
+  iorect report -o report --quick                                all built-in scenes, in two minutes
+  iorect report -o report                                        the same in full: hours
+  iorect report my.toml iced-water -o report --only error
+  iorect report -o report --only stability,growth")]
+pub struct ReportArguments {
+    /// Scene files or built-in scenes' names [default: all built-in scenes]
+    #[arg(value_name = "SCENE")]
+    pub scenes: Vec<String>,
+    /// Folder to write into; it is made where it is missing
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Small images and few runs
+    #[arg(long)]
+    pub quick: bool,
+    /// What to measure, separated by commas: error, stability, left-out, growth [default: all of it]
+    #[arg(long, value_name = "PARTS", value_delimiter = ',')]
+    pub only: Vec<Part>,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]
+    pub seed: u64,
+    /// Threads to measure on [default: one per core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
+    pub threads: Option<u32>,
+    /// Print the whole report as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Next to nothing of everything, to try what is done with measurements
+    #[arg(long, hide = true, conflicts_with = "quick")]
+    pub tiny: bool,
 }
 
 #[derive(Debug, Args)]

@@ -10,6 +10,7 @@ mod image;
 mod merge;
 mod rectify;
 mod render;
+mod report;
 mod scenes;
 mod table;
 mod trace;
@@ -74,7 +75,7 @@ pub fn main(open_window: impl FnOnce(WindowRequest) -> Result<(), WindowError>) 
         Some(Command::Trace(arguments)) => trace::run(arguments),
         Some(Command::Check(arguments)) => check::run(arguments),
         Some(Command::Scenes(arguments)) => scenes::run(arguments),
-        Some(Command::Report(_)) => not_yet("report"),
+        Some(Command::Report(arguments)) => report::run(arguments),
         Some(Command::Export(_)) => not_yet("export"),
     };
     match result {

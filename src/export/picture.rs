@@ -26,7 +26,7 @@ impl Picture {
     }
 
     /// As a screen shows it, 8 bits a channel.
-    pub(super) fn encode(&self, display: &Display) -> image::RgbImage {
+    pub fn encode(&self, display: &Display) -> image::RgbImage {
         let bytes = self.rgb.iter().flat_map(|&rgb| display.encode(rgb)).collect();
         image::RgbImage::from_raw(self.width, self.height, bytes).expect("the size was checked")
     }
@@ -86,13 +86,20 @@ pub fn png(path: &Path, picture: &Picture, display: &Display, text: &[(String, S
 /// # Errors
 /// As [`png()`].
 pub fn image_png(path: &Path, image: &image::RgbImage, text: &[(String, String)]) -> Result<(), ExportError> {
+    let bytes = png_bytes(image, text, path)?;
+    write_atomically(path, |writer| writer.write_all(&bytes))
+}
+
+/// The contents of a PNG file, for pages that hold their pictures themselves. `path` is what the picture is called in errors.
+///
+/// # Errors
+/// When the picture is empty, or a keyword is not 1 to 79 Latin-1 characters.
+pub fn png_bytes(image: &image::RgbImage, text: &[(String, String)], path: &Path) -> Result<Vec<u8>, ExportError> {
     let (width, height) = image.dimensions();
     if width == 0 || height == 0 {
         return Err(ExportError::BadPicture { width, height, pixels: 0 });
     }
-    let bytes = encode_png(image, text)
-        .map_err(|e| ExportError::Encode { path: path.to_path_buf(), message: e.to_string() })?;
-    write_atomically(path, |writer| writer.write_all(&bytes))
+    encode_png(image, text).map_err(|e| ExportError::Encode { path: path.to_path_buf(), message: e.to_string() })
 }
 
 fn encode_png(image: &image::RgbImage, text: &[(String, String)]) -> Result<Vec<u8>, png::EncodingError> {

@@ -3,7 +3,7 @@
 use std::ops::AddAssign;
 
 /// Counts over all paths of a render. All zero where a mode is right for a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Events {
     /// Exits with nothing to pop.
     pub stack_underflow: u64,

@@ -93,6 +93,22 @@ impl SceneNeeds {
         }
     }
 
+    /// The same with one need more, by its name; any other name changes nothing.
+    pub fn with(mut self, need: &str) -> Self {
+        match need {
+            "nesting" => self.nesting = true,
+            "absorption" => self.absorption = true,
+            "index_matching" => self.index_matching = true,
+            "smooth_normals" => self.smooth_normals = true,
+            "spheres" => self.spheres = true,
+            "triangles" => self.triangles = true,
+            "emitters" => self.emitters = true,
+            "image_environment" => self.image_environment = true,
+            _ => {}
+        }
+        self
+    }
+
     /// Each need by name, with whether the scene has it.
     pub fn named(&self) -> [(&'static str, bool); 8] {
         [
@@ -153,6 +169,27 @@ fn any_overlap(mut boxes: Vec<(DVec3, DVec3)>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn needs_are_put_back_by_name() {
+        let nothing = SceneNeeds {
+            nesting: false,
+            absorption: false,
+            index_matching: false,
+            smooth_normals: false,
+            spheres: false,
+            triangles: false,
+            emitters: false,
+            image_environment: false,
+        };
+        let names = SceneNeeds::EVERYTHING.named().map(|(name, _)| name);
+        for name in names {
+            let left_out: Vec<_> = names.into_iter().filter(|other| *other != name).collect();
+            assert_eq!(nothing.with(name).left_out(), left_out);
+        }
+        assert_eq!(names.into_iter().fold(nothing, SceneNeeds::with), SceneNeeds::EVERYTHING);
+        assert_eq!(nothing.with("colour"), nothing);
+    }
 
     /// Boxes on a grid, in a wall and in a row are apart until one is moved.
     #[test]

@@ -1,0 +1,124 @@
+//! `iorect report`: measurements of scenes as a page, tables and JSON.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::arguments::ReportArguments;
+use super::{Failure, print};
+use crate::export::words::duration;
+use crate::export::{ExportError, require_writable};
+use crate::report::data::Report;
+use crate::report::make::{Extent, Part, ReportError, Request, Subject, make};
+use crate::report::progress::Progress;
+use crate::report::store::Store;
+use crate::report::write::{json, write};
+use crate::scene::{builtin, load};
+
+/// Steps of the progress bar.
+const STEPS: u64 = 10_000;
+
+pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
+    let subjects = subjects(&arguments.scenes)?;
+    // Hours of work are not to be lost to a folder that cannot be written into.
+    let unwritable = |error: ExportError| {
+        let advice = "the folder for the report cannot be used; choose another with `-o DIR`";
+        Failure::Wrong(anyhow::Error::new(error).context(advice))
+    };
+    let store = Store::open(&arguments.output.join("cache")).map_err(unwritable)?;
+    require_writable(&arguments.output.join("report.html")).map_err(unwritable)?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads.unwrap_or(0) as usize)
+        .build()
+        .map_err(|error| Failure::Failed(anyhow::Error::new(error).context("the threads cannot be started")))?;
+    let threads = pool.current_num_threads();
+    let extent = match arguments {
+        ReportArguments { tiny: true, .. } => Extent::tiny(arguments.seed, threads),
+        ReportArguments { quick: true, .. } => Extent::quick(arguments.seed, threads),
+        _ => Extent::full(arguments.seed, threads),
+    };
+    let parts = if arguments.only.is_empty() { Part::ALL.to_vec() } else { arguments.only.clone() };
+    let request = Request { subjects, parts, extent, seed: arguments.seed, command: command_line() };
+    let bar = progress_bar();
+    let tell = |what: &str, part: f64| {
+        bar.set_position((part * STEPS as f64) as u64);
+        bar.set_message(what.to_owned());
+    };
+    // An interruption ends the process: every finished piece is a file by then.
+    let progress = Progress { cancel: &AtomicBool::new(false), tell: &tell };
+    let report = pool.install(|| make(&request, &store, &progress)).map_err(failure)?;
+    bar.finish_and_clear();
+    let report = report.ok_or_else(|| Failure::Failed(anyhow::anyhow!("the report was interrupted")))?;
+    let written = write(&report, &arguments.output).map_err(Failure::output)?;
+    print(&if arguments.json { json(&report) } else { summary(&report, &written) })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn failure(error: ReportError) -> Failure {
+    match error {
+        ReportError::Scene(error) => error.into(),
+        ReportError::Output(error) => Failure::output(error),
+        error @ ReportError::Experiment(_) => Failure::Failed(error.into()),
+    }
+}
+
+/// The scenes that are asked for, under names that tell them apart.
+fn subjects(names: &[String]) -> Result<Vec<Subject>, Failure> {
+    let all: Vec<String> = builtin::all().iter().map(|scene| scene.name.to_owned()).collect();
+    let mut taken = HashSet::new();
+    (if names.is_empty() { &all } else { names })
+        .iter()
+        .map(|name| {
+            let description = Arc::new(load::open(name)?);
+            let stem = Path::new(name).file_stem().map_or(name.clone(), |stem| stem.to_string_lossy().into_owned());
+            if !taken.insert(stem.clone()) {
+                return Err(Failure::Wrong(anyhow::anyhow!(
+                    "two of the scenes are called `{stem}`; give each once, or copy one under another name"
+                )));
+            }
+            Ok(Subject { name: stem, description })
+        })
+        .collect()
+}
+
+/// What was typed, with quotation marks where a shell needs them.
+fn command_line() -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
+    let quote = |word: String| {
+        if !word.is_empty() && word.chars().all(is_plain) { word } else { format!("'{}'", word.replace('\'', "'\\''")) }
+    };
+    let words = std::env::args_os().skip(1).map(|word| quote(word.to_string_lossy().into_owned()));
+    std::iter::once("iorect".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}
+
+/// Draws on standard error, and only if that is a terminal.
+fn progress_bar() -> ProgressBar {
+    let template = "{bar:30.cyan/dim} {percent:>3} % · {elapsed}, {eta} left · {wide_msg}";
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    let bar = ProgressBar::new(STEPS).with_style(style.progress_chars("━━─"));
+    bar.enable_steady_tick(Duration::from_millis(250));
+    bar
+}
+
+fn summary(report: &Report, written: &[PathBuf]) -> String {
+    let origin = &report.origin;
+    let mut text = format!("{} scenes in {}", report.scenes.len(), duration(origin.seconds));
+    if origin.pieces_reused > 0 {
+        text +=
+            &format!(", {} of {} pieces from before", origin.pieces_reused, origin.pieces_reused + origin.pieces_made);
+    }
+    text.push('\n');
+    if let Some(stability) = &report.stability {
+        let [passed, failed, not_run] = stability.counts();
+        text += &format!("  stability {passed} passed, {failed} failed, {not_run} not run\n");
+    }
+    for path in written {
+        text += &format!("  wrote     {}\n", path.display());
+    }
+    text
+}

@@ -1,0 +1,208 @@
+//! Tables of error against run time.
+
+use super::{Table, number};
+use crate::measure::Interval;
+use crate::report::data::Report;
+use crate::report::experiment::{Curve, Technique};
+
+/// Every curve with its scene's name.
+fn all(report: &Report) -> impl Iterator<Item = (&str, &Curve)> {
+    report
+        .scenes
+        .iter()
+        .filter_map(|scene| Some((scene.name.as_str(), scene.errors.as_ref()?)))
+        .flat_map(|(name, found)| found.curves.iter().map(move |curve| (name, curve)))
+}
+
+/// Scene, mode and technique, which every table begins with.
+fn start(scene: &str, curve: &Curve) -> Vec<String> {
+    vec![scene.to_owned(), curve.mode.name().to_owned(), technique(curve.technique).to_owned()]
+}
+
+const START: [(&str, &str); 3] = [
+    ("scene", "name of the scene"),
+    ("mode", "how media are tracked"),
+    (
+        "technique",
+        "independent: samples that know nothing of each other, evenly spread; shipped: the program's defaults",
+    ),
+];
+
+fn technique(technique: Technique) -> &'static str {
+    if technique == Technique::shipped() { "shipped" } else { "independent" }
+}
+
+/// Value, lower and upper end; empty where there is none.
+fn bounds(interval: Option<Interval>) -> [String; 3] {
+    [interval.map(|i| i.value), interval.map(|i| i.low), interval.map(|i| i.high)].map(number)
+}
+
+/// Every run at every number of samples.
+pub fn runs(report: &Report) -> Table {
+    let rows = all(report).flat_map(|(scene, curve)| {
+        curve.points.iter().flat_map(move |point| {
+            point.runs.iter().map(move |run| {
+                let figures = [
+                    run.render_secs,
+                    curve.secs_before,
+                    run.relmse,
+                    run.relmse_trimmed,
+                    run.relmse_steady,
+                    run.mse,
+                    run.smape,
+                ];
+                let mut row = start(scene, curve);
+                row.extend([run.seed.to_string(), point.spp.to_string()]);
+                row.extend(figures.map(number));
+                row.push(number(run.flip));
+                row
+            })
+        })
+    });
+    let columns = [
+        ("seed", "seed of the run"),
+        ("spp", "samples per pixel"),
+        ("render_secs", "seconds of rendering so far"),
+        ("secs_before", "seconds before the first sample: rectification, of modes that need it"),
+        ("relmse", "mean of (x − r₁)(x − r₂)/(r² + 0.01); can be below 0 by chance"),
+        ("relmse_trimmed", "the same without the worst 0.1 % of pixels"),
+        (
+            "relmse_steady",
+            "relmse without those 0.1 % of pixels that are the worst at this run's last number of samples; slopes are of this",
+        ),
+        (
+            "relmse_steady",
+            "the same without those 0.1 % that are the worst at the run's last number of samples: of this, slopes are fitted",
+        ),
+        ("mse", "mean of (x − r₁)(x − r₂)"),
+        ("smape", "mean of 2|x − r|/(|x| + |r| + 0.01)"),
+        ("flip", "mean HDR-FLIP; empty where it was not taken"),
+    ];
+    Table {
+        file: "error-runs.csv",
+        about: "Error of every run at every number of samples",
+        columns: START.into_iter().chain(columns).collect(),
+        rows: rows.collect(),
+    }
+}
+
+/// Means over the runs.
+pub fn points(report: &Report) -> Table {
+    let rows = all(report).flat_map(|(scene, curve)| {
+        curve.points.iter().map(move |point| {
+            let mut row = start(scene, curve);
+            row.extend([point.spp.to_string(), number(point.secs)]);
+            for interval in [point.relmse, point.relmse_trimmed, point.mse, point.smape, point.flip, point.efficiency] {
+                row.extend(bounds(interval));
+            }
+            row.extend([point.variance, point.bias_squared].map(number));
+            row
+        })
+    });
+    let columns = [
+        ("spp", "samples per pixel"),
+        ("secs", "geometric mean of the seconds, those before the first sample included"),
+        ("relmse", "geometric mean over the seeds"),
+        ("relmse_low", "lower end of its 95 % t-interval on the logarithm"),
+        ("relmse_high", "its upper end"),
+        ("relmse_trimmed", "the same without the worst 0.1 % of pixels"),
+        ("relmse_trimmed_low", "lower end"),
+        ("relmse_trimmed_high", "upper end"),
+        ("mse", "mean squared error"),
+        ("mse_low", "lower end"),
+        ("mse_high", "upper end"),
+        ("smape", "symmetric mean absolute percentage error, as a fraction"),
+        ("smape_low", "lower end"),
+        ("smape_high", "upper end"),
+        ("flip", "mean HDR-FLIP"),
+        ("flip_low", "lower end"),
+        ("flip_high", "upper end"),
+        ("efficiency", "1/(relMSE · seconds of rendering)"),
+        ("efficiency_low", "lower end"),
+        ("efficiency_high", "upper end"),
+        ("variance", "of one run, in relMSE"),
+        ("bias_squared", "what all seeds share, in relMSE; scatters about 0 without a bias"),
+    ];
+    Table {
+        file: "error-points.csv",
+        about: "Error against time: means over the seeds with their intervals",
+        columns: START.into_iter().chain(columns).collect(),
+        rows: rows.collect(),
+    }
+}
+
+/// What the curves come to.
+pub fn curves(report: &Report) -> Table {
+    let rows = all(report).map(|(scene, curve)| {
+        let mut row = start(scene, curve);
+        row.push(curve.equal_to.map_or(String::new(), |mode| mode.name().to_owned()));
+        row.extend(bounds(curve.slope.map(|slope| slope.trimmed)));
+        row.extend(
+            [curve.slope.map(|s| s.from_spp), curve.slope.map(|s| s.to_spp)].map(|spp| number(spp.map(f64::from))),
+        );
+        row.extend(bounds(Some(curve.bias.squared)));
+        row.extend([curve.bias.significance, curve.bias.brightness].map(number));
+        row.push(curve.bias.is_biased.to_string());
+        row.extend(bounds(curve.plateau.map(|plateau| plateau.relmse)));
+        row.extend([curve.plateau.map(|plateau| plateau.spp), curve.plateau.map(|plateau| plateau.secs)].map(number));
+        row.extend(bounds(curve.plateau.and_then(|plateau| plateau.measured_over_predicted)));
+        row
+    });
+    let columns = [
+        ("equal_to", "the mode whose images these equal, to the last bit; empty for none"),
+        ("slope", "relmse_steady ~ samples^slope, fitted to each seed of error-runs.csv for itself: mean"),
+        ("slope_low", "lower end of its 95 % t-interval over the seeds"),
+        ("slope_high", "its upper end"),
+        ("slope_from_spp", "the first number of samples that the line goes through"),
+        ("slope_to_spp", "the last"),
+        ("bias_squared", "in relMSE, from the mean over the seeds"),
+        ("bias_squared_low", "lower end of its 95 % interval"),
+        ("bias_squared_high", "its upper end"),
+        ("significance", "bias_squared in standard deviations of what chance does"),
+        ("brightness", "mean of image − reference over the reference's mean"),
+        ("is_biased", "whether the significance is beyond 4"),
+        ("plateau", "where the relMSE of a biased mode stays"),
+        ("plateau_low", "lower end"),
+        ("plateau_high", "upper end"),
+        ("plateau_spp", "samples per pixel at which noise is as large as bias"),
+        ("plateau_secs", "seconds at which it is"),
+        ("measured_over_predicted", "last relMSE over what bias and variance of other seeds predict"),
+        ("measured_over_predicted_low", "lower end"),
+        ("measured_over_predicted_high", "upper end"),
+    ];
+    Table {
+        file: "error-curves.csv",
+        about: "Slope, bias and plateau of each mode",
+        columns: START.into_iter().chain(columns).collect(),
+        rows: rows.collect(),
+    }
+}
+
+/// Differences of modes.
+pub fn pairs(report: &Report) -> Table {
+    let scenes = report.scenes.iter().filter_map(|scene| Some((&scene.name, scene.errors.as_ref()?)));
+    let rows = scenes.flat_map(|(scene, found)| found.pairs.iter().map(move |pair| (scene, pair))).flat_map(
+        |(scene, pair)| {
+            pair.points.iter().map(move |point| {
+                let names = [pair.mode.name(), pair.against.name(), technique(pair.technique)].map(str::to_owned);
+                let variances = [point.of_mode, point.of_against, point.of_difference].map(number);
+                [scene.clone()].into_iter().chain(names).chain([point.spp.to_string()]).chain(variances).collect()
+            })
+        },
+    );
+    Table {
+        file: "error-pairs.csv",
+        about: "Variances of two modes' images and of their difference, by the same random numbers",
+        columns: vec![
+            ("scene", "name of the scene"),
+            ("mode", "the first mode"),
+            ("against", "the second"),
+            ("technique", "as in the other tables"),
+            ("spp", "samples per pixel"),
+            ("of_mode", "variance of the first mode's image, over the reference's square plus 0.01"),
+            ("of_against", "of the second's"),
+            ("of_difference", "of their difference"),
+        ],
+        rows: rows.collect(),
+    }
+}

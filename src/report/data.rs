@@ -1,0 +1,64 @@
+//! Everything that one report holds: what the page shows and the files beside it say.
+
+use serde::Serialize;
+
+use super::experiment::SceneErrors;
+use super::growth::Growth;
+use super::left_out::LeftOut;
+use super::machine::Machine;
+use super::pictures::Pictures;
+use super::stability::Stability;
+
+/// Where the numbers come from.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Origin {
+    pub program: &'static str,
+    pub version: &'static str,
+    /// Whether the program was built with optimisation: times of others mean little.
+    pub is_optimized: bool,
+    pub machine: Machine,
+    /// When the report was finished; some of its pieces may be older, if it was interrupted.
+    pub date: String,
+    /// As it was typed.
+    pub command: String,
+    pub seed: u64,
+    pub threads: usize,
+    pub is_quick: bool,
+    /// Tasks that wanted to run at the start, in the mean of a minute, where the system tells: above 0, others were using the machine.
+    pub load_before: Option<f64>,
+    /// Seconds that this run took; pieces that an earlier run had finished are not in it.
+    pub seconds: f64,
+    /// Pieces that an earlier run had finished.
+    pub pieces_reused: usize,
+    pub pieces_made: usize,
+}
+
+/// One scene.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SceneReport {
+    /// The built-in scene's name, or the file's stem.
+    pub name: String,
+    /// As it calls itself.
+    pub title: String,
+    /// One sentence, of built-in scenes.
+    pub about: Option<String>,
+    pub refractors: usize,
+    pub triangles: usize,
+    pub spheres: usize,
+    /// The medium that paths start in.
+    pub camera_medium: String,
+    /// Seconds of building the tree and of rectification.
+    pub build_secs: f64,
+    pub rectify_secs: f64,
+    pub pictures: Option<Pictures>,
+    pub errors: Option<SceneErrors>,
+    pub left_out: Option<LeftOut>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    pub origin: Origin,
+    pub scenes: Vec<SceneReport>,
+    pub stability: Option<Stability>,
+    pub growth: Vec<Growth>,
+}

@@ -1,0 +1,160 @@
+//! From runs to a curve: intervals over seeds, slope, bias and plateau.
+
+use super::data::{Bias, Curve, Plateau, Point, RunPoint, Slope, Technique};
+use super::plan::Plan;
+use super::run::{Level, Run};
+use super::spread::{Image, Parts, Spread};
+use super::truth::{Truth, worst};
+use crate::estimator::sampler::Sequence;
+use crate::measure::Interval;
+use crate::measure::MetricError;
+use crate::measure::statistics::{geometric_mean, jackknife, mean, slope_over_runs};
+use crate::render::Events;
+use crate::tracking::Mode;
+
+/// A slope is fitted to no fewer points.
+const LEAST_POINTS: usize = 3;
+/// Where variance is so many times the bias squared, a biased mode falls like an unbiased one but for a tenth.
+const ABOVE_PLATEAU: f64 = 10.0;
+
+/// What a curve is of.
+#[derive(Clone, Copy)]
+pub struct Subject {
+    pub mode: Mode,
+    pub technique: Technique,
+    pub equal_to: Option<Mode>,
+    pub secs_before: f64,
+}
+
+/// The curve of `runs`, three or more, each with every sample count of the plan.
+///
+/// # Errors
+/// When an image does not fit the references or holds a component that is not finite.
+pub fn curve(subject: &Subject, runs: &[Run], plan: &Plan, truth: &Truth) -> Result<Curve, MetricError> {
+    let last = images(runs, plan.spp.len() - 1);
+    let left_out: Vec<Vec<usize>> = last.iter().map(|image| worst(&truth.relative(image))).collect();
+    let mut points = Vec::with_capacity(plan.spp.len());
+    for (level, &spp) in plan.spp.iter().enumerate() {
+        let images = images(runs, level);
+        let spread = Spread::new(truth, &images);
+        points.push(point(subject, spp, level, runs, &left_out, truth, spread.parts())?);
+    }
+    let bias = Spread::new(truth, &last).bias();
+    let mut events = Events::default();
+    runs.iter().for_each(|run| events += run.events);
+    let plateau = bias.is_biased.then(|| plateau(subject, &points, &bias, runs, plan, truth)).flatten();
+    Ok(Curve {
+        mode: subject.mode,
+        technique: subject.technique,
+        equal_to: subject.equal_to,
+        secs_before: subject.secs_before,
+        slope: slope(&points, &bias, truth.noise()),
+        points,
+        bias,
+        plateau,
+        events,
+    })
+}
+
+/// Those of all runs at one sample count.
+pub fn images(runs: &[Run], level: usize) -> Vec<&Image> {
+    runs.iter().map(|run| &run.levels[level].image).collect()
+}
+
+fn point(
+    subject: &Subject,
+    spp: u32,
+    level: usize,
+    runs: &[Run],
+    left_out: &[Vec<usize>],
+    truth: &Truth,
+    parts: Parts,
+) -> Result<Point, MetricError> {
+    let runs = (runs.iter())
+        .zip(left_out)
+        .map(|(run, left_out)| {
+            let Level { render_secs, image } = &run.levels[level];
+            truth.errors(image, left_out, run.seed, *render_secs)
+        })
+        .collect::<Result<Vec<RunPoint>, _>>()?;
+    let over_runs = |figure: &dyn Fn(&RunPoint) -> f64| geometric_mean(&runs.iter().map(figure).collect::<Vec<f64>>());
+    let secs = over_runs(&|run| run.render_secs + subject.secs_before);
+    Ok(Point {
+        spp,
+        secs: secs.map_or(subject.secs_before, |secs| secs.value),
+        relmse: over_runs(&|run| run.relmse),
+        relmse_trimmed: over_runs(&|run| run.relmse_trimmed),
+        mse: over_runs(&|run| run.mse),
+        smape: over_runs(&|run| run.smape),
+        flip: over_runs(&|run| run.flip.unwrap_or_default()),
+        variance: parts.variance,
+        bias_squared: parts.bias_squared,
+        efficiency: over_runs(&|run| 1.0 / (run.relmse * run.render_secs)),
+        runs,
+    })
+}
+
+/// Of the points where the error falls as it should: above the noise of the references and, of a biased mode, above its plateau.
+fn slope(points: &[Point], bias: &Bias, reference_noise: f64) -> Option<Slope> {
+    let is_falling = |point: &&Point| {
+        let is_above_plateau = !bias.is_biased || point.variance > ABOVE_PLATEAU * bias.squared.value;
+        point.variance > reference_noise && is_above_plateau
+    };
+    let fitted: Vec<&Point> = points.iter().take_while(is_falling).collect();
+    if fitted.len() < LEAST_POINTS {
+        return None;
+    }
+    let fit = |x: &dyn Fn(&Point, &RunPoint) -> f64, y: &dyn Fn(&RunPoint) -> f64| {
+        let run = |run: usize| {
+            fitted.iter().map(|point| (x(point, &point.runs[run]), y(&point.runs[run]))).unzip::<_, _, Vec<_>, Vec<_>>()
+        };
+        slope_over_runs(&(0..fitted[0].runs.len()).map(run).collect::<Vec<_>>())
+    };
+    let spp = |point: &Point, _: &RunPoint| f64::from(point.spp);
+    Some(Slope {
+        trimmed: fit(&spp, &|run| run.relmse_steady)?,
+        trimmed_anew: fit(&spp, &|run| run.relmse_trimmed),
+        untrimmed: fit(&spp, &|run| run.relmse),
+        by_secs: fit(&|_, run| run.render_secs, &|run| run.relmse_steady),
+        from_spp: fitted[0].spp,
+        to_spp: fitted[fitted.len() - 1].spp,
+    })
+}
+
+fn plateau(
+    subject: &Subject,
+    points: &[Point],
+    bias: &Bias,
+    runs: &[Run],
+    plan: &Plan,
+    truth: &Truth,
+) -> Option<Plateau> {
+    let last = points.last()?;
+    let spp = last.variance * f64::from(last.spp) / bias.squared.value;
+    let render_secs = mean(&last.runs.iter().map(|run| run.render_secs).collect::<Vec<_>>())?;
+    Some(Plateau {
+        relmse: bias.squared,
+        relmse_trimmed: bias.squared_trimmed,
+        spp,
+        secs: subject.secs_before + render_secs * spp / f64::from(last.spp),
+        measured_over_predicted: measured_over_predicted(subject, runs, plan, truth),
+    })
+}
+
+/// The error at the last sample count, over what bias and variance at a quarter of the samples predict of it: the bias is to stay, the
+/// variance to fall to a quarter, as it does of independent samples. The references' noise is much the same in both and cancels.
+fn measured_over_predicted(subject: &Subject, runs: &[Run], plan: &Plan, truth: &Truth) -> Option<Interval> {
+    if subject.technique.sampler != Sequence::Independent || subject.technique.adaptive {
+        return None;
+    }
+    let high = plan.spp.len().checked_sub(1)?;
+    let low = high.checked_sub(2)?;
+    let (high_images, low_images) = (images(runs, high), images(runs, low));
+    let (of_high, of_low) = (Spread::new(truth, &high_images), Spread::new(truth, &low_images));
+    let falls = f64::from(plan.spp[low]) / f64::from(plan.spp[high]);
+    let ratio =
+        |high: Parts, low: Parts| (high.bias_squared + high.variance) / (low.bias_squared + low.variance * falls);
+    let without_one = of_high.parts_without_one().into_iter().zip(of_low.parts_without_one());
+    let left_out: Vec<f64> = without_one.map(|(high, low)| ratio(high, low)).collect();
+    jackknife(ratio(of_high.parts(), of_low.parts()), &left_out)
+}

@@ -1,0 +1,203 @@
+//! Error against run time: runs with different seeds, sample counts doubling, held against two independent references.
+//!
+//! # What is measured
+//!
+//! A run is one film that grows: the samples at N are the first half of those at 2N. That costs half of what films of their own would,
+//! and is what a user sees. The errors along one run are correlated; so whatever has an interval is estimated from each run
+//! for itself (a slope), or with each run left out in turn (a bias), and the interval is over the runs, whose seeds make them independent.
+//!
+//! # Error, bias and variance
+//!
+//! With an image x, references r₁ and r₂ and r their mean, the squared error of a component is (x − r₁)(x − r₂): the noise of the references
+//! drops out of its expectation, and a figure of an image as good as the references can come out negative. It is divided by r² + 0.01 for
+//! relMSE. With K runs of mean m and sample variance s², the bias squared is (m − r₁)(m − r₂) − s²/K, without a bias of its own.
+
+mod curve;
+pub mod data;
+mod pair;
+pub mod plan;
+mod run;
+mod spread;
+mod truth;
+
+pub use data::{Bias, Curve, Pair, PairPoint, Plateau, Point, ReferenceAbout, RunPoint, SceneErrors, Slope, Technique};
+pub use plan::{Effort, Plan};
+
+use self::curve::Subject;
+use self::run::{Maker, Run};
+use self::truth::Truth;
+use super::progress::Progress;
+use super::reference;
+use super::store::Store;
+use crate::export::ExportError;
+use crate::measure::MetricError;
+use crate::render::{Prepared, fingerprint};
+use crate::scene::SceneError;
+use crate::scene::camera::Camera;
+use crate::tracking::Mode;
+
+/// Beyond this many standard deviations of what chance does, a mode is called biased: by chance one in thirty thousand is.
+pub const BIAS_SIGNIFICANCE: f64 = 4.0;
+
+/// Modes that are measured, in the order in which they are rendered: a later one that gives the same images as an earlier one is not
+/// rendered with every seed.
+const MODES: [Mode; 5] = [Mode::Rectified, Mode::RectifiedObject, Mode::Priority, Mode::Stack, Mode::Naive];
+/// How much of the whole time the references take, about.
+const SHARE_OF_REFERENCES: f64 = 0.4;
+
+/// A scene that could not be measured.
+#[derive(Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// The scene cannot be rendered.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A piece cannot be kept.
+    #[error(transparent)]
+    Keep(#[from] ExportError),
+    /// Images that cannot be held against each other, because a component is not finite.
+    #[error("error against run time of `{scene}`: {error}")]
+    Metric {
+        scene: String,
+        #[source]
+        error: MetricError,
+    },
+}
+
+/// Measures a scene as far as `effort` goes, on rayon's current pool. What has been finished is kept in `store`, piece by piece, and found
+/// again by the same build of this program. `Ok(None)` where `progress` was cancelled.
+///
+/// # Errors
+/// See [`ExperimentError`].
+pub fn scene_errors(
+    prepared: &Prepared,
+    effort: &Effort,
+    store: &Store,
+    progress: Progress<'_>,
+) -> Result<Option<SceneErrors>, ExperimentError> {
+    let camera = Camera::new(&prepared.description.camera)?;
+    let settings = Technique::independent().settings(Mode::Rectified, effort.first_seed, effort.max_depth);
+    let image = fingerprint(&prepared.description, &camera, effort.size, &settings);
+    let inputs = (image, effort, rayon::current_num_threads());
+    let plan: Option<Plan> =
+        store.piece("plan", &inputs, || Ok::<_, ExperimentError>(Some(Plan::new(prepared, &camera, effort))))?;
+    let Some(plan) = plan else { return Ok(None) };
+    let maker = Maker { prepared, camera: &camera, plan: &plan, store };
+    let errors = store.piece("errors", &(image, &plan, rayon::current_num_threads()), || measure(&maker, progress))?;
+    if errors.is_some() {
+        // Some hundred megabytes of a long measurement, all said.
+        let all = variants().flat_map(|variant| plan.seeds.iter().map(move |&seed| (variant, seed)));
+        all.for_each(|((mode, technique), seed)| maker.forget(mode, technique, seed));
+    }
+    Ok(errors)
+}
+
+/// Every mode with independent samples, and the shipped technique.
+fn variants() -> impl Iterator<Item = (Mode, Technique)> {
+    let independent = MODES.into_iter().map(|mode| (mode, Technique::independent()));
+    independent.chain([(Mode::Rectified, Technique::shipped())])
+}
+
+/// Renders what the plan says and works it out.
+fn measure(maker: &Maker<'_>, progress: Progress<'_>) -> Result<Option<SceneErrors>, ExperimentError> {
+    let Maker { prepared, camera, plan, store } = *maker;
+    let scene = &prepared.description.name;
+    let wanted =
+        reference::Wanted { prepared, camera, size: plan.size, max_depth: plan.max_depth, spp: plan.reference_spp };
+    let of_references = |_: &str, done: f64| {
+        (progress.tell)(&format!("{scene}: references"), done * SHARE_OF_REFERENCES);
+    };
+    let Some(references) = reference::references(&wanted, store, Progress { tell: &of_references, ..progress })? else {
+        return Ok(None);
+    };
+    let Some(measured) = run_all(maker, progress)? else { return Ok(None) };
+
+    let analysed = || -> Result<_, MetricError> {
+        let truth = Truth::new(&references, plan.size)?;
+        let mut curves = Vec::with_capacity(measured.len());
+        let mut pairs = Vec::new();
+        for variant in &measured {
+            let twin = variant.equal_to.and_then(|mode| find(&measured, mode)).unwrap_or(variant);
+            let subject = Subject {
+                mode: variant.mode,
+                technique: variant.technique,
+                equal_to: variant.equal_to,
+                secs_before: if uses_rectification(variant.mode) { prepared.seconds.rectify } else { 0.0 },
+            };
+            curves.push(curve::curve(&subject, &twin.runs, plan, &truth)?);
+            if let Some(rectified) = find(&measured, Mode::Rectified)
+                && variant.mode != Mode::Rectified
+                && variant.equal_to.is_none()
+            {
+                pairs.push(pair::pair(variant.mode, variant.technique, &variant.runs, &rectified.runs, plan, &truth));
+            }
+        }
+        // Stable: the shipped technique stays behind its mode's independent samples.
+        curves.sort_by_key(|curve| (curve.technique != Technique::independent(), curve.mode));
+        pairs.sort_by_key(|pair| pair.mode);
+        Ok((curves, pairs, truth.noise()))
+    };
+    let (curves, pairs, relmse) =
+        analysed().map_err(|error| ExperimentError::Metric { scene: scene.clone(), error })?;
+    Ok(Some(SceneErrors {
+        scene: scene.clone(),
+        plan: plan.clone(),
+        threads: rayon::current_num_threads(),
+        bvh_secs: prepared.seconds.bvh,
+        rectify_secs: prepared.seconds.rectify,
+        reference: ReferenceAbout {
+            spp: references.spp[0].min(references.spp[1]),
+            seeds: reference::SEEDS,
+            render_secs: references.render_secs,
+            relmse,
+            events: references.events,
+        },
+        curves,
+        pairs,
+    }))
+}
+
+/// Whether the mode looks up what rectification found.
+fn uses_rectification(mode: Mode) -> bool {
+    matches!(mode, Mode::Rectified | Mode::RectifiedObject)
+}
+
+struct Measured {
+    mode: Mode,
+    technique: Technique,
+    equal_to: Option<Mode>,
+    /// With the plan's seeds, or the first of them only where equal to another mode's.
+    runs: Vec<Run>,
+}
+
+/// The runs with independent samples of a mode.
+fn find(measured: &[Measured], mode: Mode) -> Option<&Measured> {
+    measured.iter().find(|variant| variant.mode == mode && variant.technique == Technique::independent())
+}
+
+/// Seed by seed, all modes in turn, so that what disturbs the machine disturbs all of them. `None` where cancelled.
+fn run_all(maker: &Maker<'_>, progress: Progress<'_>) -> Result<Option<Vec<Measured>>, ExportError> {
+    let seeds = &maker.plan.seeds;
+    let mut measured: Vec<Measured> = variants()
+        .map(|(mode, technique)| Measured { mode, technique, equal_to: None, runs: Vec::with_capacity(seeds.len()) })
+        .collect();
+    for (index, &seed) in seeds.iter().enumerate() {
+        for variant in 0..measured.len() {
+            let Measured { mode, technique, equal_to, .. } = measured[variant];
+            if equal_to.is_some() {
+                continue;
+            }
+            let done = (index as f64 + variant as f64 / measured.len() as f64) / seeds.len() as f64;
+            let what = format!("{}: {mode}, seed {seed}", maker.prepared.description.name);
+            (progress.tell)(&what, SHARE_OF_REFERENCES + done * (1.0 - SHARE_OF_REFERENCES));
+            let Some(run) = maker.run(mode, technique, seed, progress)? else { return Ok(None) };
+            if index == 0 {
+                let same = |earlier: &&Measured| {
+                    earlier.technique == technique && earlier.runs.iter().all(|other| other.has_images_of(&run))
+                };
+                measured[variant].equal_to = measured[..variant].iter().find(same).map(|earlier| earlier.mode);
+            }
+            measured[variant].runs.push(run);
+        }
+    }
+    Ok(Some(measured))
+}

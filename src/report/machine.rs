@@ -1,0 +1,112 @@
+//! Where and when something was measured, as far as the system tells.
+
+use std::fs;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde::{Deserialize, Serialize};
+
+/// The machine that measures. What cannot be found out is `None`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Machine {
+    /// As the processor calls itself.
+    pub cpu: Option<String>,
+    /// Threads that the system can run at once.
+    pub cores: usize,
+    /// Name and version of the system, and the kind of processor it was built for.
+    pub system: String,
+    pub memory_bytes: Option<u64>,
+}
+
+impl Machine {
+    /// This machine.
+    pub fn here() -> Self {
+        let os = field("/etc/os-release", "PRETTY_NAME", '=').map(|name| name.trim_matches('"').to_owned());
+        Self {
+            cpu: field("/proc/cpuinfo", "model name", ':'),
+            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            system: format!("{}, {}", os.unwrap_or_else(|| std::env::consts::OS.to_owned()), std::env::consts::ARCH),
+            memory_bytes: kilobytes("/proc/meminfo", "MemTotal"),
+        }
+    }
+}
+
+/// Memory that this process has in use, in bytes; `None` where the system does not tell in a file.
+pub fn resident_bytes() -> Option<u64> {
+    kilobytes("/proc/self/status", "VmRSS")
+}
+
+/// Memory that could be had without swapping, in bytes; `None` where the system does not tell in a file.
+pub fn available_bytes() -> Option<u64> {
+    kilobytes("/proc/meminfo", "MemAvailable")
+}
+
+/// Tasks that wanted to run in the last minute, in the mean, this program's included: how quiet the machine is.
+pub fn load_average() -> Option<f64> {
+    fs::read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.parse().ok()
+}
+
+fn kilobytes(path: &str, name: &str) -> Option<u64> {
+    let value = field(path, name, ':')?;
+    value.strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
+}
+
+/// The value behind `name` and `separator` in the first such line of a file.
+fn field(path: &str, name: &str, separator: char) -> Option<String> {
+    let text = fs::read_to_string(path).ok()?;
+    text.lines().find_map(|line| {
+        let (key, value) = line.split_once(separator)?;
+        (key.trim() == name).then(|| value.trim().to_owned())
+    })
+}
+
+/// The time now in UTC, as in `2026-11-23 14:05 UTC`.
+pub fn now() -> String {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    date(since.as_secs())
+}
+
+/// Gregorian date and time from seconds since 1970. Howard Hinnant, "chrono-compatible low-level date algorithms", `civil_from_days`.
+fn date(seconds: u64) -> String {
+    let (days, second) = (seconds / 86_400 + 719_468, seconds % 86_400);
+    // Eras of 400 years that begin on 1 March, so that a leap day is the last of its year.
+    let (era, day_of_era) = (days / 146_097, days % 146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = if month_from_march < 10 { month_from_march + 3 } else { month_from_march - 9 };
+    let year = year_of_era + era * 400 + u64::from(month <= 2);
+    format!("{year:04}-{month:02}-{day:02} {:02}:{:02} UTC", second / 3600, second / 60 % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `date -u -d @… '+%Y-%m-%d %H:%M'`.
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        for (seconds, expected) in [
+            (0, "1970-01-01 00:00 UTC"),
+            (951_782_399, "2000-02-28 23:59 UTC"),
+            (951_782_400, "2000-02-29 00:00 UTC"),
+            (951_868_800, "2000-03-01 00:00 UTC"),
+            (1_795_401_240, "2026-11-23 02:34 UTC"),
+            (4_107_542_400, "2100-03-01 00:00 UTC"),
+        ] {
+            assert_eq!(date(seconds), expected);
+        }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_machine_is_known() {
+        let machine = Machine::here();
+        assert!(machine.cores >= 1 && machine.memory_bytes.is_some_and(|bytes| bytes > 1 << 26));
+        let before = resident_bytes().unwrap();
+        let block = vec![1_u8; 64 << 20];
+        let after = resident_bytes().unwrap();
+        assert!(after > before + (48 << 20), "{before} {after}");
+        assert_eq!(block[12_345], 1);
+    }
+}

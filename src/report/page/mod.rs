@@ -1,0 +1,15 @@
+//! One page that holds everything: no other file, no network, no script. Light or dark as its reader prefers, on a phone, on paper.
+
+mod errors;
+mod files;
+mod frame;
+mod growth;
+mod left_out;
+mod map;
+pub mod plot;
+mod scenes;
+mod stability;
+mod summary;
+mod words;
+
+pub use frame::html;

@@ -1,0 +1,142 @@
+//! Cases beyond the forty.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::closed_forms::{absorbing_ball, lateral_shift, shares_of_ball};
+use super::definition::{CaseDefinition, Measured, Subject};
+use super::outcome::Measurement;
+use super::scenes::{Numbers, add, empty, layers, mean, nest, ready, render, samples_of, sphere};
+use crate::estimator::trace::{Follow, Vertex, VertexEvent, trace};
+use crate::geometry::Ray;
+
+const fn case(name: &'static str, source: &'static str, measure: fn(&Subject) -> Measured) -> CaseDefinition {
+    CaseDefinition { number: None, name, source, measure }
+}
+
+pub(super) const CASES: &[CaseDefinition] = &[
+    case(
+        "Paths through an eccentric nest, run backwards",
+        "reversibility: the same interfaces in the opposite order, R and direction alike",
+        reversed,
+    ),
+    case("Light that leaves a ball of glass after p internal reflections", "mean of T² R^p over the disc", shares),
+    case("Matched absorbing ball, σR = 0.01 and 1", "[1 − (1 + 2s) e^(−2s)]/(2s²), s = σR", matched_ball),
+    case("Lateral shift by a slab", "sin θ (1 − cos θ/√(n² − sin² θ))", shift),
+];
+
+/// The media on both sides of a vertex as the path backwards must see them: what it goes through it meets from the other side.
+fn sides(vertex: &Vertex, is_backwards: bool) -> [Option<&str>; 2] {
+    let (from, to) = (vertex.from.as_deref(), vertex.to.as_deref());
+    if is_backwards && vertex.event == VertexEvent::Transmit { [to, from] } else { [from, to] }
+}
+
+/// Eccentric spheres have no closed form, but a path must lead back.
+fn reversed(subject: &Subject) -> Measured {
+    let mut description = empty(1.2);
+    add(&mut description, sphere(DVec3::ZERO, 1.0), 1.5, 0.0);
+    add(&mut description, sphere(DVec3::new(0.1, 0.2, 0.05), 0.6), 1.333, 0.0);
+    add(&mut description, sphere(DVec3::new(0.2, 0.1, -0.1), 0.25), 1.8, 0.0);
+    let scene = ready(description)?;
+    let mut numbers = Numbers(53);
+    let rays: Vec<Ray> = (0..subject.amount(300, 5000))
+        .map(|_| {
+            let direction = numbers.direction();
+            Ray::new(numbers.point(DVec3::splat(-0.5), DVec3::splat(0.5)) - direction * 4.0, direction)
+        })
+        .collect();
+    let mut measurements = Vec::new();
+    for &mode in subject.modes {
+        subject.go_on()?;
+        let (mut turned, mut reflectance, mut other): (f64, f64, usize) = (0.0, 0.0, 0);
+        for ray in &rays {
+            let there = trace(&scene, mode, *ray, Follow::Transmit, 0, None);
+            let Some(last) = there.vertices.last() else { continue };
+            let direction = DVec3::from(there.final_direction);
+            let start = Ray::new(DVec3::from(last.position) + direction, -direction);
+            let back = trace(&scene, mode, start, Follow::Transmit, 0, None);
+            let forth_sides = there.vertices.iter().map(|v| sides(v, false));
+            if !back.escaped || !forth_sides.eq(back.vertices.iter().rev().map(|v| sides(v, true))) {
+                other += 1;
+                continue;
+            }
+            turned = turned.max((DVec3::from(back.final_direction) + ray.direction).length());
+            for (a, b) in there.vertices.iter().zip(back.vertices.iter().rev()) {
+                reflectance = reflectance.max((a.fresnel.unwrap_or(f64::NAN) - b.fresnel.unwrap_or(f64::NAN)).abs());
+            }
+        }
+        measurements.push(Measurement::none_of(format!("paths that go another way back, {mode}"), other, "paths"));
+        let direction = Measurement::absolute(format!("direction, {mode}"), turned, 0.0, 1e-9);
+        measurements.push(direction.in_unit("rad"));
+        measurements.push(Measurement::absolute(format!("|ΔR| at an interface, {mode}"), reflectance, 0.0, 1e-9));
+    }
+    Ok(measurements)
+}
+
+/// Paths chosen at random as the renderer does, over the ball's disc, sorted by the number of their vertices.
+fn shares(subject: &Subject) -> Measured {
+    let ball = ready(nest(1.0, &[(1.0, 1.5)]))?;
+    let expected = shares_of_ball::<5>(1.5);
+    let mut measurements = Vec::new();
+    for &mode in subject.modes {
+        subject.go_on()?;
+        let count = samples_of(mode, subject.amount(40_000, 400_000));
+        let vertices = |k: u32| {
+            // Uniform over the disc.
+            let b = ((f64::from(k) + 0.5) / f64::from(count)).sqrt();
+            let ray = Ray::new(DVec3::new(-10.0, b, 0.0), DVec3::X);
+            trace(&ball, mode, ray, Follow::Sample, u64::from(k), Some(8)).vertices.len()
+        };
+        let lengths: Vec<usize> = (0..count).into_par_iter().map(vertices).collect();
+        for (k, expected) in expected.into_iter().enumerate() {
+            let measured = lengths.iter().filter(|length| **length == k + 1).count() as f64 / f64::from(count);
+            // Of random paths; spreading them evenly over the disc makes it less.
+            let noise = (expected * (1.0 - expected) / f64::from(count)).sqrt();
+            let what = match k {
+                0 => format!("reflected outside, {mode}"),
+                _ => format!("p = {}, {mode}", k - 1),
+            };
+            measurements.push(Measurement::absolute(what, measured, expected, 1e-5).with_noise(noise));
+        }
+    }
+    Ok(measurements)
+}
+
+/// The ball fills a disc in the image, of the image's width; around it the room is white.
+fn matched_ball(subject: &Subject) -> Measured {
+    let mut measurements = Vec::new();
+    for s in [0.01, 1.0] {
+        let mut description = empty(1.3);
+        add(&mut description, sphere(DVec3::ZERO, 1.0), 1.3, s);
+        description.camera.position = DVec3::new(0.0, 0.0, 1e5);
+        description.camera.vertical_fov = 2.0 * (1e-5f64).atan().to_degrees();
+        let scene = ready(description)?;
+        for &mode in subject.modes {
+            subject.go_on()?;
+            let film = render(&scene, mode, (64, 64), subject.amount(8, 64), 1, None)?;
+            let measured = 1.0 - (1.0 - mean(&film).0) / std::f64::consts::FRAC_PI_4;
+            // Low-discrepancy points leave an error at the rim alone.
+            let what = format!("mean T over the disc, σR = {s}, {mode}");
+            measurements.push(Measurement::absolute(what, measured, absorbing_ball(s), 1e-3));
+        }
+    }
+    Ok(measurements)
+}
+
+fn shift(subject: &Subject) -> Measured {
+    let mut description = layers(&[(0.0, -1.0, 1.5, 0.0)], 0.0);
+    description.lights.clear();
+    let scene = ready(description)?;
+    let mut measurements = Vec::new();
+    for degrees in [30.0f64, 45.0, 89.0] {
+        let direction = DVec3::new(degrees.to_radians().sin(), -degrees.to_radians().cos(), 0.0);
+        for &mode in subject.modes {
+            let path = trace(&scene, mode, Ray::new(-direction, direction), Follow::Transmit, 0, None);
+            let exit = path.vertices.get(1).map_or(DVec3::NAN, |v| DVec3::from(v.position));
+            let measured = exit.cross(direction).length();
+            let what = format!("shift at {degrees}°, {mode}");
+            measurements.push(Measurement::absolute(what, measured, lateral_shift(1.5, degrees), 1e-9));
+        }
+    }
+    Ok(measurements)
+}

@@ -1,0 +1,151 @@
+//! Cases 39 and 40: broken meshes, deep nests, and absorption from nothing to everything.
+
+use glam::DVec3;
+
+use super::closed_forms::reflectance;
+use super::definition::{CaseDefinition, Measured, Subject};
+use super::outcome::Measurement;
+use super::scenes::{Numbers, add, empty, icosphere, interfaces, mean, mesh_of, mesh_shape, nest, ready, render};
+use crate::estimator::trace::{Follow, trace};
+use crate::geometry::{Mesh, Ray};
+use crate::scene::description::Shape;
+use crate::tracking::Mode;
+
+pub(super) const CASES: &[CaseDefinition] = &[
+    CaseDefinition::new(
+        39,
+        "5 % of the triangles missing, slivers, duplicates",
+        "nothing is not a number, and most answers are those of the whole meshes",
+        broken,
+    ),
+    CaseDefinition::new(40, "256 deep; σd from 1e-6 to 1e3", "e^(−σd); overflow is counted", deep_and_dark),
+];
+
+fn with_faults(whole: Mesh, numbers: &mut Numbers) -> Mesh {
+    let mut triangles = Vec::new();
+    for t in whole.triangles {
+        match numbers.index(40) {
+            // 5 %.
+            0 | 1 => {}
+            2 => triangles.extend([t, t]),
+            3 => triangles.extend([t, [t[0], t[1], t[1]]]),
+            _ => triangles.push(t),
+        }
+    }
+    Mesh { triangles, ..whole }
+}
+
+fn broken(subject: &Subject) -> Measured {
+    let radii = [1.0, 0.6];
+    // Faces lie up to 1 % within their sphere, and a point there may be on either side.
+    let medium_at = |p: DVec3| {
+        let r = p.length();
+        let is_clear = radii.iter().all(|radius| r < 0.98 * radius || r > *radius);
+        is_clear.then_some(if r > radii[0] {
+            "world"
+        } else if r > radii[1] {
+            "object 0"
+        } else {
+            "object 1"
+        })
+    };
+    let mut numbers = Numbers(43);
+    let mut description = empty(1.0);
+    for (radius, ior) in radii.into_iter().zip([1.4, 1.5]) {
+        let mesh = with_faults(mesh_of(&icosphere(radius, 3))?, &mut numbers);
+        add(&mut description, mesh_shape(mesh), ior, 0.0);
+    }
+    description.camera.vertical_fov = 15.0;
+    let scene = ready(description)?;
+    let rays: Vec<Ray> = (0..subject.amount(500, 5000))
+        .map(|_| Ray::new(numbers.point(DVec3::splat(-0.7), DVec3::splat(0.7)), numbers.direction()))
+        .collect();
+    let mut measurements = Vec::new();
+    for &mode in subject.modes {
+        subject.go_on()?;
+        let (mut starts, mut right_starts, mut crossings, mut right_crossings, mut not_numbers) = (0, 0, 0, 0, 0);
+        for ray in &rays {
+            let path = trace(&scene, mode, *ray, Follow::Transmit, 0, Some(12));
+            if let Some(expected) = medium_at(ray.origin) {
+                starts += 1;
+                right_starts += usize::from(path.camera_medium == expected);
+            }
+            let sides = path.vertices.iter().filter(|v| v.from != v.to);
+            for (vertex, (from, to)) in sides.zip(interfaces(&path)) {
+                let is_outer = DVec3::from(vertex.position).length() > 0.8;
+                let shell = if is_outer { ("world", "object 0") } else { ("object 0", "object 1") };
+                crossings += 1;
+                right_crossings += usize::from((from, to) == shell || (to, from) == shell);
+            }
+            not_numbers += usize::from(!path.final_direction.iter().all(|x| x.is_finite()));
+        }
+        let share = |right: usize, all: usize| right as f64 / all as f64;
+        let what = format!("share of starts in the right medium, {mode}");
+        measurements.push(Measurement::absolute(what, share(right_starts, starts), 1.0, 0.005));
+        let what = format!("share of right crossings, {mode}");
+        measurements.push(Measurement::absolute(what, share(right_crossings, crossings), 1.0, 0.01));
+        let film = render(&scene, mode, (24, 24), subject.amount(2, 16), 1, None)?;
+        not_numbers += film.events.non_finite as usize;
+        not_numbers += (0..film.sums.len()).filter(|&pixel| !film.mean(pixel).is_finite()).count();
+        measurements.push(Measurement::none_of(format!("values that are no number, {mode}"), not_numbers, ""));
+    }
+    Ok(measurements)
+}
+
+fn deep_and_dark(subject: &Subject) -> Measured {
+    let mut measurements = Vec::new();
+    // Spheres and, within each by less than the next one's distance, meshes.
+    let shells: Vec<_> = (0..256).map(|k| (1.0 - f64::from(k) / 300.0, if k % 2 == 0 { 1.5 } else { 1.4 })).collect();
+    let mut description = nest(1.0, &shells);
+    for (k, refractor) in description.refractors.iter_mut().enumerate().filter(|(k, _)| k % 16 == 0) {
+        refractor.shape = icosphere(shells[k].0, 4);
+    }
+    description.camera.vertical_fov = 8.0;
+    let scene = ready(description)?;
+    let ray = Ray::new(DVec3::new(-3.0, 0.011, 0.023), DVec3::X);
+    // Modes that carry a state must hold all of it, or say so.
+    for mode in subject.modes.iter().copied().chain([Mode::Stack, Mode::Priority]) {
+        subject.go_on()?;
+        let path = trace(&scene, mode, ray, Follow::Transmit, 0, None);
+        let crossings = path.vertices.len() as f64;
+        measurements.push(Measurement::absolute(format!("interfaces, {mode}"), crossings, 512.0, 0.0));
+        let events = path.events.total() as usize;
+        measurements.push(Measurement::none_of(format!("events, {mode}"), events, "events"));
+        let side = if mode == Mode::Reference { 2 } else { 6 };
+        let film = render(&scene, mode, (side, side), 1, 1, None)?;
+        let not_numbers = (0..film.sums.len()).filter(|&pixel| !film.mean(pixel).is_finite()).count();
+        measurements.push(Measurement::none_of(format!("pixels that are no number, {mode}"), not_numbers, "pixels"));
+    }
+    for exponent in -6..=3 {
+        let sigma = 10f64.powi(exponent);
+        let scene = ready(matched_absorbers(sigma))?;
+        for &mode in subject.modes {
+            subject.go_on()?;
+            let (measured, _) = mean(&render(&scene, mode, (4, 4), 2, 1, None)?);
+            let what = format!("T at σd = 1e{exponent}, {mode}");
+            measurements.push(Measurement::relative(what, measured, (-sigma).exp(), 1e-8));
+        }
+    }
+    // A drop of water that absorbs all is black but for its surface; its middle is seen at normal incidence.
+    let mut description = nest(1.0, &[(1.0, 1.333)]);
+    description.media[0].absorption = [1e3; 3];
+    description.camera.vertical_fov = 0.1;
+    let scene = ready(description)?;
+    for &mode in subject.modes {
+        let (measured, error) = mean(&render(&scene, mode, (32, 32), subject.amount(64, 1024), 1, None)?);
+        let expected = reflectance(1.0, 1.333, 1.0);
+        let what = format!("R of a black drop, {mode}");
+        measurements.push(Measurement::absolute(what, measured, expected, 1e-5).with_noise(error));
+    }
+    Ok(measurements)
+}
+
+/// Half a unit in each of two matched media, the inner of which overlaps the outer's far wall.
+pub(super) fn matched_absorbers(sigma: f64) -> crate::scene::Description {
+    let mut description = empty(1.333);
+    for (min, max) in [([-100.0, -100.0, -0.5], [100.0, 100.0, 0.25]), ([-90.0, -90.0, 0.0], [90.0, 90.0, 0.5])] {
+        add(&mut description, Shape::Box { min: min.into(), max: max.into() }, 1.333, sigma);
+    }
+    description.camera.vertical_fov = 1e-6;
+    description
+}

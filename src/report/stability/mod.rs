@@ -1,0 +1,84 @@
+//! Numerical stability: stiff and extreme cases, put to the code that renders, with what was to be found, what was found, and how far
+//! apart the two may be.
+//!
+//! - [`Case`]s: forty named ones, and a few beyond them, each with its source in physics.
+//! - [`Sweep`]s: one property of a scene taken from harmless to extreme, with the error at each step.
+//! - [`Map`]s: the error of Fresnel's equations over index and angle.
+//!
+//! Expected values are closed forms, evaluated here in f64 or in [`extended`] precision; none comes from this renderer. What needs a
+//! capability that the program does not have is *not run*, which is never a pass; what is missed is a failure with its reason.
+
+mod beyond;
+mod closed_forms;
+mod contrasts;
+mod convex;
+mod definition;
+pub mod extended;
+mod formula;
+mod harsh;
+mod images;
+mod layers;
+mod map;
+mod nests;
+mod optics;
+mod outcome;
+pub mod scenes;
+mod shells;
+mod sweeps;
+
+pub use definition::{CaseDefinition, Subject, SweepDefinition};
+pub use formula::{Evaluated, Formula};
+pub use outcome::{Case, Effort, ErrorKind, Map, Measurement, NOISE_ALLOWANCE, Outcome, Stability, Step, Sweep};
+
+/// How far a run has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    pub done: usize,
+    pub total: usize,
+    /// What is done next; empty at the end.
+    pub next: &'static str,
+}
+
+/// Runs everything, one check after the other. `None` when cancelled.
+pub fn run(subject: &Subject, progress: &mut dyn FnMut(Progress)) -> Option<Stability> {
+    let (case_list, sweep_list) = (cases(), sweeps());
+    let total = case_list.len() + sweep_list.len() + 1;
+    let mut done = 0;
+    let mut before = |next| {
+        progress(Progress { done, total, next });
+        done += 1;
+    };
+    let mut cases = Vec::new();
+    for definition in &case_list {
+        before(definition.name);
+        cases.push(definition.run(subject));
+    }
+    let mut sweeps = Vec::new();
+    for definition in &sweep_list {
+        before(definition.name);
+        sweeps.push(definition.run(subject));
+    }
+    before("Maps of Fresnel's equations");
+    let maps = maps(subject)?;
+    before("");
+    Some(Stability { effort: subject.effort, cases, sweeps, maps })
+}
+
+/// All sweeps.
+pub fn sweeps() -> Vec<SweepDefinition> {
+    [contrasts::SWEEPS, sweeps::SWEEPS].concat()
+}
+
+/// Reflectance and transmittance by every [`Formula`], over all angles and just inside the critical one. `None` when cancelled.
+pub fn maps(subject: &Subject) -> Option<Vec<Map>> {
+    map::maps(subject).ok()
+}
+
+/// All cases: the forty in order, and those beyond.
+pub fn cases() -> Vec<CaseDefinition> {
+    let mut cases: Vec<CaseDefinition> =
+        [optics::CASES, layers::CASES, nests::CASES, images::CASES, shells::CASES, harsh::CASES, beyond::CASES]
+            .concat();
+    cases.sort_by_key(|case| case.number.unwrap_or(u32::MAX));
+    cases
+}
