@@ -39,6 +39,7 @@ const CRATES: &[(&[&str], &[&str])] = &[
     (&["toml_edit", "tobj", "ply_rs_bw", "gltf"], &["scene"]),
     (&["ab_glyph", "epaint_default_fonts", "png"], &["export", "app"]),
     (&["sha2"], &["scene::fingerprint", "report"]),
+    (&["exr"], &["export"]),
     (&["statrs"], &["measure"]),
     (&["maud"], &["report"]),
 ];

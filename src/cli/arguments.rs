@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::estimator::sampler::Sequence;
 use crate::estimator::trace::Follow;
-use crate::render::ToneCurve;
+use crate::render::{SampleRange, ToneCurve};
 use crate::report::make::Part;
 use crate::tracking::Mode;
 
@@ -23,6 +23,7 @@ Examples:
   iorect scenes                                 list the built-in scenes
   iorect compare camera-in-water                naive, stack and rectified side by side, as a PNG
   iorect render nested-spheres --spp 256 -o out.exr
+  iorect merge part*.exr -o all.exr             parts that `render --samples A..B` wrote, as one
   iorect rectify nested-spheres                 what lies on the other side of every surface
   iorect trace camera-in-water --pixel 256,256  one path, vertex by vertex
   iorect check my-scene.toml                    what is wrong or doubtful in a scene
@@ -48,6 +49,8 @@ pub enum Command {
     Render(RenderArguments),
     /// Render several modes side by side, with labels and differences, in one PNG
     Compare(CompareArguments),
+    /// Put together parts of an image that were rendered apart, without rounding
+    Merge(MergeArguments),
     /// Show what rectification found on the other side of every refractor
     Rectify(RectifyArguments),
     /// Follow one path, vertex by vertex
@@ -127,9 +130,10 @@ pub struct ImageArguments {
     /// Tone curve of PNG pictures: soft (a shoulder) or clip (cut off at 1)
     #[arg(long, value_name = "CURVE", default_value = "soft")]
     pub curve: ToneCurve,
-    /// Whether samples go where they lower the error most: on or off; `--spp` is then the mean over the pixels
-    #[arg(long, value_name = "on|off", default_value = "on", value_parser = on_or_off)]
-    pub adaptive: Switch,
+    /// Whether samples go where they lower the error most: on or off; `--spp` is then the mean over the pixels [default: on, but off with
+    /// --samples]
+    #[arg(long, value_name = "on|off", value_parser = on_or_off)]
+    pub adaptive: Option<Switch>,
     /// Interfaces seen from the camera at which a path may split, so that both the reflected and the transmitted light are followed; 0: none
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=8), allow_negative_numbers = true)]
     pub splits: u32,
@@ -153,14 +157,21 @@ Examples:
   iorect render camera-in-water                                  → camera-in-water-rectified.png
   iorect render my.toml --mode stack --spp 256 --size 1280x720 -o stack.png
   iorect render my.toml --time 30 -o linear.exr
-  iorect render my.toml --spp 16 --json                          figures only")]
+  iorect render my.toml --spp 16 --json                          figures only
+  iorect render my.toml --samples 256..512 -o part1.exr          for `iorect merge`")]
 pub struct RenderArguments {
     #[command(flatten)]
     pub image: ImageArguments,
     /// How media are tracked: naive, stack, priority, rectified-object, rectified or reference
     #[arg(long, value_name = "MODE", default_value = "rectified")]
     pub mode: Mode,
-    /// Picture to write, by its extension PNG (as seen, with text about what it shows) or EXR (linear) [default: SCENE-MODE.png]
+    /// Take the samples from A up to but without B of every pixel, and write their sums and counts without rounding, as an EXR file: `iorect
+    /// merge` puts such parts together. The samples are those of one render; parts of 2^k samples that begin at a multiple of 2^k are
+    /// as well distributed as its first
+    #[arg(long, value_name = "A..B", value_parser = samples, conflicts_with_all = ["spp", "time"])]
+    pub samples: Option<SampleRange>,
+    /// Picture to write, by its extension PNG (as seen, with text about what it shows) or EXR (linear) [default: SCENE-MODE.png, or with
+    /// --samples SCENE-MODE-A-B.exr]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
 }
@@ -184,6 +195,33 @@ pub struct CompareArguments {
     /// Picture to write [default: SCENE-comparison.png]
     #[arg(short, long, value_name = "FILE.png")]
     pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Files must be of one image: same content of the scene, camera, size, mode, seed and settings, and no sample twice. The result is the
+same to the bit in whatever order and grouping files are merged, and as if one machine had taken all samples.
+
+Examples:
+  iorect merge part*.exr -o all.exr                              can be merged further; any viewer opens it
+  iorect merge part*.exr -o all.exr -o all.png
+  iorect merge part*.exr --json                                  what they hold, and whether they go together")]
+pub struct MergeArguments {
+    /// Files that `iorect render --samples` or `iorect merge` wrote
+    #[arg(required = true, value_name = "FILE.exr")]
+    pub files: Vec<PathBuf>,
+    /// File to write, by its extension EXR (sums and counts again, and the picture) or PNG; may be given more than once
+    #[arg(short, long = "output", value_name = "FILE")]
+    pub outputs: Vec<PathBuf>,
+    /// Exposure of PNG pictures in stops
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
+    pub exposure: f32,
+    /// Tone curve of PNG pictures: soft (a shoulder) or clip (cut off at 1)
+    #[arg(long, value_name = "CURVE", default_value = "soft")]
+    pub curve: ToneCurve,
+    /// Print what was merged as JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -337,6 +375,15 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+fn samples(text: &str) -> Result<SampleRange, String> {
+    let index = |text: &str| text.trim().parse::<u32>().ok();
+    let range = text.split_once("..").and_then(|(first, end)| Some(SampleRange(index(first)?, index(end)?)));
+    match range {
+        Some(range) if range.count() > 0 => Ok(range),
+        _ => Err("give the first sample and the one after the last, such as 0..256, at most 4294967295".into()),
+    }
+}
+
 fn depth(text: &str) -> Result<Depth, String> {
     match (text, text.parse::<u32>()) {
         ("none", _) => Ok(Depth(None)),
@@ -425,6 +472,15 @@ mod tests {
         assert_eq!(size("8192×8192"), Ok(Size { width: 8192, height: 8192 }));
         for wrong in ["0x0", "0x5", "5x0", "5", "x", "-1x5", "1e3x5", "32769x1", "8193x8192", "99999999999x1"] {
             assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn ranges_of_samples() {
+        assert_eq!(samples("0..256"), Ok(SampleRange(0, 256)));
+        assert_eq!(samples("4294967294..4294967295"), Ok(SampleRange(u32::MAX - 1, u32::MAX)));
+        for wrong in ["", "5", "5..5", "6..5", "-1..5", "0..", "..4", "0...4", "0..=4", "0..4294967296", "a..b"] {
+            assert!(samples(wrong).is_err(), "{wrong}");
         }
     }
 

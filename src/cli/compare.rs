@@ -32,7 +32,7 @@ struct PairDifference {
 
 pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     let image = &arguments.image;
-    let output = output_path(arguments.output.as_ref(), image.json, &image.scene, "comparison");
+    let output = output_path(arguments.output.as_ref(), image.json, &image.scene, "comparison.png");
     require_distinct(&arguments.modes)?;
     if let Some(path) = &output {
         if Format::of(path).map_err(Failure::bad_output)? != Format::Png {

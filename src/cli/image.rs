@@ -9,9 +9,12 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::Failure;
-use super::arguments::ImageArguments;
+use super::arguments::{ImageArguments, Size};
 use crate::estimator::sampler::Sequence;
-use crate::render::{Display, Events, Film, Prepared, RenderSettings, VarianceReduction, accumulate, prepare};
+use crate::render::exact::unit_exponent;
+use crate::render::{
+    Display, Events, Film, Prepared, Recipe, RenderSettings, SampleRange, VarianceReduction, accumulate, prepare,
+};
 use crate::scene;
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
@@ -42,6 +45,8 @@ pub struct ImageReport<'a> {
     pub width: u32,
     pub height: u32,
     pub spp: u32,
+    /// Indices of the samples, where they were asked for.
+    pub samples: Option<SampleRange>,
     pub seed: u64,
     pub max_depth: Option<u32>,
     pub adaptive: bool,
@@ -63,6 +68,13 @@ pub struct Rendered {
     pub film: Film,
     /// Seconds spent on this mode alone.
     pub seconds: f64,
+}
+
+/// When a render ends.
+#[derive(Clone, Copy)]
+enum Until {
+    Samples(u32),
+    Seconds(f64),
 }
 
 /// A scene ready to be rendered, and the threads to do it on.
@@ -101,51 +113,92 @@ impl<'a> Job<'a> {
 
     /// Renders all `modes` in lockstep, a slice of samples at a time.
     pub fn render(&self, modes: &[Mode]) -> Vec<Rendered> {
-        let size = self.arguments.size;
-        let mut images: Vec<Rendered> = (modes.iter())
-            .map(|&mode| {
-                let film = if self.arguments.adaptive.0 {
-                    Film::adaptive(size.width, size.height)
-                } else {
-                    Film::new(size.width, size.height)
-                };
-                Rendered { mode, film, seconds: 0.0 }
-            })
-            .collect();
-        let bar = self.progress_bar(modes.len());
+        let Size { width, height } = self.arguments.size;
+        let film = || if self.is_adaptive() { Film::adaptive(width, height) } else { Film::new(width, height) };
+        let mut images: Vec<Rendered> =
+            modes.iter().map(|&mode| Rendered { mode, film: film(), seconds: 0.0 }).collect();
+        let spp = || Until::Samples(self.arguments.spp.unwrap_or(DEFAULT_SPP));
+        self.advance(&mut images, self.arguments.time.map_or_else(spp, Until::Seconds));
+        images
+    }
+
+    /// Takes some samples of one image, with exact sums.
+    pub fn render_part(&self, mode: Mode, samples: SampleRange) -> Rendered {
+        let Size { width, height } = self.arguments.size;
+        let unit_exponent = unit_exponent(&self.prepared.description);
+        let film = Film::partial(width, height, samples.0, unit_exponent);
+        let mut images = [Rendered { mode, film, seconds: 0.0 }];
+        self.advance(&mut images, Until::Samples(samples.count()));
+        let [image] = images;
+        image
+    }
+
+    /// What decides the samples of [`Self::render_part`].
+    pub fn recipe(&self, mode: Mode) -> Recipe {
+        let RenderSettings { mode, seed, max_depth, leave_out, variance } = self.settings(mode);
+        let VarianceReduction { sequence, splits, sample_environment } = variance;
+        let description = &self.prepared.description;
+        Recipe {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            scene: description.name.clone(),
+            content: description.fingerprint(),
+            camera: self.camera.fingerprint(),
+            width: self.arguments.size.width,
+            height: self.arguments.size.height,
+            mode,
+            estimator: self.arguments.estimator.to_owned(),
+            seed,
+            max_depth,
+            leave_out,
+            splits,
+            sampler: sequence,
+            sample_environment,
+            unit_exponent: unit_exponent(description),
+        }
+    }
+
+    fn advance(&self, images: &mut [Rendered], until: Until) {
+        let bar = Self::progress_bar(until, images.len());
         let never = AtomicBool::new(false);
         let start = Instant::now();
         let mut done = 0;
         let mut slice = 1;
         while slice > 0 {
             let slice_start = Instant::now();
-            for image in &mut images {
-                let settings = RenderSettings {
-                    mode: image.mode,
-                    seed: self.arguments.seed,
-                    max_depth: self.arguments.max_depth.0,
-                    variance: self.variance(),
-                    leave_out: self.arguments.leave_out.0,
-                };
+            for image in &mut *images {
+                let settings = self.settings(image.mode);
                 let mode_start = Instant::now();
                 self.pool.install(|| {
                     accumulate(&self.prepared, &self.camera, &settings, &mut image.film, slice, &never);
                 });
                 image.seconds += mode_start.elapsed().as_secs_f64();
-                if self.arguments.time.is_none() {
+                if matches!(until, Until::Samples(_)) {
                     bar.inc(u64::from(slice));
                 }
             }
             done += slice;
             Film::allocate(&mut images.iter_mut().map(|image| &mut image.film).collect::<Vec<_>>());
-            if self.arguments.time.is_some() {
+            if matches!(until, Until::Seconds(_)) {
                 bar.set_position(start.elapsed().as_millis() as u64);
             }
-            slice = self.next_slice(done, start.elapsed(), slice_start.elapsed().div_f64(f64::from(slice)));
+            slice = next_slice(until, done, start.elapsed(), slice_start.elapsed().div_f64(f64::from(slice)));
             slice = slice.min(images.first().map_or(0, |image| image.film.samples_to_decision()));
         }
         bar.finish_and_clear();
-        images
+    }
+
+    fn settings(&self, mode: Mode) -> RenderSettings {
+        RenderSettings {
+            mode,
+            seed: self.arguments.seed,
+            max_depth: self.arguments.max_depth.0,
+            variance: self.variance(),
+            leave_out: self.arguments.leave_out.0,
+        }
+    }
+
+    fn is_adaptive(&self) -> bool {
+        self.arguments.adaptive.is_none_or(|adaptive| adaptive.0)
     }
 
     fn variance(&self) -> VarianceReduction {
@@ -156,29 +209,10 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Samples to take next, 0 at the end: as many as fit into a slice of time, and no more than were asked for.
-    fn next_slice(&self, done: u32, elapsed: Duration, per_sample: Duration) -> u32 {
-        let fitting = |time: Duration| (time.as_secs_f64() / per_sample.as_secs_f64().max(1e-9)) as u32;
-        match self.arguments.time {
-            None => {
-                let left = self.arguments.spp.unwrap_or(DEFAULT_SPP).saturating_sub(done);
-                // Samples of a pixel that are taken together cost less each.
-                fitting(SLICE).max(TOGETHER).min(left)
-            }
-            Some(limit) => {
-                let left = Duration::from_secs_f64(limit).saturating_sub(elapsed);
-                let room = u32::MAX - done;
-                // The last slice may come out a little early rather than a whole sample late.
-                fitting(left.min(SLICE)).max(u32::from(left > per_sample / 2)).min(room)
-            }
-        }
-    }
-
-    fn progress_bar(&self, modes: usize) -> ProgressBar {
-        let (length, template) = match self.arguments.time {
-            Some(limit) => ((limit * 1e3) as u64, "{bar:40.cyan/dim} {percent:>3} % · {elapsed}"),
-            None => {
-                let spp = self.arguments.spp.unwrap_or(DEFAULT_SPP);
+    fn progress_bar(until: Until, modes: usize) -> ProgressBar {
+        let (length, template) = match until {
+            Until::Seconds(limit) => ((limit * 1e3) as u64, "{bar:40.cyan/dim} {percent:>3} % · {elapsed}"),
+            Until::Samples(spp) => {
                 (u64::from(spp) * modes as u64, "{bar:40.cyan/dim} {percent:>3} % · {elapsed}, {eta} left")
             }
         };
@@ -189,6 +223,7 @@ impl<'a> Job<'a> {
 
     /// What there is to say about an image.
     pub fn report<'b>(&'b self, image: &Rendered, output: Option<&'b Path>) -> ImageReport<'b> {
+        let is_part = image.film.exact.is_some();
         ImageReport {
             scene: &self.arguments.scene,
             mode: image.mode,
@@ -197,9 +232,10 @@ impl<'a> Job<'a> {
             width: image.film.width,
             height: image.film.height,
             spp: image.film.samples,
+            samples: is_part.then(|| SampleRange(image.film.first, image.film.first + image.film.samples)),
             seed: self.arguments.seed,
             max_depth: self.arguments.max_depth.0,
-            adaptive: self.arguments.adaptive.0,
+            adaptive: self.is_adaptive() && !is_part,
             splits: self.arguments.splits,
             sampler: self.arguments.sampler,
             sample_environment: self.arguments.sample_environment.0,
@@ -218,14 +254,31 @@ impl<'a> Job<'a> {
     }
 }
 
+/// Samples to take next, 0 at the end: as many as fit into a slice of time, and no more than were asked for.
+fn next_slice(until: Until, done: u32, elapsed: Duration, per_sample: Duration) -> u32 {
+    let fitting = |time: Duration| (time.as_secs_f64() / per_sample.as_secs_f64().max(1e-9)) as u32;
+    match until {
+        Until::Samples(spp) => {
+            // Samples of a pixel that are taken together cost less each.
+            fitting(SLICE).max(TOGETHER).min(spp.saturating_sub(done))
+        }
+        Until::Seconds(limit) => {
+            let left = Duration::from_secs_f64(limit).saturating_sub(elapsed);
+            let room = u32::MAX - done;
+            // The last slice may come out a little early rather than a whole sample late.
+            fitting(left.min(SLICE)).max(u32::from(left > per_sample / 2)).min(room)
+        }
+    }
+}
+
 /// Where a picture goes: as asked for, else into the current folder under the scene's name, else, with `--json`, nowhere.
-pub fn output_path(asked: Option<&PathBuf>, is_json: bool, scene: &str, suffix: &str) -> Option<PathBuf> {
+pub fn output_path(asked: Option<&PathBuf>, is_json: bool, scene: &str, ending: &str) -> Option<PathBuf> {
     match asked {
         Some(path) => Some(path.clone()),
         None if is_json => None,
         None => {
             let stem = Path::new(scene).file_stem().map_or("scene".into(), |stem| stem.to_string_lossy());
-            Some(PathBuf::from(format!("{stem}-{suffix}.png")))
+            Some(PathBuf::from(format!("{stem}-{ending}")))
         }
     }
 }

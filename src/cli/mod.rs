@@ -7,6 +7,7 @@ mod arguments;
 mod check;
 mod compare;
 mod image;
+mod merge;
 mod rectify;
 mod render;
 mod report;
@@ -68,6 +69,7 @@ pub fn main(open_window: impl FnOnce(WindowRequest) -> Result<(), WindowError>) 
     let result = match &arguments.command {
         None => window::run(&arguments.window, open_window),
         Some(Command::Render(arguments)) => render::run(arguments),
+        Some(Command::Merge(arguments)) => merge::run(arguments),
         Some(Command::Compare(arguments)) => compare::run(arguments),
         Some(Command::Rectify(arguments)) => rectify::run(arguments),
         Some(Command::Trace(arguments)) => trace::run(arguments),

@@ -2,30 +2,56 @@
 
 use std::process::ExitCode;
 
-use super::arguments::RenderArguments;
+use super::arguments::{RenderArguments, Switch};
 use super::image::{Job, Rendered, mega_samples_per_second, output_path};
 use super::{Failure, plural, print, print_json};
 use crate::export::words::{brief, duration, events_in_words};
 use crate::export::{self, Format, Picture};
+use crate::render::{Partial, SampleRange};
 
 pub fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     let image = &arguments.image;
-    let output = output_path(arguments.output.as_ref(), image.json, &image.scene, arguments.mode.name());
+    let ending = match arguments.samples {
+        Some(SampleRange(first, end)) => format!("{}-{first}-{end}.exr", arguments.mode),
+        None => format!("{}.png", arguments.mode),
+    };
+    let output = output_path(arguments.output.as_ref(), image.json, &image.scene, &ending);
     // Minutes of rendering are not to be lost to a typing error.
+    if arguments.samples.is_some() && image.adaptive == Some(Switch(true)) {
+        return Err(Failure::Wrong(anyhow::anyhow!(
+            "--samples takes the same samples of every pixel; leave out `--adaptive on`"
+        )));
+    }
     if let Some(path) = &output {
-        Format::of(path).map_err(Failure::bad_output)?;
+        let format = Format::of(path).map_err(Failure::bad_output)?;
+        if arguments.samples.is_some() && format != Format::Exr {
+            return Err(Failure::Wrong(anyhow::anyhow!(
+                "{}: --samples writes sums to be merged; use a name that ends in `.exr`",
+                path.display()
+            )));
+        }
         export::require_writable(path).map_err(Failure::bad_output)?;
     }
     let job = Job::new(image)?;
-    let rendered = job.render(&[arguments.mode]).remove(0);
+    let rendered = match arguments.samples {
+        Some(samples) => job.render_part(arguments.mode, samples),
+        None => job.render(&[arguments.mode]).remove(0),
+    };
+    let text = if image.json { None } else { Some(summary(&job, &rendered, output.as_deref())) };
+    let report = job.report(&rendered, output.as_deref());
     if let Some(path) = &output {
-        let text = export::metadata(&job.prepared, &[arguments.mode], rendered.film.samples, image.seed);
-        export::save(path, &Picture::from(&rendered.film), &job.display(), &text).map_err(Failure::output)?;
+        if arguments.samples.is_some() {
+            if let Some(partial) = Partial::of_film(rendered.film, job.recipe(arguments.mode)) {
+                export::write_sums(path, &partial).map_err(Failure::output)?;
+            }
+        } else {
+            let text = export::metadata(&job.prepared, &[arguments.mode], rendered.film.samples, image.seed);
+            export::save(path, &Picture::from(&rendered.film), &job.display(), &text).map_err(Failure::output)?;
+        }
     }
-    if image.json {
-        print_json(&job.report(&rendered, output.as_deref()))?;
-    } else {
-        print(&summary(&job, &rendered, output.as_deref()))?;
+    match text {
+        Some(text) => print(&text)?,
+        None => print_json(&report)?,
     }
     Ok(ExitCode::SUCCESS)
 }

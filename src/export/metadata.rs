@@ -10,7 +10,7 @@ pub fn metadata(prepared: &Prepared, modes: &[Mode], samples: u32, seed: u64) ->
     metadata_for_media(&prepared.description.name, &prepared.world.media, modes, samples, seed)
 }
 
-/// [`metadata`] from the parts that it is made of: `media` begins with the global medium.
+/// [`metadata`] from the parts that it is made of: `media` begins with the global medium, or is empty where they are not known.
 pub fn metadata_for_media(
     scene: &str,
     media: &[WorldMedium],
@@ -31,8 +31,10 @@ pub fn metadata_for_media(
         ("Samples per pixel", samples.to_string()),
         ("Seed", seed.to_string()),
     ]
+    .into_iter()
+    .filter(|(_, text)| !text.is_empty())
     .map(|(keyword, text)| (keyword.to_owned(), text))
-    .into()
+    .collect()
 }
 
 /// As few digits as tell the IOR apart from its neighbours at nine decimals: 1 + (n − 1) must not read 1.3329999999999997.

@@ -1,5 +1,6 @@
 //! Pictures to files: PNG for looking at, EXR for measuring, and labelled comparisons of several modes in one picture.
 //!
+//! Parts of images go to files of their own kind, which can be merged without rounding ([`write_sums`]).
 //! Everything is written beside its target and renamed ([`write_atomically`]). A PNG carries what it shows as text chunks
 //! ([`metadata`]).
 
@@ -10,6 +11,7 @@ mod comparison;
 mod error;
 mod metadata;
 mod picture;
+mod sums;
 mod surfaces;
 pub mod words;
 
@@ -18,4 +20,5 @@ pub use comparison::{Comparison, LabelledPane, comparison};
 pub use error::ExportError;
 pub use metadata::{metadata, metadata_for_media};
 pub use picture::{Format, Picture, exr, image_png, png, png_bytes, save};
+pub use sums::{AllEvents, Head, SumsError, read_sums, read_sums_head, write_sums};
 pub use surfaces::painted_surfaces;

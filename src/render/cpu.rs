@@ -97,7 +97,8 @@ impl Pass<'_> {
         let lens = StartRegion::new(world, camera.position, camera.aperture_radius);
         let width = film.width;
         let size = DVec2::new(f64::from(film.width), f64::from(film.height));
-        let (first, last) = (film.samples, film.samples + self.samples);
+        let taken = film.samples + self.samples;
+        let (first, last) = (film.first + film.samples, film.first + taken);
         let allocation = film.allocation.clone();
         let range = |pixel: usize| match &allocation {
             Some(allocation) => allocation.samples(pixel, first)..allocation.samples(pixel, last),
@@ -107,12 +108,17 @@ impl Pass<'_> {
             Some(pilot) => pilot.rows(width as usize).map(Some).collect(),
             None => (0..film.height).map(|_| None).collect(),
         };
+        let exact: Vec<_> = match &mut film.exact {
+            Some(exact) => exact.rows(width as usize).map(Some).collect(),
+            None => (0..film.height).map(|_| None).collect(),
+        };
 
         let events = (film.sums.par_chunks_mut(width as usize))
             .zip(film.counts.par_chunks_mut(width as usize))
             .zip(pilot)
+            .zip(exact)
             .enumerate()
-            .map_init(Batch::<T::State>::default, |batch, (row, ((sums, counts), mut pilot))| {
+            .map_init(Batch::<T::State>::default, |batch, (row, (((sums, counts), mut pilot), mut exact))| {
                 batch.events = Events::default();
                 let first_pixel = row * width as usize;
                 // Where the next radiance goes.
@@ -122,7 +128,8 @@ impl Pass<'_> {
                     tracer.trace(batch);
                     let mut non_finite = 0;
                     for ((radiance, segments), column) in batch.drain().zip(&mut columns) {
-                        if radiance.is_finite() {
+                        // What has exact sums takes no sample that these cannot hold.
+                        if exact.as_mut().map_or_else(|| radiance.is_finite(), |exact| exact.add(column, radiance)) {
                             sums[column] += radiance;
                             counts[column] += 1;
                         } else {
@@ -164,7 +171,7 @@ impl Pass<'_> {
             return false;
         }
         film.events += events;
-        film.samples = last;
+        film.samples = taken;
         true
     }
 }

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::allocation::{Allocation, PILOT, Pilot};
 use super::events::Events;
+use super::exact::ExactSums;
 
 /// Sums of radiance samples per pixel in f64, row 0 at the top.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +17,8 @@ pub struct Film {
     pub sums: Vec<DVec3>,
     /// Finite samples in each pixel's sum.
     pub counts: Vec<u32>,
+    /// Index of the first sample: 0 but for a part of an image.
+    pub first: u32,
     /// Samples taken of every pixel, finite or not; with an `allocation`, in the mean.
     pub samples: u32,
     pub events: Events,
@@ -23,6 +26,8 @@ pub struct Film {
     pub pilot: Option<Pilot>,
     /// How samples are spread over the pixels; `None`: evenly.
     pub allocation: Option<Arc<Allocation>>,
+    /// The sums once more and without rounding, where parts of the image are to be put together later.
+    pub exact: Option<ExactSums>,
 }
 
 impl Film {
@@ -33,10 +38,12 @@ impl Film {
             height,
             sums: vec![DVec3::ZERO; pixels],
             counts: vec![0; pixels],
+            first: 0,
             samples: 0,
             events: Events::default(),
             pilot: None,
             allocation: None,
+            exact: None,
         }
     }
 
@@ -44,6 +51,12 @@ impl Film {
     pub fn adaptive(width: u32, height: u32) -> Self {
         let film = Self::new(width, height);
         Self { pilot: Some(Pilot::new(film.sums.len())), ..film }
+    }
+
+    /// A film for a part of an image, whose samples begin at index `first`; see [`super::exact::unit_exponent`].
+    pub fn partial(width: u32, height: u32, first: u32, unit_exponent: i32) -> Self {
+        let film = Self::new(width, height);
+        Self { first, exact: Some(ExactSums::new(film.sums.len(), unit_exponent)), ..film }
     }
 
     /// Decides how the further samples of `films`, which are of one size and are compared with each other, are spread. Nothing happens

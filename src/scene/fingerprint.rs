@@ -52,6 +52,13 @@ impl serde::Serialize for Fingerprint {
     }
 }
 
+impl<'de> serde::Deserialize<'de> for Fingerprint {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map_err(serde::de::Error::custom)
+    }
+}
+
 /// A text that is not 64 hexadecimal digits.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("a fingerprint is 64 hexadecimal digits")]
@@ -113,6 +120,11 @@ impl Hasher {
 
     pub fn vector(&mut self, value: DVec3) {
         self.numbers(value.to_array());
+    }
+
+    /// Bytes of a length that is known from what they are.
+    pub fn bytes(&mut self, bytes: &[u8]) {
+        self.0.update(bytes);
     }
 
     pub fn fingerprint(&mut self, of_part: Fingerprint) {
@@ -191,6 +203,12 @@ impl Description {
 }
 
 impl Camera {
+    pub fn fingerprint(&self) -> Fingerprint {
+        let mut hasher = Hasher::new("iorect camera 1");
+        self.hash_into(&mut hasher);
+        hasher.finish()
+    }
+
     /// All that decides the rays.
     pub fn hash_into(&self, hasher: &mut Hasher) {
         let Self { position, forward, right, up, tan_half_fov, aperture_radius, focus_distance } = *self;

@@ -1,0 +1,134 @@
+//! `iorect merge`: parts of an image, rendered by many machines, put together.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use serde::Serialize;
+
+use super::arguments::MergeArguments;
+use super::{Failure, plural, print, print_json};
+use crate::export::words::events_in_words;
+use crate::export::{self, Format, Head, Picture, SumsError};
+use crate::render::{CannotMerge, Display, Events, Partial, Recipe, SampleRange};
+use crate::tracking::Mode;
+
+#[derive(Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    recipe: &'a Recipe,
+    files: usize,
+    samples: &'a [SampleRange],
+    gaps: Vec<SampleRange>,
+    spp: u32,
+    events: Events,
+    mixed_share: Option<f64>,
+    outputs: &'a [PathBuf],
+}
+
+pub fn run(arguments: &MergeArguments) -> Result<ExitCode, Failure> {
+    for path in &arguments.outputs {
+        Format::of(path).map_err(Failure::bad_output)?;
+        export::require_writable(path).map_err(Failure::bad_output)?;
+    }
+    let merged = merge(&arguments.files)?;
+    for path in &arguments.outputs {
+        write(path, &merged, &Display { exposure: arguments.exposure, curve: arguments.curve })?;
+    }
+    if arguments.json {
+        let is_rectified = merged.recipe.mode == Mode::Rectified;
+        print_json(&Report {
+            recipe: &merged.recipe,
+            files: arguments.files.len(),
+            samples: &merged.ranges,
+            gaps: merged.gaps(),
+            spp: merged.samples(),
+            events: merged.events,
+            mixed_share: merged.events.mixed_share().filter(|_| is_rectified),
+            outputs: &arguments.outputs,
+        })?;
+    } else {
+        print(&summary(arguments, &merged))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// All files in one. Heads are compared before any pixels are read, which can take minutes.
+fn merge(files: &[PathBuf]) -> Result<Partial, Failure> {
+    let wrong = |error: SumsError| match error {
+        SumsError::Read { .. } => Failure::Failed(error.into()),
+        _ => Failure::Wrong(error.into()),
+    };
+    let heads = files.iter().map(|path| export::read_sums_head(path)).collect::<Result<Vec<_>, _>>().map_err(wrong)?;
+    require_mergeable(files, &heads)?;
+    let mut merged: Option<Partial> = None;
+    for path in files {
+        let part = export::read_sums(path).map_err(wrong)?;
+        match &mut merged {
+            None => merged = Some(part),
+            Some(merged) => merged.add(&part).map_err(|reason| {
+                Failure::Failed(anyhow::anyhow!("{} changed while it was read: {reason}", path.display()))
+            })?,
+        }
+    }
+    merged.ok_or_else(|| Failure::Wrong(anyhow::anyhow!("there is no file to merge")))
+}
+
+fn require_mergeable(files: &[PathBuf], heads: &[Head]) -> Result<(), Failure> {
+    let refused = |path: &Path, earlier: &Path, reason: CannotMerge| {
+        let (path, earlier) = (path.display(), earlier.display());
+        Failure::Wrong(anyhow::anyhow!("{path} cannot be merged with {earlier}: {reason}"))
+    };
+    for (path, head) in files.iter().zip(heads).skip(1) {
+        head.recipe.require_same_image(&heads[0].recipe).map_err(|reason| refused(path, &files[0], reason))?;
+    }
+    // In ascending order, what overlaps at all overlaps its neighbour.
+    let mut ranges: Vec<(SampleRange, &PathBuf)> =
+        files.iter().zip(heads).flat_map(|(path, head)| head.samples.iter().map(move |range| (*range, path))).collect();
+    ranges.sort();
+    for pair in ranges.windows(2) {
+        let [(a, earlier), (b, path)] = [pair[0], pair[1]];
+        if b.0 < a.1 {
+            return Err(refused(path, earlier, CannotMerge::Overlap(SampleRange(b.0, a.1.min(b.1)))));
+        }
+    }
+    Ok(())
+}
+
+fn write(path: &Path, merged: &Partial, display: &Display) -> Result<(), Failure> {
+    match Format::of(path).map_err(Failure::bad_output)? {
+        Format::Exr => export::write_sums(path, merged),
+        Format::Png => {
+            let recipe = &merged.recipe;
+            let picture = Picture { width: recipe.width, height: recipe.height, rgb: merged.to_rgb() };
+            let text = export::metadata_for_media(&recipe.scene, &[], &[recipe.mode], merged.samples(), recipe.seed);
+            export::png(path, &picture, display, &text)
+        }
+    }
+    .map_err(Failure::output)
+}
+
+fn summary(arguments: &MergeArguments, merged: &Partial) -> String {
+    let recipe = &merged.recipe;
+    let files = arguments.files.len();
+    let ranges = |ranges: &[SampleRange]| ranges.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+    let mut text = format!(
+        "{} · {} · {}×{} · {} spp from {files} file{} · seed {}\n",
+        recipe.scene,
+        recipe.mode,
+        recipe.width,
+        recipe.height,
+        merged.samples(),
+        plural(files),
+        recipe.seed
+    );
+    text += &format!("  samples   {}\n", ranges(&merged.ranges));
+    let gaps = merged.gaps();
+    if !gaps.is_empty() {
+        text += &format!("  missing   {}\n", ranges(&gaps));
+    }
+    text += &format!("  events    {}\n", events_in_words(&merged.events));
+    for path in &arguments.outputs {
+        text += &format!("  wrote     {}\n", path.display());
+    }
+    text
+}
