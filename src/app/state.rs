@@ -192,6 +192,7 @@ impl State {
             max_depth: self.settings.max_depth,
             sample_limit: self.settings.sample_limit,
             is_paused: self.is_paused,
+            ground_truth: crate::render::worker::GroundTruthDemand::Off,
         })
     }
 
