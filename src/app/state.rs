@@ -6,13 +6,14 @@ use glam::DVec3;
 
 use super::command::{Command, MediumRef};
 use super::document::{Document, EditKey, with_absorption, with_ior};
+use super::measurement::Measurement;
 use super::navigation;
 use super::objects::{self, Manipulation, Object};
-use super::settings::{InterfaceScale, MAX_PANES, Settings, Theme};
+use super::settings::{InterfaceScale, MAX_PANES, PaneContent, Settings, Theme};
 use crate::check::{Problem, Spot};
 use crate::estimator::trace::{Follow, TracedPath, trace};
 use crate::geometry::Ray;
-use crate::render::worker::{Request, SceneReport};
+use crate::render::worker::{GroundTruthDemand, Request, SceneReport};
 use crate::scene::camera::Camera;
 use crate::scene::description::{CameraDescription, Shape, Transform};
 use crate::scene::{Description, SceneError};
@@ -96,6 +97,8 @@ pub struct State {
     earlier_views: Vec<CameraDescription>,
     /// The scene as the worker prepared it.
     pub report: Option<Arc<SceneReport>>,
+    /// What is measured, and how far that is.
+    pub measurement: Measurement,
     /// What is doubtful in the scene, as last found out: while an edit is being looked at, what was found before it.
     problems: Option<Arc<SceneReport>>,
     /// Whether the strip of problems is there. It comes and goes only while no button is down, so that nothing moves under the pointer.
@@ -126,6 +129,7 @@ impl State {
             last_pick: None,
             earlier_views: Vec::new(),
             report: None,
+            measurement: Measurement::default(),
             problems: None,
             has_problem_strip: false,
             film_size: [0; 2],
@@ -192,7 +196,7 @@ impl State {
             max_depth: self.settings.max_depth,
             sample_limit: self.settings.sample_limit,
             is_paused: self.is_paused,
-            ground_truth: crate::render::worker::GroundTruthDemand::Off,
+            ground_truth: self.measurement.demand,
         })
     }
 
@@ -381,6 +385,9 @@ impl State {
             Command::SetPaneCount(count) => self.change_panes(|settings| settings.pane_count = count),
             Command::SetPaneContent(pane, content) if pane < MAX_PANES => {
                 self.change_panes(|settings| settings.panes[pane] = content);
+                if matches!(content, PaneContent::Error(_)) && !self.measurement.is_on() {
+                    self.demand_ground_truth(GroundTruthDemand::On);
+                }
             }
             Command::SetPreset(preset) => self.change_panes(|settings| {
                 settings.pane_count = MAX_PANES;
@@ -405,7 +412,11 @@ impl State {
             }
             Command::SetExposure(exposure) if exposure.is_finite() => self.settings.display.exposure = exposure,
             Command::SetCurve(curve) => self.settings.display.curve = curve,
-            Command::SetSignedDifference(signed) => self.settings.signed_difference = signed,
+            Command::SetDifference(kind) => self.settings.difference = kind,
+            Command::ToggleValues => self.settings.show_values ^= true,
+            Command::SetGroundTruth(demand) => self.demand_ground_truth(demand),
+            Command::SetErrorMetric(metric) => self.settings.error_metric = metric,
+            Command::SetErrorAxis(axis) => self.settings.error_axis = axis,
             Command::SetResolutionScale(scale) => self.settings.resolution_scale = scale.clamp(0.1, 4.0),
             Command::SetMaxDepth(depth) => {
                 self.settings.max_depth = depth.map(|depth| depth.max(1));
@@ -480,6 +491,11 @@ impl State {
             // The films go on.
             self.has_news = true;
         }
+    }
+
+    fn demand_ground_truth(&mut self, demand: GroundTruthDemand) {
+        self.measurement.demand = demand;
+        self.has_news = true;
     }
 
     fn inspect(&mut self, point: Option<[f64; 2]>) {

@@ -593,7 +593,8 @@ mod tests {
         };
         let first = Request { ground_truth: GroundTruthDemand::On, ..request(1, &[Mode::Rectified]) };
         worker.submit(first.clone());
-        let truth = truth_when(&|truth| truth.is_some_and(|truth| truth.halves.as_ref().is_some_and(|h| h.samples >= 4)));
+        let truth =
+            truth_when(&|truth| truth.is_some_and(|truth| truth.halves.as_ref().is_some_and(|h| h.samples >= 4)));
         let halves = truth.and_then(|truth| truth.halves).unwrap();
         assert_eq!((halves.size, halves.mean.len()), ([96, 64], 96 * 64));
         assert_ne!(halves.rgb[0], halves.rgb[1], "the halves have noise of their own");
@@ -601,7 +602,8 @@ mod tests {
         assert!(halves.rgb.iter().all(|half| *half != film.rgb));
 
         // Another mode is another epoch of the same picture. Paused, it stays as it is.
-        let paused = Request { epoch: 2, modes: vec![Mode::Stack], ground_truth: GroundTruthDemand::Paused, ..first.clone() };
+        let paused =
+            Request { epoch: 2, modes: vec![Mode::Stack], ground_truth: GroundTruthDemand::Paused, ..first.clone() };
         worker.submit(paused);
         let kept = truth_when(&|truth| truth.is_some_and(|truth| truth.epoch == 2)).unwrap();
         assert!(kept.samples >= halves.samples);

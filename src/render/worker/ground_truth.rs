@@ -119,8 +119,7 @@ pub(super) fn run_ground_truth(pools: &Pools, mailbox: &Mailbox<LaneMessage>, bo
 impl Progress {
     fn new(job: Job) -> Self {
         let [width, height] = job.request.size;
-        let truth =
-            GroundTruth { epoch: job.request.epoch, samples: 0, seconds: 0.0, is_done: false, halves: None };
+        let truth = GroundTruth { epoch: job.request.epoch, samples: 0, seconds: 0.0, is_done: false, halves: None };
         Self {
             job,
             films: [Film::new(width, height), Film::new(width, height)],
@@ -139,7 +138,9 @@ impl Progress {
         let per_sample = self.truth.seconds / f64::from(self.truth.samples.max(1));
         let samples = match self.truth.samples {
             0 => 1,
-            taken => ((SLICE_SECONDS / per_sample).clamp(1.0, MOST_SAMPLES_OF_A_SLICE) as u32).min(MOST_SAMPLES - taken),
+            taken => {
+                ((SLICE_SECONDS / per_sample).clamp(1.0, MOST_SAMPLES_OF_A_SLICE) as u32).min(MOST_SAMPLES - taken)
+            }
         };
         let pool = if self.is_alone(board) { &pools.alone } else { &pools.beside };
         let job = &self.job;
