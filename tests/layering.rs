@@ -38,7 +38,8 @@ const CRATES: &[(&[&str], &[&str])] = &[
     (&["anyhow"], &["cli", "app"]),
     (&["toml_edit", "tobj", "ply_rs_bw", "gltf"], &["scene"]),
     (&["ab_glyph", "epaint_default_fonts", "png"], &["export", "app"]),
-    (&["nv_flip", "statrs"], &["measure"]),
+    (&["sha2"], &["scene::fingerprint"]),
+    (&["statrs"], &["measure"]),
     (&["maud", "plotters"], &["report"]),
 ];
 

@@ -6,6 +6,7 @@ pub mod compile;
 pub mod description;
 pub mod environment;
 pub mod error;
+pub mod fingerprint;
 pub mod light;
 pub mod load;
 pub mod needs;
@@ -15,5 +16,6 @@ pub mod world;
 
 pub use description::Description;
 pub use error::SceneError;
+pub use fingerprint::Fingerprint;
 pub use needs::SceneNeeds;
 pub use world::World;

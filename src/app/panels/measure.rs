@@ -11,7 +11,7 @@ use crate::app::settings::mode_title;
 use crate::app::state::State;
 use crate::app::theme::{Palette, WARNING_MARK};
 use crate::app::widgets::{
-    duration, fact_ui, note, row_ui, section_first_ui, section_ui, segmented_ui, thousands, value,
+    duration, fact_ui, note, row_ui, section_first_ui, section_ui, segmented_ui, short_seconds, thousands, value,
 };
 use crate::render::worker::GroundTruthDemand;
 use crate::tracking::Mode;
@@ -146,7 +146,7 @@ fn waiting_text(state: &State) -> &'static str {
 }
 
 /// Where the columns of the table begin, as shares of its width.
-const COLUMNS: [f32; 6] = [0.0, 0.09, 0.4, 0.54, 0.7, 0.88];
+const COLUMNS: [f32; 6] = [0.0, 0.08, 0.37, 0.49, 0.65, 0.83];
 
 fn table_ui(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
     let palette = Palette::of(ui);
@@ -157,7 +157,8 @@ fn table_ui(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
         "Panes that show the mode.",
         "",
         "Samples per pixel.",
-        "Time spent on this film, rectification included where the mode needs it.",
+        "Time spent on this film, rectification included where the mode needs it. While the reference image is made, the panes have \
+         fewer cores and need longer.",
         metric.about(),
         "The power of time by which the error falls: −1 for squared errors without bias, −0.5 for others.",
     ];
@@ -170,16 +171,16 @@ fn table_ui(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
             .collect();
         let trend = curve.trend(metric);
         let slope = match (trend.bias, trend.slope) {
-            (Some(_), _) => RichText::new(format!("{WARNING_MARK} bias")).small().color(palette.warning),
+            (Some(_), _) => RichText::new(format!("{WARNING_MARK}bias")).small().color(palette.warning),
             (None, Some(slope)) => value(signed(slope)),
             (None, None) => value("…"),
         };
         let name = format!("{} {}", plot::mark(*mode), short_title(*mode));
         let cells = [
-            RichText::new(panes.concat()).small().color(palette.weak_text),
+            RichText::new(panes.join(" ")).small().color(palette.weak_text),
             RichText::new(name).small().color(palette.mode(*mode)),
             value(latest.samples.to_string()),
-            value(duration(latest.seconds)),
+            value(short_seconds(latest.seconds)),
             value(error_text(latest, metric)),
             slope,
         ];

@@ -129,7 +129,12 @@ impl Viewport {
         let panes = panes(area, settings.pane_count, settings.arrangement, state.view.divider);
         let film_size = film_size(ui, panes[0].picture.size(), settings.resolution_scale);
         state.set_film_size(film_size);
-        self.shown.retain(|content, _| state.settings.shown_panes().contains(content));
+        self.shown.retain(|content, shot| {
+            // The next reference image takes a while: until then an error is not of this picture.
+            let is_stale = matches!(content, PaneContent::Error(_))
+                && (!state.measurement.is_on() || shot.source.epochs().any(|epoch| epoch != state.epoch()));
+            state.settings.shown_panes().contains(content) && !is_stale
+        });
 
         self.read_pointer(ui, &response, state, &panes, commands);
         for (index, pane) in panes.iter().enumerate() {

@@ -1,0 +1,433 @@
+//! What decides a picture, as one number: SHA-256 over contents, never over names or paths.
+//!
+//! Two scenes with one fingerprint give the same samples. The reverse does not hold: an unused medium, or an object that is not visible,
+//! changes the fingerprint and no picture, which costs no more than a reference that is made again.
+//!
+//! Every number goes in with its bits, so 0 and −0 are told apart; every list with its length, and every choice with its name, so that
+//! no two descriptions can run together. The structs are taken apart field by field: a new field does not compile until it is decided
+//! here whether it matters.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use glam::DVec3;
+use sha2::{Digest, Sha256};
+
+use super::camera::Camera;
+use super::description::{Description, Environment, Light, Paint, Refractor, Shape, Solid, Transform, WorldMedium};
+use super::environment::EnvironmentImage;
+use crate::geometry::Mesh;
+use crate::optics::catalog::Formula;
+use crate::optics::dispersion::IorModel;
+use crate::optics::medium::Medium;
+
+/// A SHA-256 sum, shown as 64 hexadecimal digits.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Fingerprint([u8; 32]);
+
+impl Fingerprint {
+    /// The first 16 digits: enough to tell files of one folder apart.
+    pub fn short(&self) -> String {
+        self.to_string()[..16].to_owned()
+    }
+}
+
+impl fmt::Display for Fingerprint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+impl fmt::Debug for Fingerprint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Fingerprint({self})")
+    }
+}
+
+impl serde::Serialize for Fingerprint {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// A text that is not 64 hexadecimal digits.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("a fingerprint is 64 hexadecimal digits")]
+pub struct NoFingerprint;
+
+impl FromStr for Fingerprint {
+    type Err = NoFingerprint;
+
+    fn from_str(text: &str) -> Result<Self, NoFingerprint> {
+        if text.len() != 64 || !text.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+            return Err(NoFingerprint);
+        }
+        let mut bytes = [0; 32];
+        for (byte, digits) in bytes.iter_mut().zip(text.as_bytes().chunks(2)) {
+            let digits = std::str::from_utf8(digits).map_err(|_| NoFingerprint)?;
+            *byte = u8::from_str_radix(digits, 16).map_err(|_| NoFingerprint)?;
+        }
+        Ok(Self(bytes))
+    }
+}
+
+/// Takes up values, one after the other.
+#[derive(Clone)]
+pub struct Hasher(Sha256);
+
+impl Hasher {
+    /// `kind` says what is hashed, and in which version of its order of fields.
+    pub fn new(kind: &str) -> Self {
+        let mut hasher = Self(Sha256::new());
+        hasher.text(kind);
+        hasher
+    }
+
+    pub fn finish(self) -> Fingerprint {
+        Fingerprint(self.0.finalize().into())
+    }
+
+    pub fn text(&mut self, text: &str) {
+        self.integer(text.len() as u64);
+        self.0.update(text.as_bytes());
+    }
+
+    pub fn integer(&mut self, value: u64) {
+        self.0.update(value.to_le_bytes());
+    }
+
+    pub fn flag(&mut self, value: bool) {
+        self.0.update([u8::from(value)]);
+    }
+
+    pub fn number(&mut self, value: f64) {
+        self.integer(value.to_bits());
+    }
+
+    /// Numbers whose count is known from what they are; lists give their length first.
+    pub fn numbers<const N: usize>(&mut self, values: [f64; N]) {
+        values.into_iter().for_each(|value| self.number(value));
+    }
+
+    pub fn vector(&mut self, value: DVec3) {
+        self.numbers(value.to_array());
+    }
+
+    pub fn fingerprint(&mut self, of_part: Fingerprint) {
+        self.0.update(of_part.0);
+    }
+
+    /// A list of values of `N` words each, of which there can be millions.
+    fn list<T: Copy, const N: usize>(&mut self, values: &[T], words: impl Fn(T) -> [u64; N]) {
+        /// Values that are copied together.
+        const TOGETHER: usize = 256;
+        self.integer(values.len() as u64);
+        let mut bytes = Vec::with_capacity(TOGETHER * N * 8);
+        for some in values.chunks(TOGETHER) {
+            bytes.clear();
+            some.iter().for_each(|&value| bytes.extend(words(value).iter().flat_map(|word| word.to_le_bytes())));
+            self.0.update(&bytes);
+        }
+    }
+}
+
+impl Description {
+    /// Of all that decides what can be seen, but for the camera, which is often moved: see [`Camera::hash_into`]. Contents of meshes and
+    /// images count, their paths do not, nor do names.
+    pub fn fingerprint(&self) -> Fingerprint {
+        let Self { name: _, camera: _, world, environment, media, refractors, solids, lights, source: _ } = self;
+        let mut hasher = Hasher::new("iorect scene 1");
+        let WorldMedium { ior, absorption } = world;
+        hash_ior(&mut hasher, ior);
+        hasher.numbers(*absorption);
+        hash_environment(&mut hasher, environment);
+        hasher.integer(media.len() as u64);
+        for Medium { name: _, ior, absorption } in media {
+            hash_ior(&mut hasher, ior);
+            hasher.numbers(*absorption);
+        }
+        let mut shapes = Shapes::default();
+        hasher.integer(refractors.len() as u64);
+        for Refractor { name: _, medium, shape, priority, smooth, visible, transform } in refractors {
+            let medium = media.iter().position(|m| m.name == *medium);
+            hasher.integer(medium.map_or(u64::MAX, |index| index as u64));
+            shapes.hash(&mut hasher, shape);
+            hasher.integer(i64::from(*priority) as u64);
+            hasher.flag(*smooth);
+            hasher.flag(*visible);
+            hash_transform(&mut hasher, transform);
+        }
+        hasher.integer(solids.len() as u64);
+        for Solid { name: _, shape, paint, mirror, smooth, visible, transform } in solids {
+            shapes.hash(&mut hasher, shape);
+            match paint {
+                Paint::Color(color) => {
+                    hasher.text("color");
+                    hasher.numbers(*color);
+                }
+                Paint::Checker { a, b, size } => {
+                    hasher.text("checker");
+                    hasher.numbers(*a);
+                    hasher.numbers(*b);
+                    hasher.number(*size);
+                }
+            }
+            hasher.flag(*mirror);
+            hasher.flag(*smooth);
+            hasher.flag(*visible);
+            hash_transform(&mut hasher, transform);
+        }
+        hasher.integer(lights.len() as u64);
+        for Light { name: _, shape, radiance, visible, transform } in lights {
+            shapes.hash(&mut hasher, shape);
+            hasher.numbers(*radiance);
+            hasher.flag(*visible);
+            hash_transform(&mut hasher, transform);
+        }
+        hasher.finish()
+    }
+}
+
+impl Camera {
+    /// All that decides the rays.
+    pub fn hash_into(&self, hasher: &mut Hasher) {
+        let Self { position, forward, right, up, tan_half_fov, aperture_radius, focus_distance } = *self;
+        [position, forward, right, up].into_iter().for_each(|vector| hasher.vector(vector));
+        hasher.numbers([tan_half_fov, aperture_radius, focus_distance]);
+    }
+}
+
+fn hash_ior(hasher: &mut Hasher, ior: &IorModel) {
+    let terms = |hasher: &mut Hasher, terms: &[[f64; 2]]| hasher.list(terms, |term| term.map(f64::to_bits));
+    match ior {
+        IorModel::Constant(n) => {
+            hasher.text("constant");
+            hasher.number(*n);
+        }
+        IorModel::Cauchy(coefficients) => {
+            hasher.text("cauchy");
+            hasher.numbers(*coefficients);
+        }
+        IorModel::Sellmeier(pairs) => {
+            hasher.text("sellmeier");
+            terms(hasher, pairs);
+        }
+        // The formula and not the entry's name: a later version may know better numbers.
+        IorModel::Catalog(entry) => match &entry.model {
+            Formula::Constant(n) => {
+                hasher.text("constant");
+                hasher.number(*n);
+            }
+            Formula::Cauchy(coefficients) => {
+                hasher.text("cauchy");
+                hasher.numbers(*coefficients);
+            }
+            Formula::Sellmeier(pairs) => {
+                hasher.text("sellmeier");
+                terms(hasher, pairs);
+            }
+            Formula::Gas(pairs) => {
+                hasher.text("gas");
+                terms(hasher, pairs);
+            }
+        },
+    }
+}
+
+fn hash_environment(hasher: &mut Hasher, environment: &Environment) {
+    match environment {
+        Environment::Color(color) => {
+            hasher.text("color");
+            hasher.numbers(*color);
+        }
+        Environment::Gradient { zenith, horizon, nadir } => {
+            hasher.text("gradient");
+            [zenith, horizon, nadir].into_iter().for_each(|color| hasher.numbers(*color));
+        }
+        Environment::Image { path: _, image, rotation, scale } => {
+            let EnvironmentImage { width, height, pixels, clipped: _ } = &**image;
+            hasher.text("image");
+            hasher.integer(*width as u64);
+            hasher.integer(*height as u64);
+            hasher.list(pixels, |pixel| pixel.map(|component| u64::from(component.to_bits())));
+            hasher.numbers([*rotation, *scale]);
+        }
+    }
+}
+
+fn hash_transform(hasher: &mut Hasher, transform: &Transform) {
+    let Transform { scale, rotate, translate } = *transform;
+    [scale, rotate, translate].into_iter().for_each(|vector| hasher.vector(vector));
+}
+
+/// Meshes that have been read already: thousands of objects may share one.
+#[derive(Default)]
+struct Shapes {
+    meshes: HashMap<*const Mesh, Fingerprint>,
+}
+
+impl Shapes {
+    fn hash(&mut self, hasher: &mut Hasher, shape: &Shape) {
+        match shape {
+            Shape::Sphere { center, radius } => {
+                hasher.text("sphere");
+                hasher.vector(*center);
+                hasher.number(*radius);
+            }
+            Shape::Icosphere { center, radius, subdivisions } => {
+                hasher.text("icosphere");
+                hasher.vector(*center);
+                hasher.number(*radius);
+                hasher.integer(u64::from(*subdivisions));
+            }
+            Shape::Box { min, max } => {
+                hasher.text("box");
+                hasher.vector(*min);
+                hasher.vector(*max);
+            }
+            Shape::Cylinder { center, radius, height, segments } => {
+                hasher.text("cylinder");
+                hasher.vector(*center);
+                hasher.numbers([*radius, *height]);
+                hasher.integer(u64::from(*segments));
+            }
+            Shape::Torus { center, major, minor, segments, rings } => {
+                hasher.text("torus");
+                hasher.vector(*center);
+                hasher.numbers([*major, *minor]);
+                hasher.integer(u64::from(*segments));
+                hasher.integer(u64::from(*rings));
+            }
+            Shape::Lathe { profile, segments } => {
+                hasher.text("lathe");
+                hasher.list(profile, |point| point.map(f64::to_bits));
+                hasher.integer(u64::from(*segments));
+            }
+            Shape::Quad { center, edge_u, edge_v } => {
+                hasher.text("quad");
+                [center, edge_u, edge_v].into_iter().for_each(|vector| hasher.vector(*vector));
+            }
+            Shape::Mesh { path: _, mesh, dropped: _ } => {
+                hasher.text("mesh");
+                let of_mesh = self.meshes.entry(Arc::as_ptr(mesh)).or_insert_with(|| of_mesh(mesh));
+                hasher.fingerprint(*of_mesh);
+            }
+        }
+    }
+}
+
+fn of_mesh(mesh: &Mesh) -> Fingerprint {
+    let Mesh { positions, normals, triangles } = mesh;
+    let mut hasher = Hasher::new("iorect mesh 1");
+    hasher.list(positions, |p| p.to_array().map(f64::to_bits));
+    hasher.list(normals, |n| n.to_array().map(f64::to_bits));
+    hasher.list(triangles, |t| t.map(u64::from));
+    hasher.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::scene::{builtin, load};
+
+    fn described(name: &str) -> Description {
+        load::open(name).unwrap()
+    }
+
+    #[test]
+    fn every_built_in_scene_has_its_own() {
+        let all: BTreeSet<Fingerprint> =
+            builtin::all().iter().map(|scene| described(scene.name).fingerprint()).collect();
+        assert_eq!(all.len(), builtin::all().len());
+    }
+
+    #[test]
+    fn names_and_places_of_files_do_not_matter() {
+        let description = described("iced-water");
+        let before = description.fingerprint();
+        let mut renamed = description.clone();
+        renamed.name = "Other".into();
+        renamed.source = None;
+        renamed.camera.position.x += 1.0;
+        for medium in &mut renamed.media {
+            medium.name += " renamed";
+        }
+        for refractor in &mut renamed.refractors {
+            refractor.medium += " renamed";
+            refractor.name += " renamed";
+        }
+        assert_eq!(renamed.fingerprint(), before);
+    }
+
+    /// Every edit that can show must change it, each in another way.
+    #[test]
+    fn every_edit_changes_it() {
+        let mesh = |z: f64| {
+            Arc::new(Mesh {
+                positions: vec![DVec3::X, DVec3::Y, DVec3::new(0.0, 0.0, z)],
+                normals: vec![],
+                triangles: vec![[0, 1, 2]],
+            })
+        };
+        let mut scene = described("iced-water");
+        scene.refractors[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(1.0), dropped: 0 };
+        let image = |blue: f32| EnvironmentImage { width: 1, height: 1, pixels: vec![[1.0, 1.0, blue]], clipped: 0 };
+        let with_image = |blue: f32| Environment::Image {
+            path: "e.hdr".into(),
+            image: Arc::new(image(blue)),
+            rotation: 0.0,
+            scale: 1.0,
+        };
+        type Edit<'a> = Box<dyn Fn(&mut Description) + 'a>;
+        let edits: Vec<Edit<'_>> = vec![
+            Box::new(|_| ()),
+            Box::new(|d| d.world.ior = IorModel::Constant(1.000_000_1)),
+            Box::new(|d| d.world.absorption[2] = 0.5),
+            Box::new(|d| d.media[0].absorption[0] += 1e-9),
+            Box::new(|d| d.media[0].ior = IorModel::Cauchy([1.5, 0.0, 0.0])),
+            Box::new(|d| d.media[0].ior = IorModel::Sellmeier(vec![[1.5, 0.0]])),
+            Box::new(|d| d.refractors[0].medium = d.refractors[1].medium.clone()),
+            Box::new(|d| d.refractors[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(2.0), dropped: 0 }),
+            Box::new(|d| d.refractors[0].priority -= 7),
+            Box::new(|d| d.refractors[0].smooth ^= true),
+            Box::new(|d| d.refractors[0].visible ^= true),
+            Box::new(|d| d.refractors[0].transform.rotate.y += 1.0),
+            Box::new(|d| d.refractors.swap(0, 1)),
+            Box::new(|d| d.solids[0].mirror ^= true),
+            Box::new(|d| d.solids[0].paint = Paint::Color([0.125; 3])),
+            Box::new(|d| _ = d.refractors.pop()),
+            Box::new(|d| d.environment = Environment::Color([0.25; 3])),
+            Box::new(|d| d.environment = with_image(1.0)),
+            Box::new(|d| d.environment = with_image(2.0)),
+        ];
+        let all: BTreeSet<Fingerprint> = (edits.iter())
+            .map(|edit| {
+                let mut edited = scene.clone();
+                edit(&mut edited);
+                edited.fingerprint()
+            })
+            .collect();
+        assert_eq!(all.len(), edits.len());
+        // The same contents from another file.
+        let mut moved = scene.clone();
+        moved.refractors[0].shape = Shape::Mesh { path: "b.obj".into(), mesh: mesh(1.0), dropped: 3 };
+        assert_eq!(moved.fingerprint(), scene.fingerprint());
+    }
+
+    #[test]
+    fn it_can_be_written_and_read() {
+        let fingerprint = Hasher::new("").finish();
+        assert_eq!(fingerprint.to_string().parse(), Ok(fingerprint));
+        assert_eq!(fingerprint.short().len(), 16);
+        for wrong in ["", "12", &"g".repeat(64), &"é".repeat(32), &"+1".repeat(32)] {
+            assert_eq!(wrong.parse::<Fingerprint>(), Err(NoFingerprint), "{wrong}");
+        }
+        // SHA-256 of eight zero bytes, the length of no text.
+        let expected = "af5570f5a1810b7af78caf4bc70a660f0df51e42baf91d4de5b2328de0e83dfc";
+        assert_eq!(fingerprint.to_string(), expected);
+    }
+}
