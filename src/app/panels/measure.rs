@@ -78,7 +78,7 @@ fn reference_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         samples,
         "Of each half. It takes cores that the panes leave, and all of them once they are done.",
     );
-    if let Some(truth) = truth {
+    if let Some(truth) = truth.filter(|truth| truth.samples > 0) {
         fact_ui(ui, "Time", duration(truth.seconds), "Spent on rendering the reference image.");
     }
     let noise = measurement.results.truth_noise.filter(|_| is_current(state));

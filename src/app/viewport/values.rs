@@ -60,7 +60,7 @@ fn number(x: f32, is_signed: bool) -> String {
     let text = match size {
         _ if !size.is_finite() => return x.to_string(),
         0.0 => "0.0000".to_owned(),
-        s if s >= 1e5 || s < 1e-3 => format!("{size:.1e}"),
+        s if !(1e-3..1e5).contains(&s) => format!("{size:.1e}"),
         s if s >= 1000.0 => format!("{size:.1}"),
         s if s >= 100.0 => format!("{size:.2}"),
         s if s >= 10.0 => format!("{size:.3}"),

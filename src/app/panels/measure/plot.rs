@@ -63,15 +63,22 @@ pub fn show(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
     });
     let y_axis = (AxisHints::new_y().min_thickness(34.0))
         .formatter(|mark, range| tick(mark, range.end() - range.start(), 1.2, |x| format!("{x:.0e}")));
+    let all: Vec<[f64; 2]> = curves.iter().flat_map(|(_, curve)| logarithms(curve, state)).collect();
+    let [x_range, y_range] = [0, 1].map(|side| at_least_a_decade(all.iter().map(|point| point[side])));
     let size = vec2(ui.available_width(), ui.available_width() / ASPECT);
     Plot::new("errors")
         .width(size.x)
         .height(size.y)
         .custom_x_axes(vec![x_axis])
         .custom_y_axes(vec![y_axis])
+        .grid_color(palette.weak_text.gamma_multiply(0.6))
         .x_grid_spacer(decades)
         .y_grid_spacer(decades)
         .auto_bounds(Vec2b::TRUE)
+        .include_x(x_range[0])
+        .include_x(x_range[1])
+        .include_y(y_range[0])
+        .include_y(y_range[1])
         .set_margin_fraction(vec2(0.06, 0.08))
         // The wheel scrolls the panel; a plot that moves away would have to be brought back.
         .allow_drag(false)
@@ -110,6 +117,16 @@ pub fn show(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
         });
 }
 
+/// The range of `logarithms`, widened on both sides where less than a decade would be seen: two marks at least can then be read.
+fn at_least_a_decade(logarithms: impl Iterator<Item = f64>) -> [f64; 2] {
+    let (low, high) = logarithms.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    if low > high {
+        return [0.0, 1.0];
+    }
+    let missing = (1.0 - (high - low)).max(0.0);
+    [low - missing / 2.0, high + missing / 2.0]
+}
+
 /// Powers of ten, and between them 2 and 5, as far as the plot goes: marks beyond would have their texts in what lies around it.
 fn decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = (input.bounds.0.floor() as i32, input.bounds.1.ceil() as i32);
@@ -131,6 +148,15 @@ fn tick(mark: GridMark, decades: f64, few: f64, text: impl Fn(f64) -> String) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_decade_is_seen_at_least() {
+        let seen = |logarithms: &[f64]| at_least_a_decade(logarithms.iter().copied());
+        assert_eq!(seen(&[2.0]), [1.5, 2.5]);
+        assert_eq!(seen(&[0.25, -0.25]), [-0.5, 0.5]);
+        assert_eq!(seen(&[-3.0, 1.0]), [-3.0, 1.0]);
+        assert_eq!(seen(&[]), [0.0, 1.0]);
+    }
 
     #[test]
     fn marks_are_at_1_2_5_and_modes_look_different() {
