@@ -13,6 +13,7 @@ fn open_window(request: WindowRequest) -> Result<(), WindowError> {
     let launch = Launch {
         scene: request.scene,
         size: request.size,
+        measures: request.screenshot.as_ref().is_some_and(|shot| shot.tab.as_deref() == Some("measure")),
         settings: request.screenshot.as_ref().map(settings_for),
         screenshot: request.screenshot.map(|shot| Screenshot { path: shot.path, samples: shot.samples }),
     };
@@ -33,6 +34,7 @@ fn settings_for(shot: &WindowScreenshot) -> Settings {
         tab: match shot.tab.as_deref() {
             Some("rectification") => Tab::Rectification,
             Some("inspector") => Tab::Inspector,
+            Some("measure") => Tab::Measure,
             _ => Tab::Render,
         },
         ..defaults

@@ -1,8 +1,10 @@
 //! The window, driven without a display: every test runs the whole application, worker threads included, and acts as a person would.
 
+#[path = "common/harness.rs"]
+mod harness;
+
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -15,52 +17,10 @@ use iorect::scene::camera::Camera;
 use iorect::scene::description::{Shape, Transform};
 use iorect::tracking::Mode;
 
-/// Images of a quarter of the size are enough and quick.
-fn quick() -> Settings {
-    Settings { resolution_scale: 0.25, ..Settings::default() }
-}
-
-fn window_of(scene: &str, settings: Settings, size: [f32; 2]) -> Harness<'static, App> {
-    let description = iorect::scene::load::open(scene).expect("a built-in scene");
-    let mut harness = Harness::builder()
-        .with_size(size)
-        .with_step_dt(1.0 / 60.0)
-        .build_eframe(move |cc| App::new(cc, description, Some(settings)).expect("threads can be started"));
-    // The tree and the strip of problems come with the report: nothing moves under the pointer after that.
-    until(&mut harness, "the scene is prepared and checked", |app| {
-        app.state().report.as_ref().is_some_and(|report| report.problems.is_some())
-    });
-    harness
-}
-
-fn window(scene: &str) -> Harness<'static, App> {
-    window_of(scene, quick(), [1280.0, 720.0])
-}
-
-/// Runs frames until `is_met`, and fails after a long time.
-fn until(harness: &mut Harness<'_, App>, what: &str, is_met: impl Fn(&App) -> bool) {
-    let start = Instant::now();
-    while !is_met(harness.state()) {
-        assert!(start.elapsed() < Duration::from_secs(120), "waited too long until {what}");
-        std::thread::sleep(Duration::from_millis(5));
-        harness.step();
-    }
-    // What was shown for it must have reached the screen.
-    harness.run_steps(2);
-}
-
-fn apply(harness: &mut Harness<'_, App>, command: Command) {
-    let ctx = harness.ctx.clone();
-    harness.state_mut().apply(&ctx, command);
-    harness.run_steps(3);
-}
+use harness::{apply, every_pane_has_an_image, picture_of, quick, until, window, window_of};
 
 fn ior(harness: &Harness<'_, App>, medium: &str) -> f64 {
     harness.state().state().document.description().medium(medium).expect("the scene has this medium").ior.ior()
-}
-
-fn every_pane_has_an_image(app: &App) -> bool {
-    (0..app.state().settings.pane_count).all(|pane| app.samples_shown(pane) > 0)
 }
 
 #[test]
@@ -371,14 +331,6 @@ fn on_screen(harness: &Harness<'_, App>, picture: egui::Rect, place: DVec3) -> e
     let half = to.dot(camera.forward) * camera.tan_half_fov;
     let (x, y) = (to.dot(camera.right) / (half * width / height), to.dot(camera.up) / half);
     picture.lerp_inside(egui::vec2((0.5 + 0.5 * x) as f32, (0.5 - 0.5 * y) as f32))
-}
-
-/// The only pane's rectangle, between the panels.
-fn picture_of(harness: &Harness<'_, App>) -> egui::Rect {
-    let corner = harness.get_by_label_contains("Pane 1: ").rect().min - egui::Vec2::splat(8.0);
-    let [width, height] = harness.state().state().film_size().map(|side| side as f32);
-    let scale = harness.state().state().settings.resolution_scale;
-    egui::Rect::from_min_size(corner, egui::vec2(width, height) / scale)
 }
 
 /// Waits until the scene as it is now has been looked at: the strip of problems has come or gone, and nothing moves.
@@ -796,7 +748,7 @@ fn surfaces_are_painted_with_a_legend_and_exported_with_it() {
 fn everything_has_a_name_and_is_inside_the_window() {
     for size in [[1280.0, 720.0], [900.0, 600.0], [500.0, 340.0]] {
         let mut harness = window_of("iced-water", quick(), size);
-        for tab in [Tab::Render, Tab::Rectification, Tab::Inspector] {
+        for tab in [Tab::Render, Tab::Rectification, Tab::Inspector, Tab::Measure] {
             // A tab brings its panel with it where there is room.
             apply(&mut harness, Command::ShowTab(tab));
             harness.check_accessibility();

@@ -3,12 +3,14 @@
 
 use std::path::PathBuf;
 
+use super::measurement::{ErrorAxis, ErrorMetric};
 use super::objects::Manipulation;
-use super::settings::{Arrangement, InterfaceScale, PaneContent, Preset, Tab, Theme};
+use super::settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Tab, Theme};
 use crate::check::Spot;
 use crate::estimator::trace::Follow;
 use crate::optics::IorModel;
 use crate::render::ToneCurve;
+use crate::render::worker::GroundTruthDemand;
 use crate::scene::description::{CameraDescription, Transform};
 
 /// A medium of the scene.
@@ -29,6 +31,8 @@ pub enum ExportKind {
     AllPanesPng,
     /// The active pane's linear radiance.
     PaneExr,
+    /// The measured points.
+    ErrorsCsv,
 }
 
 /// A change or an action.
@@ -88,12 +92,19 @@ pub enum Command {
     // Rendering and display.
     SetExposure(f32),
     SetCurve(ToneCurve),
-    SetSignedDifference(bool),
+    SetDifference(DifferenceKind),
+    ToggleValues,
     SetResolutionScale(f32),
     SetMaxDepth(Option<u32>),
     SetSampleLimit(Option<u32>),
     TogglePause,
     Restart,
+
+    // Measuring.
+    /// Begins to make a ground truth, goes on, pauses, or drops it.
+    SetGroundTruth(GroundTruthDemand),
+    SetErrorMetric(ErrorMetric),
+    SetErrorAxis(ErrorAxis),
 
     // Files.
     AskOpen,

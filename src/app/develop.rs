@@ -4,29 +4,36 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Instant;
 
 use egui::{Color32, ColorImage};
 
-use super::settings::PaneContent;
+use super::settings::{DifferenceKind, PaneContent};
 use crate::export::color_map::{diverging, luminance};
+use crate::measure::flip;
 use crate::render::Display;
-use crate::render::worker::{Board, PaintedSurfaces, Snapshot};
+use crate::render::worker::{Board, Halves, PaintedSurfaces, Snapshot};
 
 /// How to develop.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recipe {
     pub contents: BTreeSet<PaneContent>,
     pub display: Display,
-    pub signed_difference: bool,
+    pub difference: DifferenceKind,
 }
+
+/// FLIP takes far longer than everything else here: it rests so many times as long as it has worked.
+const FLIP_REST: u32 = 3;
 
 /// A picture, ready to be uploaded.
 #[derive(Debug, Clone)]
 pub struct Picture {
     pub image: Arc<ColorImage>,
     pub source: Source,
-    /// Mean over all pixels of the absolute difference in linear luminance, for a difference.
-    pub mean_difference: Option<f64>,
+    /// For a difference: the mean over all pixels of the absolute difference in linear luminance, or of FLIP where that is shown.
+    pub mean_difference: Option<(DifferenceKind, f64)>,
+    /// FLIP of every pixel, for a difference that shows it.
+    pub flip: Option<Arc<Vec<f32>>>,
 }
 
 /// What a picture was made from.
@@ -36,9 +43,31 @@ pub struct Source {
     pub films: Vec<Arc<Snapshot>>,
     /// Painted surfaces.
     pub painted: Option<Arc<PaintedSurfaces>>,
+    /// What the film is compared with, for an error.
+    pub truth: Option<Arc<Halves>>,
 }
 
 impl Source {
+    /// The two images, row by row, that a difference is of; `None` for anything else, or while they are not of one size.
+    pub fn pair(&self) -> Option<[&[[f32; 3]]; 2]> {
+        match (&self.films[..], &self.truth) {
+            ([a, b], _) if a.size == b.size => Some([&a.rgb, &b.rgb]),
+            ([film], Some(truth)) if film.size == truth.size => Some([&film.rgb, &truth.mean]),
+            _ => None,
+        }
+    }
+
+    /// Whether it is made from the very same images.
+    fn is(&self, other: &Self) -> bool {
+        fn same<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
+            a.map(Arc::as_ptr) == b.map(Arc::as_ptr)
+        }
+        self.films.len() == other.films.len()
+            && self.films.iter().zip(&other.films).all(|(a, b)| Arc::ptr_eq(a, b))
+            && same(self.painted.as_ref(), other.painted.as_ref())
+            && same(self.truth.as_ref(), other.truth.as_ref())
+    }
+
     /// The epochs of what it was made from.
     pub fn epochs(&self) -> impl Iterator<Item = u64> {
         self.films.iter().map(|film| film.epoch).chain(self.painted.iter().map(|painted| painted.epoch))
@@ -145,13 +174,22 @@ impl Drop for Developer {
 
 fn run(shared: &Shared, board: &Board, wake: &dyn Fn()) {
     // What each picture was last made from and how.
-    let mut made: BTreeMap<PaneContent, (Vec<Arc<Snapshot>>, Display, bool)> = BTreeMap::new();
-    let mut painted: BTreeMap<PaneContent, Arc<PaintedSurfaces>> = BTreeMap::new();
+    let mut made: BTreeMap<PaneContent, (Source, Display, DifferenceKind)> = BTreeMap::new();
+    let mut rest_until = Instant::now();
+    let mut has_put_off = false;
     loop {
         let recipe = {
             let mut desk = shared.lock();
             while !desk.has_news && !desk.is_closed {
-                desk = shared.changed.wait(desk).unwrap_or_else(PoisonError::into_inner);
+                desk = if has_put_off {
+                    let rest = rest_until.saturating_duration_since(Instant::now());
+                    if rest.is_zero() {
+                        break;
+                    }
+                    shared.changed.wait_timeout(desk, rest).unwrap_or_else(PoisonError::into_inner).0
+                } else {
+                    shared.changed.wait(desk).unwrap_or_else(PoisonError::into_inner)
+                };
             }
             if desk.is_closed {
                 return;
@@ -160,43 +198,36 @@ fn run(shared: &Shared, board: &Board, wake: &dyn Fn()) {
             desk.recipe.clone()
         };
         // One look at the board for all pictures, so that panes show the same number of samples.
-        let snapshots = board.snapshots();
-        let paintings = board.paintings();
+        let sources = sources(&recipe, board);
         made.retain(|content, _| recipe.contents.contains(content));
-        painted.retain(|content, _| recipe.contents.contains(content));
         let mut batch = BTreeMap::new();
-        for content in &recipe.contents {
-            if let PaneContent::Surfaces(quantity) = content {
-                let Some(new) = paintings.get(quantity) else { continue };
-                if painted.get(content).is_some_and(|old| Arc::ptr_eq(old, new)) {
-                    continue;
-                }
-                painted.insert(*content, Arc::clone(new));
-                let size = [new.painting.width, new.painting.height].map(|side| side as usize);
-                let pixels = new.painting.pixels().map(|[r, g, b]| Color32::from_rgb(r, g, b)).collect();
-                let source = Source { films: Vec::new(), painted: Some(Arc::clone(new)) };
-                let image = Arc::new(ColorImage::new(size, pixels));
-                batch.insert(*content, Picture { image, source, mean_difference: None });
-                continue;
-            }
-            let films: Vec<Arc<Snapshot>> = content.modes().filter_map(|mode| snapshots.get(&mode).cloned()).collect();
-            if films.len() != content.modes().count() {
-                continue;
-            }
-            let is_same = made.get(content).is_some_and(|(old, display, signed)| {
-                old.len() == films.len()
-                    && old.iter().zip(&films).all(|(a, b)| Arc::ptr_eq(a, b))
-                    && (*display, *signed) == (recipe.display, recipe.signed_difference)
+        let begin = Instant::now();
+        let is_resting = begin < rest_until;
+        has_put_off = false;
+        let mut has_flip = false;
+        for (content, source) in sources {
+            let is_same = made.get(&content).is_some_and(|(old, display, kind)| {
+                old.is(&source)
+                    && (source.painted.is_some() || *display == recipe.display)
+                    && (!content.is_difference() || *kind == recipe.difference)
             });
             if is_same {
                 continue;
             }
-            if let Some(image) = develop(&films, &recipe) {
-                made.insert(*content, (films.clone(), recipe.display, recipe.signed_difference));
-                let mean_difference = mean_difference(&films);
-                let source = Source { films, painted: None };
-                batch.insert(*content, Picture { image: Arc::new(image), source, mean_difference });
+            if content.is_difference() && recipe.difference == DifferenceKind::Flip {
+                if is_resting {
+                    has_put_off = true;
+                    continue;
+                }
+                has_flip = true;
             }
+            if let Some(picture) = develop(content, &source, &recipe) {
+                made.insert(content, (source, recipe.display, recipe.difference));
+                batch.insert(content, picture);
+            }
+        }
+        if has_flip {
+            rest_until = Instant::now() + begin.elapsed() * FLIP_REST;
         }
         if !batch.is_empty() {
             shared.lock().finished.append(&mut batch);
@@ -205,31 +236,66 @@ fn run(shared: &Shared, board: &Board, wake: &dyn Fn()) {
     }
 }
 
-/// `None` while two films of a difference are not of the same size.
-fn develop(films: &[Arc<Snapshot>], recipe: &Recipe) -> Option<ColorImage> {
-    let size = films[0].size.map(|side| side as usize);
-    let pixels = match films {
-        [film] => (film.rgb.iter())
-            .map(|rgb| {
-                let [r, g, b] = recipe.display.encode(*rgb);
-                Color32::from_rgb(r, g, b)
-            })
-            .collect(),
-        [a, b] if a.size == b.size => {
-            let gain = recipe.display.exposure.exp2();
-            (a.rgb.iter().zip(&b.rgb))
-                .map(|(a, b)| difference_color((luminance(*a) - luminance(*b)) * gain, recipe.signed_difference))
-                .collect()
-        }
-        _ => return None,
+/// What there is to make pictures from.
+fn sources(recipe: &Recipe, board: &Board) -> Vec<(PaneContent, Source)> {
+    let snapshots = board.snapshots();
+    let paintings = board.paintings();
+    let truth = board.ground_truth();
+    let source = |content: PaneContent| {
+        let films: Option<Vec<_>> = content.modes().map(|mode| snapshots.get(&mode).cloned()).collect();
+        let source = Source { films: films?, ..Source::default() };
+        Some(match content {
+            PaneContent::Mode(_) | PaneContent::Difference(..) => source,
+            PaneContent::Surfaces(quantity) => {
+                Source { painted: Some(Arc::clone(paintings.get(&quantity)?)), ..source }
+            }
+            PaneContent::Error(_) => {
+                let truth = truth.as_ref().filter(|truth| source.films.iter().all(|film| film.epoch == truth.epoch))?;
+                Source { truth: Some(Arc::clone(truth.halves.as_ref()?)), ..source }
+            }
+        })
     };
-    Some(ColorImage::new(size, pixels))
+    recipe.contents.iter().filter_map(|content| Some((*content, source(*content)?))).collect()
 }
 
-fn mean_difference(films: &[Arc<Snapshot>]) -> Option<f64> {
-    let [a, b] = films else { return None };
-    let sum: f64 = a.rgb.iter().zip(&b.rgb).map(|(a, b)| f64::from((luminance(*a) - luminance(*b)).abs())).sum();
-    Some(sum / a.rgb.len().max(1) as f64)
+/// `None` while the two images of a difference are not of the same size, or cannot be compared.
+fn develop(content: PaneContent, source: &Source, recipe: &Recipe) -> Option<Picture> {
+    let finish = |size: [u32; 2], pixels: Vec<Color32>| {
+        let image = Arc::new(ColorImage::new(size.map(|side| side as usize), pixels));
+        Picture { image, source: source.clone(), mean_difference: None, flip: None }
+    };
+    if let Some(painted) = &source.painted {
+        let pixels = painted.painting.pixels().map(|[r, g, b]| Color32::from_rgb(r, g, b)).collect();
+        return Some(finish([painted.painting.width, painted.painting.height], pixels));
+    }
+    let size = source.films.first()?.size;
+    if !content.is_difference() {
+        let pixels = source.films[0].rgb.iter().map(|rgb| recipe.display.encode(*rgb));
+        return Some(finish(size, pixels.map(|[r, g, b]| Color32::from_rgb(r, g, b)).collect()));
+    }
+    let [a, b] = source.pair()?;
+    if recipe.difference == DifferenceKind::Flip {
+        let [width, height] = size.map(|side| side as usize);
+        let [image, reference] = [a, b].map(|rgb| displayed(rgb, &recipe.display));
+        let flip = flip::ldr(&image, &reference, width, height, flip::DEFAULT_PIXELS_PER_DEGREE).ok()?;
+        let picture = finish(size, flip.error.iter().map(|x| flip_color(*x)).collect());
+        return Some(Picture {
+            mean_difference: Some((recipe.difference, flip.mean())),
+            flip: Some(Arc::new(flip.error)),
+            ..picture
+        });
+    }
+    let gain = recipe.display.exposure.exp2();
+    let is_signed = recipe.difference == DifferenceKind::Signed;
+    let differences = || a.iter().zip(b).map(|(a, b)| luminance(*a) - luminance(*b));
+    let mean = differences().map(|d| f64::from(d.abs())).sum::<f64>() / a.len().max(1) as f64;
+    let picture = finish(size, differences().map(|d| difference_color(d * gain, is_signed)).collect());
+    Some(Picture { mean_difference: Some((recipe.difference, mean)), ..picture })
+}
+
+/// Linear pixels as a screen shows them, each component in [0, 1].
+pub fn displayed(rgb: &[[f32; 3]], display: &Display) -> Vec<[f32; 3]> {
+    rgb.iter().map(|rgb| display.encode(*rgb).map(|byte| f32::from(byte) / 255.0)).collect()
 }
 
 /// The colour of a difference in luminance, full at ±1. Signed: blue where the first is darker, black where equal, orange where it is
@@ -244,6 +310,16 @@ pub fn difference_color(difference: f32, is_signed: bool) -> Color32 {
         let [r, g, b] = diverging(size.copysign(difference));
         return Color32::from_rgb(r, g, b);
     }
+    sequential(size)
+}
+
+/// The colour of FLIP: from black at 0 to pale yellow at 1, evenly.
+pub fn flip_color(flip: f32) -> Color32 {
+    sequential(flip.clamp(0.0, 1.0))
+}
+
+/// Of a number in [0, 1].
+fn sequential(size: f32) -> Color32 {
     // After the map "inferno" of Smith and van der Walt (2015), which is even to the eye and safe for colour-blind ones.
     let stops: [[f32; 3]; 6] = [
         [8.0, 8.0, 10.0],
@@ -280,24 +356,59 @@ mod tests {
         })
     }
 
+    fn of(films: &[&Arc<Snapshot>]) -> Source {
+        Source { films: films.iter().map(|film| Arc::clone(film)).collect(), ..Source::default() }
+    }
+
+    const PAIR: PaneContent = PaneContent::Difference(Mode::Naive, Mode::Stack);
+
     #[test]
     fn a_mode_is_shown_as_the_display_encodes_it() {
         let recipe = Recipe { display: Display { exposure: 1.0, ..Display::default() }, ..Recipe::default() };
-        let image = develop(&[film(Mode::Naive, vec![[0.1, 0.2, 0.3]])], &recipe).unwrap();
+        let film = film(Mode::Naive, vec![[0.1, 0.2, 0.3]]);
+        let picture = develop(PaneContent::Mode(Mode::Naive), &of(&[&film]), &recipe).unwrap();
         let [r, g, b] = recipe.display.encode([0.1, 0.2, 0.3]);
-        assert_eq!(image.pixels, [Color32::from_rgb(r, g, b)]);
+        assert_eq!(picture.image.pixels, [Color32::from_rgb(r, g, b)]);
     }
 
     #[test]
     fn differences_show_sign_and_size() {
         let (a, b) = (film(Mode::Naive, vec![[0.0; 3], [1.0; 3]]), film(Mode::Stack, vec![[1.0; 3], [0.0; 3]]));
-        let signed =
-            develop(&[a.clone(), b.clone()], &Recipe { signed_difference: true, ..Recipe::default() }).unwrap();
-        assert!(signed.pixels[0].b() > signed.pixels[0].r() && signed.pixels[1].r() > signed.pixels[1].b());
-        let absolute = develop(&[a.clone(), b], &Recipe::default()).unwrap();
-        assert_eq!(absolute.pixels[0], absolute.pixels[1]);
+        let with = |difference| Recipe { difference, ..Recipe::default() };
+        let signed = develop(PAIR, &of(&[&a, &b]), &with(DifferenceKind::Signed)).unwrap();
+        let pixels = &signed.image.pixels;
+        assert!(pixels[0].b() > pixels[0].r() && pixels[1].r() > pixels[1].b());
+        let absolute = develop(PAIR, &of(&[&a, &b]), &with(DifferenceKind::Absolute)).unwrap();
+        assert_eq!(absolute.image.pixels[0], absolute.image.pixels[1]);
+        assert!((absolute.mean_difference.unwrap().1 - 1.0).abs() < 1e-6);
         assert!(difference_color(0.0, true).r() < 20 && difference_color(0.0, false).r() < 20);
-        assert!(develop(&[a, film(Mode::Stack, vec![[0.0; 3]])], &Recipe::default()).is_none());
+        let short = film(Mode::Stack, vec![[0.0; 3]]);
+        assert!(develop(PAIR, &of(&[&a, &short]), &Recipe::default()).is_none());
         assert_eq!(difference_color(f32::NAN, true), Color32::from_rgb(255, 0, 255));
+    }
+
+    #[test]
+    fn flip_is_nothing_for_equal_pictures_and_seen_where_they_differ() {
+        let recipe = Recipe { difference: DifferenceKind::Flip, ..Recipe::default() };
+        let (dark, half) = (vec![[0.05; 3]; 64], (0..64).map(|x| if x < 32 { [0.05; 3] } else { [0.9; 3] }).collect());
+        let (a, b) = (film(Mode::Naive, dark.clone()), film(Mode::Stack, half));
+        let equal = develop(PAIR, &of(&[&a, &film(Mode::Stack, dark)]), &recipe).unwrap();
+        assert!(equal.mean_difference.unwrap().1 < 1e-4);
+        let other = develop(PAIR, &of(&[&a, &b]), &recipe).unwrap();
+        let flip = other.flip.unwrap();
+        assert!(flip[60] > 0.5 && flip[2] < 0.2, "{flip:?}");
+    }
+
+    #[test]
+    fn an_error_is_against_the_ground_truth() {
+        let a = film(Mode::Naive, vec![[0.5; 3]; 2]);
+        let rgb = [vec![[0.25; 3]; 2], vec![[0.75; 3]; 2]];
+        let truth = Halves { size: [2, 1], samples: 1, rgb, mean: vec![[0.4; 3]; 2] };
+        let source = Source { truth: Some(Arc::new(truth)), ..of(&[&a]) };
+        let recipe = Recipe { difference: DifferenceKind::Signed, ..Recipe::default() };
+        let picture = develop(PaneContent::Error(Mode::Naive), &source, &recipe).unwrap();
+        assert!((picture.mean_difference.unwrap().1 - 0.1).abs() < 1e-6);
+        assert!(picture.image.pixels[0].r() > picture.image.pixels[0].b(), "brighter than the truth");
+        assert!(develop(PaneContent::Error(Mode::Naive), &of(&[&a]), &recipe).is_none());
     }
 }

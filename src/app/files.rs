@@ -40,6 +40,7 @@ impl Purpose {
             Self::Export(ExportKind::PanePng) => "Export the active pane as PNG",
             Self::Export(ExportKind::AllPanesPng) => "Export all panes as PNG",
             Self::Export(ExportKind::PaneExr) => "Export the active pane as EXR",
+            Self::Export(ExportKind::ErrorsCsv) => "Export the measured errors as CSV",
         }
     }
 
@@ -47,6 +48,7 @@ impl Purpose {
         match self {
             Self::Open | Self::SaveAs => ("iorect scenes", "toml"),
             Self::Export(ExportKind::PaneExr) => ("OpenEXR", "exr"),
+            Self::Export(ExportKind::ErrorsCsv) => ("CSV", "csv"),
             Self::Export(_) => ("PNG", "png"),
         }
     }
@@ -160,6 +162,16 @@ impl Files {
             })
         });
     }
+
+    /// Writes a table.
+    pub fn export_text(&self, text: String, path: PathBuf) {
+        self.spawn(move || {
+            Some(match export::write_atomically(&path, |file| file.write_all(text.as_bytes())) {
+                Ok(()) => Outcome::Exported(path),
+                Err(error) => Outcome::Failed(error.to_string()),
+            })
+        });
+    }
 }
 
 /// The path with `extension` where the user typed none.
@@ -188,6 +200,7 @@ fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
             films.push(film);
         }
     }
+    let truth = job.panes.iter().find_map(|(_, source)| source.truth.as_ref());
     let painted = job.panes.iter().filter_map(|(_, source)| source.painted.as_ref());
     let paintings: Vec<_> = painted.map(|painted| (painted.quantity, &painted.painting)).collect();
     let Some(first) = films.first() else {
@@ -198,7 +211,7 @@ fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
             ExportKind::PaneExr => Err(ExportError::BadComparison(
                 "painted surfaces are colours and no radiance: export them as PNG".into(),
             )),
-            ExportKind::PanePng | ExportKind::AllPanesPng => {
+            ExportKind::PanePng | ExportKind::AllPanesPng | ExportKind::ErrorsCsv => {
                 let text = export::metadata(&job.prepared, &[], paintings[0].1.rays, job.seed);
                 export::image_png(&job.path, &export::painted_surfaces(&job.prepared, &paintings), &text)
             }
@@ -209,10 +222,12 @@ fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
     let text = export::metadata(&job.prepared, &modes, samples, job.seed);
     match job.kind {
         ExportKind::PaneExr => export::exr(&job.path, &picture_of(first)),
-        ExportKind::PanePng if films.len() == 1 => export::png(&job.path, &picture_of(first), &job.display, &text),
-        ExportKind::PanePng | ExportKind::AllPanesPng => {
+        ExportKind::PanePng if films.len() == 1 && truth.is_none() => {
+            export::png(&job.path, &picture_of(first), &job.display, &text)
+        }
+        ExportKind::PanePng | ExportKind::AllPanesPng | ExportKind::ErrorsCsv => {
             let pictures: Vec<Picture> = films.iter().map(|film| picture_of(film)).collect();
-            let panes: Vec<LabelledPane<'_>> = (films.iter().zip(&pictures))
+            let mut panes: Vec<LabelledPane<'_>> = (films.iter().zip(&pictures))
                 .map(|(film, picture)| LabelledPane {
                     title: film.mode.name().to_owned(),
                     details: format!("{} spp · {:.1} s", film.samples, film.seconds),
@@ -220,13 +235,26 @@ fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
                     picture,
                 })
                 .collect();
-            // The mode nearest to the truth is what the others are held against.
-            let best = modes.iter().enumerate().max_by_key(|(_, mode)| **mode).map(|(index, _)| index);
+            // The mode nearest to the truth is what the others are held against, or the truth itself.
+            let mut best = modes.iter().enumerate().max_by_key(|(_, mode)| **mode).map(|(index, _)| index);
+            let truth_picture = truth.map(|truth| {
+                let [width, height] = truth.size;
+                (Picture { width, height, rgb: truth.mean.clone() }, truth.samples)
+            });
+            if let Some((picture, samples)) = &truth_picture {
+                best = Some(panes.len());
+                panes.push(LabelledPane {
+                    title: "reference image".to_owned(),
+                    details: format!("2 × {samples} spp"),
+                    events: Events::default(),
+                    picture,
+                });
+            }
             let about = Comparison {
                 title: job.prepared.description.name.clone(),
                 details: format!("{} × {}", first.size[0], first.size[1]),
                 display: job.display,
-                baseline: best.filter(|_| films.len() > 1),
+                baseline: best.filter(|_| panes.len() > 1),
             };
             let comparison = export::comparison(&panes, &about)?;
             let surfaces = export::painted_surfaces(&job.prepared, &paintings);

@@ -45,6 +45,8 @@ pub const SCALE: KeyboardShortcut = key(NONE, Key::S);
 pub const HIDE: KeyboardShortcut = key(NONE, Key::V);
 pub const FRAME: KeyboardShortcut = key(NONE, Key::F);
 pub const EARLIER_VIEW: KeyboardShortcut = key(NONE, Key::Backspace);
+pub const VALUES: KeyboardShortcut = key(NONE, Key::P);
+pub const MEASURE: KeyboardShortcut = key(NONE, Key::M);
 pub const WIPE: KeyboardShortcut = key(NONE, Key::W);
 pub const RESET_CAMERA: KeyboardShortcut = key(NONE, Key::Home);
 pub const RESET_ZOOM: KeyboardShortcut = key(NONE, Key::Z);
@@ -125,6 +127,8 @@ pub const GROUPS: &[Group] = &[
             Shortcut { keys: SCENE_PANEL, what: "Scene panel", command: |_| Command::ToggleScenePanel },
             Shortcut { keys: RENDER_PANEL, what: "Render panel", command: |_| Command::ToggleRenderPanel },
             Shortcut { keys: key(NONE, Key::I), what: "Inspector", command: |_| Command::ShowTab(Tab::Inspector) },
+            Shortcut { keys: MEASURE, what: "Error against time", command: |_| Command::ShowTab(Tab::Measure) },
+            Shortcut { keys: VALUES, what: "Values under the pointer", command: |_| Command::ToggleValues },
             Shortcut { keys: LARGER, what: "Larger interface", command: |_| Command::StepInterfaceScale(1) },
             Shortcut { keys: key(CTRL, Key::Equals), what: "", command: |_| Command::StepInterfaceScale(1) },
             Shortcut { keys: SMALLER, what: "Smaller interface", command: |_| Command::StepInterfaceScale(-1) },

@@ -8,6 +8,7 @@ mod develop;
 mod document;
 mod files;
 mod keys;
+mod measurement;
 mod navigation;
 mod objects;
 mod panels;
@@ -24,16 +25,19 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub use command::{Command, ExportKind, MediumRef};
+pub use measurement::{Curve, ErrorAxis, ErrorMetric, Measurement, Measurements, Point, Trend};
 pub use objects::Manipulation;
-pub use settings::{Arrangement, InterfaceScale, PaneContent, Preset, Settings, Tab, Theme};
+pub use settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Settings, Tab, Theme};
 pub use state::State;
 
 use self::develop::{Bell, Developer, Recipe};
 use self::files::{ExportJob, Files, Outcome, Purpose};
+use self::measurement::Measurer;
+use self::measurement::measurer::{Bell as MeasurerBell, Plan};
 use self::panels::dialogs::{Dialogs, Leaving, PathPrompt};
 use self::screenshot::Camera as WindowCamera;
 use self::viewport::Viewport;
-use crate::render::worker::{News, Snapshot, Worker};
+use crate::render::worker::{GroundTruthDemand, News, Snapshot, Worker};
 use crate::scene;
 use crate::tracking::Mode;
 
@@ -68,6 +72,8 @@ pub struct Launch {
     pub screenshot: Option<Screenshot>,
     /// Settings instead of the remembered ones, which are then neither read nor written.
     pub settings: Option<Settings>,
+    /// Whether to begin with a ground truth and measure.
+    pub measures: bool,
 }
 
 /// A picture of the window.
@@ -119,6 +125,9 @@ pub fn run_with(launch: Launch) -> Result<(), RunError> {
         Box::new(move |cc| {
             let mut app = App::new(cc, description, launch.settings.clone())?;
             app.is_scripted = is_scripted;
+            if launch.measures {
+                app.state.apply(Command::SetGroundTruth(GroundTruthDemand::On), 0.0);
+            }
             app.window_camera = launch.screenshot.map(|shot| WindowCamera::new(shot, result));
             Ok(Box::new(app))
         }),
@@ -137,8 +146,9 @@ pub struct App {
     dialogs: Dialogs,
     viewport: Viewport,
     files: Files,
-    // Dropped in this order: the developer looks at what the worker publishes.
+    // Dropped in this order: these two look at what the worker publishes.
     developer: Developer,
+    measurer: Measurer,
     worker: Worker,
     start: Instant,
     /// Set by a screenshot or by settings from outside: nothing is remembered.
@@ -168,11 +178,14 @@ impl App {
             let ctx = cc.egui_ctx.clone();
             Arc::new(move || ctx.request_repaint())
         };
-        let bell = Bell::new();
+        let (bell, measurer_bell) = (Bell::new(), MeasurerBell::new());
         let worker = {
-            let (bell, repaint) = (bell.clone(), Arc::clone(&repaint));
+            let (bell, measurer_bell, repaint) = (bell.clone(), measurer_bell.clone(), Arc::clone(&repaint));
             Worker::start(Arc::new(move |news| match news {
-                News::Images => bell.ring(),
+                News::Images => {
+                    bell.ring();
+                    measurer_bell.ring();
+                }
                 News::Scene => repaint(),
             }))?
         };
@@ -180,12 +193,17 @@ impl App {
             let repaint = Arc::clone(&repaint);
             Developer::start(bell, Arc::clone(worker.board()), move || repaint())?
         };
+        let measurer = {
+            let repaint = Arc::clone(&repaint);
+            Measurer::start(measurer_bell, Arc::clone(worker.board()), move || repaint())?
+        };
         Ok(Self {
             state: State::new(Arc::new(description), settings),
             dialogs: Dialogs::default(),
             viewport: Viewport::default(),
             files: Files::new(repaint),
             developer,
+            measurer,
             worker,
             start: Instant::now(),
             is_scripted: false,
@@ -204,6 +222,16 @@ impl App {
     /// Samples per pixel of the image that pane `index` shows, at full resolution; 0 before.
     pub fn samples_shown(&self, index: usize) -> u32 {
         self.viewport.samples(self.state.settings.panes[index], &self.state)
+    }
+
+    /// What pane `index` says of the pixel under the pointer, line by line.
+    pub fn values_under_pointer(&self, index: usize) -> Vec<String> {
+        self.viewport.values(index, &self.state)
+    }
+
+    /// How the difference in pane `index` is coloured, and its mean; `None` where there is none, or where another kind is wanted by now.
+    pub fn difference_shown(&self, index: usize) -> Option<(DifferenceKind, f64)> {
+        self.viewport.difference(self.state.settings.panes[index], self.state.epoch())
     }
 
     /// The latest film of a mode.
@@ -250,6 +278,7 @@ impl App {
             Purpose::Open => String::new(),
             Purpose::SaveAs => format!("{stem}.toml"),
             Purpose::Export(ExportKind::AllPanesPng) => format!("{stem}-comparison.png"),
+            Purpose::Export(ExportKind::ErrorsCsv) => format!("{stem}-errors.csv"),
             Purpose::Export(_) => {
                 let content = match self.state.settings.panes[self.state.view.active_pane] {
                     PaneContent::Surfaces(quantity) => quantity.name().replace(' ', "-"),
@@ -262,6 +291,16 @@ impl App {
     }
 
     fn export(&mut self, kind: ExportKind, path: PathBuf) {
+        if kind == ExportKind::ErrorsCsv {
+            let results = &self.state.measurement.results;
+            if results.curves.values().all(|curve| curve.points.is_empty()) {
+                self.state
+                    .notify_error("Nothing has been measured yet: make a reference image in the tab Measure first.");
+                return;
+            }
+            let table = measurement::csv::table(&self.state.document.description().name, results);
+            return self.files.export_text(table, path);
+        }
         let Some(report) = &self.state.report else {
             self.state.notify_error("There is no image to export yet.");
             return;
@@ -304,6 +343,10 @@ impl App {
             && self.state.report.as_ref().is_none_or(|known| !Arc::ptr_eq(known, &report))
         {
             self.state.scene_ready(report);
+        }
+        self.state.measurement.set_truth(board.ground_truth());
+        if let Some(results) = self.measurer.take_finished() {
+            self.state.measurement.results = results;
         }
         self.viewport.upload(ctx, self.developer.take_finished(), self.state.epoch_floor());
         while let Some(outcome) = self.files.poll() {
@@ -412,7 +455,14 @@ impl eframe::App for App {
         self.developer.set_recipe(&Recipe {
             contents: settings.shown_panes().iter().copied().collect(),
             display: settings.display,
-            signed_difference: settings.signed_difference,
+            difference: settings.difference,
+        });
+        self.measurer.set_plan(&Plan {
+            is_on: self.state.measurement.is_on(),
+            epoch: self.state.epoch(),
+            metric: settings.error_metric,
+            display: settings.display,
+            rectification_seconds: self.state.report.as_ref().map_or(0.0, |r| r.prepared.table.seconds.total()),
         });
         if let Some(request) = self.state.take_request() {
             self.worker.submit(request);
@@ -420,7 +470,11 @@ impl eframe::App for App {
         if let Some(camera) = &mut self.window_camera {
             let least = (0..self.state.settings.pane_count)
                 .map(|pane| self.viewport.samples(self.state.settings.panes[pane], &self.state));
-            camera.update(&ctx, least.min().unwrap_or(0));
+            let mut least = least.min().unwrap_or(0);
+            if self.state.measurement.is_on() {
+                least = least.min(self.state.measurement.truth.as_ref().map_or(0, |truth| truth.samples));
+            }
+            camera.update(&ctx, least);
         }
     }
 

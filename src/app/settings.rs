@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use super::measurement::{ErrorAxis, ErrorMetric};
 use super::objects::Manipulation;
 use crate::render::Display;
 use crate::render::surfaces::SurfaceQuantity;
@@ -89,6 +90,8 @@ pub enum PaneContent {
     Mode(Mode),
     /// The first less the second, in false colour.
     Difference(Mode, Mode),
+    /// The mode less the ground truth, in false colour.
+    Error(Mode),
     /// Surfaces in the colours of what rectification found about them.
     Surfaces(SurfaceQuantity),
 }
@@ -97,7 +100,7 @@ impl PaneContent {
     /// The modes that must be rendered for it.
     pub fn modes(self) -> impl Iterator<Item = Mode> {
         let modes = match self {
-            Self::Mode(mode) => [Some(mode), None],
+            Self::Mode(mode) | Self::Error(mode) => [Some(mode), None],
             Self::Difference(a, b) => [Some(a), Some(b)],
             Self::Surfaces(_) => [None, None],
         };
@@ -107,10 +110,15 @@ impl PaneContent {
     /// The mode whose paths the inspector shows.
     pub fn inspected_mode(self) -> Mode {
         match self {
-            Self::Mode(mode) | Self::Difference(mode, _) => mode,
+            Self::Mode(mode) | Self::Difference(mode, _) | Self::Error(mode) => mode,
             // What is painted is what this mode looks up.
             Self::Surfaces(_) => Mode::Rectified,
         }
+    }
+
+    /// Whether it is a difference in false colour.
+    pub fn is_difference(self) -> bool {
+        matches!(self, Self::Difference(..) | Self::Error(_))
     }
 
     /// Every difference that can be shown, each pair once: the doubtful less the better.
@@ -125,7 +133,43 @@ impl fmt::Display for PaneContent {
         match self {
             Self::Mode(mode) => f.write_str(mode_title(*mode)),
             Self::Difference(a, b) => write!(f, "{} − {}", mode_title(*a), mode_title(*b)),
+            Self::Error(mode) => write!(f, "error of {}", mode_title(*mode)),
             Self::Surfaces(quantity) => write!(f, "{}", quantity.name()),
+        }
+    }
+}
+
+/// How differences are coloured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum DifferenceKind {
+    /// How far apart luminances are.
+    #[default]
+    Absolute,
+    /// Which is brighter, too.
+    Signed,
+    /// What an eye sees when it flips between the displayed pictures.
+    Flip,
+}
+
+impl DifferenceKind {
+    pub const ALL: [Self; 3] = [Self::Absolute, Self::Signed, Self::Flip];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Absolute => "Absolute",
+            Self::Signed => "Signed",
+            Self::Flip => "FLIP",
+        }
+    }
+
+    /// One sentence for tooltips.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Absolute => "How far apart luminances are, in one colour scale.",
+            Self::Signed => "Blue where the first is darker, orange where it is brighter.",
+            Self::Flip => {
+                "What an eye sees when it flips between both pictures as they are displayed: 0 nothing, 1 all."
+            }
         }
     }
 }
@@ -153,6 +197,7 @@ pub enum Tab {
     Render,
     Rectification,
     Inspector,
+    Measure,
 }
 
 /// Size of text and controls.
@@ -176,8 +221,12 @@ pub struct Settings {
     pub panes: [PaneContent; MAX_PANES],
     pub arrangement: Arrangement,
     pub display: Display,
-    /// Whether differences show their sign.
-    pub signed_difference: bool,
+    pub difference: DifferenceKind,
+    /// What the measure panel plots.
+    pub error_metric: ErrorMetric,
+    pub error_axis: ErrorAxis,
+    /// Whether the values of the pixel under the pointer are shown.
+    pub show_values: bool,
     /// Film pixels per screen pixel, each way.
     pub resolution_scale: f32,
     pub max_depth: Option<u32>,
@@ -201,7 +250,10 @@ impl Default for Settings {
             panes: Preset::StackAgainstRectified.panes(),
             arrangement: Arrangement::Tiles,
             display: Display::default(),
-            signed_difference: false,
+            difference: DifferenceKind::default(),
+            error_metric: ErrorMetric::default(),
+            error_axis: ErrorAxis::default(),
+            show_values: true,
             resolution_scale: 1.0,
             max_depth: None,
             sample_limit: Some(4096),

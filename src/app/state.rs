@@ -1,28 +1,25 @@
 //! The application's state, and the one place where commands change it. Knows nothing of widgets.
 
+mod inspection;
+mod view;
+
 use std::sync::Arc;
 
-use glam::DVec3;
-
+pub use self::inspection::Inspection;
+pub use self::view::Motion;
 use super::command::{Command, MediumRef};
 use super::document::{Document, EditKey, with_absorption, with_ior};
-use super::navigation;
+use super::measurement::Measurement;
 use super::objects::{self, Manipulation, Object};
-use super::settings::{InterfaceScale, MAX_PANES, Settings, Theme};
-use crate::check::{Problem, Spot};
-use crate::estimator::trace::{Follow, TracedPath, trace};
-use crate::geometry::Ray;
-use crate::render::worker::{Request, SceneReport};
+use super::settings::{InterfaceScale, MAX_PANES, PaneContent, Settings, Theme};
+use crate::check::Problem;
+use crate::render::worker::{GroundTruthDemand, Request, SceneReport};
 use crate::scene::camera::Camera;
-use crate::scene::description::{CameraDescription, Shape, Transform};
+use crate::scene::description::{CameraDescription, Transform};
 use crate::scene::{Description, SceneError};
 
-/// Segments after which the inspector stops following a path.
-const INSPECTOR_DEPTH: u32 = 200;
 /// Largest magnification of the picture.
 pub const MAX_ZOOM: f32 = 64.0;
-/// Views that can be returned to.
-const MAX_EARLIER_VIEWS: usize = 50;
 
 /// A message that stays until it is dismissed.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,28 +40,6 @@ pub struct View {
     /// Where the wipe's dividers stand, in [0, 1]².
     pub divider: [f32; 2],
     pub active_pane: usize,
-}
-
-/// The path that the inspector shows.
-#[derive(Debug, Clone)]
-pub struct Inspection {
-    /// In [0, 1]² of the film, y down.
-    pub point: [f64; 2],
-    pub follow: Follow,
-    pub path: Option<TracedPath>,
-    /// What `path` was traced for.
-    key: Option<InspectionKey>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct InspectionKey {
-    scene_epoch: u64,
-    /// Rays of the pre-trace: more of them may have changed an answer.
-    rays: u64,
-    camera: CameraDescription,
-    mode: crate::tracking::Mode,
-    size: [u32; 2],
-    follow: Follow,
 }
 
 /// Windows that are open over the main one.
@@ -96,6 +71,8 @@ pub struct State {
     earlier_views: Vec<CameraDescription>,
     /// The scene as the worker prepared it.
     pub report: Option<Arc<SceneReport>>,
+    /// What is measured, and how far that is.
+    pub measurement: Measurement,
     /// What is doubtful in the scene, as last found out: while an edit is being looked at, what was found before it.
     problems: Option<Arc<SceneReport>>,
     /// Whether the strip of problems is there. It comes and goes only while no button is down, so that nothing moves under the pointer.
@@ -126,6 +103,7 @@ impl State {
             last_pick: None,
             earlier_views: Vec::new(),
             report: None,
+            measurement: Measurement::default(),
             problems: None,
             has_problem_strip: false,
             film_size: [0; 2],
@@ -147,18 +125,6 @@ impl State {
 
     pub fn film_size(&self) -> [u32; 2] {
         self.film_size
-    }
-
-    /// The camera that the films are taken with: in a pane that is higher than wide the field of view goes over the width, or the sides
-    /// of the scene would be cut off.
-    pub fn film_camera(&self) -> CameraDescription {
-        let [width, height] = self.film_size.map(f64::from);
-        let camera = self.view.camera;
-        if width >= height || width == 0.0 {
-            return camera;
-        }
-        let half = (camera.vertical_fov.to_radians() / 2.0).tan() * height / width;
-        CameraDescription { vertical_fov: 2.0 * half.atan().to_degrees(), ..camera }
     }
 
     /// The images are out of date.
@@ -192,6 +158,7 @@ impl State {
             max_depth: self.settings.max_depth,
             sample_limit: self.settings.sample_limit,
             is_paused: self.is_paused,
+            ground_truth: self.measurement.demand,
         })
     }
 
@@ -286,30 +253,6 @@ impl State {
         self.next_notice += 1;
     }
 
-    /// The path under the inspected pixel in the active pane's mode, traced again when anything it depends on has changed.
-    pub fn refresh_inspection(&mut self) {
-        let mode = self.settings.panes[self.view.active_pane].inspected_mode();
-        let film_camera = self.film_camera();
-        let (Some(inspection), Some(report)) = (&mut self.inspection, &self.report) else { return };
-        let key = InspectionKey {
-            scene_epoch: report.epoch,
-            rays: report.prepared.table.rays(),
-            camera: film_camera,
-            mode,
-            size: self.film_size,
-            follow: inspection.follow,
-        };
-        if inspection.key == Some(key) {
-            return;
-        }
-        inspection.key = Some(key);
-        inspection.path = Camera::new(&film_camera).ok().map(|camera| {
-            let ray = ray_through(&camera, self.film_size, inspection.point);
-            let depth = self.settings.max_depth.unwrap_or(INSPECTOR_DEPTH).min(INSPECTOR_DEPTH);
-            trace(&report.prepared, mode, ray, inspection.follow, 0, Some(depth))
-        });
-    }
-
     fn edit(&mut self, key: EditKey, now_secs: f64, edited: Option<Description>) {
         if let Some(edited) = edited {
             self.document.edit(key, now_secs, edited);
@@ -380,6 +323,9 @@ impl State {
             Command::SetPaneCount(count) => self.change_panes(|settings| settings.pane_count = count),
             Command::SetPaneContent(pane, content) if pane < MAX_PANES => {
                 self.change_panes(|settings| settings.panes[pane] = content);
+                if matches!(content, PaneContent::Error(_)) && !self.measurement.is_on() {
+                    self.demand_ground_truth(GroundTruthDemand::On);
+                }
             }
             Command::SetPreset(preset) => self.change_panes(|settings| {
                 settings.pane_count = MAX_PANES;
@@ -404,7 +350,11 @@ impl State {
             }
             Command::SetExposure(exposure) if exposure.is_finite() => self.settings.display.exposure = exposure,
             Command::SetCurve(curve) => self.settings.display.curve = curve,
-            Command::SetSignedDifference(signed) => self.settings.signed_difference = signed,
+            Command::SetDifference(kind) => self.settings.difference = kind,
+            Command::ToggleValues => self.settings.show_values ^= true,
+            Command::SetGroundTruth(demand) => self.demand_ground_truth(demand),
+            Command::SetErrorMetric(metric) => self.settings.error_metric = metric,
+            Command::SetErrorAxis(axis) => self.settings.error_axis = axis,
             Command::SetResolutionScale(scale) => self.settings.resolution_scale = scale.clamp(0.1, 4.0),
             Command::SetMaxDepth(depth) => {
                 self.settings.max_depth = depth.map(|depth| depth.max(1));
@@ -461,13 +411,6 @@ impl State {
         }
     }
 
-    fn set_camera(&mut self, camera: CameraDescription) {
-        if camera != self.view.camera && Camera::new(&camera).is_ok() {
-            self.view.camera = camera;
-            self.invalidate();
-        }
-    }
-
     /// Changes what the panes show; images are kept when the modes stay the same.
     fn change_panes(&mut self, change: impl FnOnce(&mut Settings)) {
         let (before, surfaces) = (self.settings.modes(), self.settings.surfaces());
@@ -481,20 +424,9 @@ impl State {
         }
     }
 
-    fn inspect(&mut self, point: Option<[f64; 2]>) {
-        let follow = self.inspection.as_ref().map_or(Follow::Transmit, |inspection| inspection.follow);
-        self.inspection =
-            point.map(|p| Inspection { point: p.map(|x| x.clamp(0.0, 1.0)), follow, path: None, key: None });
-    }
-
-    fn look_at(&mut self, point: [f64; 2]) {
-        let (Some(report), Ok(camera)) = (&self.report, Camera::new(&self.film_camera())) else { return };
-        let ray = ray_through(&camera, self.film_size, point);
-        let mode = self.settings.panes[self.view.active_pane].inspected_mode();
-        let path = trace(&report.prepared, mode, ray, Follow::Transmit, 0, Some(1));
-        if let Some(vertex) = path.vertices.first() {
-            self.jump_to(CameraDescription { target: vertex.position.into(), ..self.view.camera });
-        }
+    fn demand_ground_truth(&mut self, demand: GroundTruthDemand) {
+        self.measurement.demand = demand;
+        self.has_news = true;
     }
 
     fn set_transform(&mut self, object: String, manipulation: Manipulation, transform: Transform, now_secs: f64) {
@@ -512,83 +444,6 @@ impl State {
     pub fn selected_object(&self) -> Option<(&str, Object<'_>)> {
         let name = self.selected.as_deref()?;
         objects::object(self.document.description(), name).map(|object| (name, object))
-    }
-
-    fn select_at(&mut self, point: [f64; 2]) {
-        let (Some(report), Ok(camera)) = (&self.report, Camera::new(&self.film_camera())) else { return };
-        let world = &report.prepared.world;
-        let mut ray = ray_through(&camera, self.film_size, point);
-        ray.origin -= world.geometry.origin;
-        let mut names: Vec<&str> = Vec::new();
-        for hit in world.geometry.all_hits(&ray) {
-            let name = &*world.objects[world.geometry.object_of(hit.primitive) as usize].name;
-            if !names.contains(&name) {
-                names.push(name);
-            }
-        }
-        // A few pixels apart is the same place.
-        let is_again = self.last_pick.is_some_and(|last| (0..2).all(|i| (last[i] - point[i]).abs() < 0.01));
-        let shown = self.selected.as_deref().filter(|_| is_again);
-        let next = shown.and_then(|shown| names.iter().position(|name| *name == shown)).map_or(0, |at| at + 1);
-        self.selected = names.get(if next < names.len() { next } else { 0 }).map(|&name| name.to_owned());
-        self.last_pick = Some(point);
-    }
-
-    /// Moves the camera to a view that is not next to the present one, which is kept to return to.
-    fn jump_to(&mut self, camera: CameraDescription) {
-        let before = self.view.camera;
-        self.set_camera(camera);
-        if self.view.camera != before {
-            self.earlier_views.push(before);
-            if self.earlier_views.len() > MAX_EARLIER_VIEWS {
-                self.earlier_views.remove(0);
-            }
-        }
-    }
-
-    /// Whether there is a view to return to.
-    pub fn has_earlier_view(&self) -> bool {
-        !self.earlier_views.is_empty()
-    }
-
-    fn frame_object(&mut self, name: &str) {
-        let Some(object) = objects::object(self.document.description(), name) else { return };
-        let (min, max) = object.scene_bounds();
-        let is_ball = matches!(object.shape, Shape::Sphere { .. } | Shape::Icosphere { .. });
-        let radius = if is_ball { (max.x - min.x) / 2.0 } else { (max - min).length() / 2.0 };
-        self.frame((min + max) / 2.0, radius);
-    }
-
-    fn show_problem(&mut self, names: &[String], spot: Option<Spot>) {
-        if let Some(name) = names.first() {
-            self.selected = Some(name.clone());
-        }
-        let description = self.document.description();
-        let boxes: Vec<_> =
-            names.iter().filter_map(|name| objects::object(description, name)).map(|o| o.scene_bounds()).collect();
-        let (center, radius) = match (spot, &boxes[..]) {
-            (Some(spot), _) => (spot.center, spot.radius),
-            (None, []) => return,
-            (None, [first, others @ ..]) => {
-                let common = others.iter().fold(*first, |a, b| (a.0.max(b.0), a.1.min(b.1)));
-                let all = others.iter().fold(*first, |a, b| (a.0.min(b.0), a.1.max(b.1)));
-                // What two objects have to do with each other is where both are.
-                let (min, max) = if common.0.cmplt(common.1).all() { common } else { all };
-                ((min + max) / 2.0, (max - min).length() / 2.0)
-            }
-        };
-        self.frame(center, radius);
-    }
-
-    /// Keeps the direction of the view and moves the camera so that a sphere of `radius` around `center` fills a good part of the picture.
-    fn frame(&mut self, center: DVec3, radius: f64) {
-        let aspect = f64::from(self.film_size[0].max(1)) / f64::from(self.film_size[1].max(1));
-        let tan_vertical = (self.film_camera().vertical_fov.to_radians() / 2.0).tan();
-        self.jump_to(navigation::framed(&self.view.camera, center, radius, tan_vertical * aspect.min(1.0)));
-        if self.view.zoom > 1.0 {
-            self.view.zoom = 1.0;
-            self.view.zoom_center = [0.5; 2];
-        }
     }
 
     fn escape(&mut self) {
@@ -622,39 +477,6 @@ impl State {
             Theme::Light => Some(false),
         }
     }
-
-    /// Distance at which dollying begins to push the target ahead: small against the scene.
-    pub fn near_distance(&self) -> f64 {
-        let scene = self.document.description().camera;
-        0.02 * scene.position.distance(scene.target)
-    }
-
-    /// Moves the camera by what the pointer did in a pane of `height` points.
-    pub fn navigate(&self, motion: Motion, height: f32) -> Command {
-        let per_height =
-            |drag: [f32; 2]| glam::DVec2::new(f64::from(drag[0]), f64::from(drag[1])) / f64::from(height.max(1.0));
-        Command::SetCamera(match motion {
-            Motion::Orbit(drag) => navigation::orbit(&self.view.camera, per_height(drag)),
-            Motion::Pan(drag) => navigation::pan(&self.view.camera, per_height(drag)),
-            Motion::Dolly(steps) => navigation::dolly(&self.view.camera, f64::from(steps), self.near_distance()),
-        })
-    }
-}
-
-/// What the pointer did, in points.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Motion {
-    Orbit([f32; 2]),
-    Pan([f32; 2]),
-    /// Wheel notches, positive towards the target.
-    Dolly(f32),
-}
-
-/// The ray through the middle of the pixel at a point in [0, 1]² of the film, from the middle of the lens.
-fn ray_through(camera: &Camera, film_size: [u32; 2], point: [f64; 2]) -> Ray {
-    let size = glam::UVec2::from(film_size).as_dvec2();
-    let pixel = (size * glam::DVec2::from(point)).floor() + 0.5;
-    camera.ray(pixel.min(size - 0.5), size, glam::DVec2::ZERO)
 }
 
 /// Text of a comfortable size: larger on a screen with many points, never so large that the window cannot hold the panels.

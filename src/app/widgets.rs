@@ -135,6 +135,17 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
+/// A duration in seconds in at most six characters.
+pub fn short_seconds(seconds: f64) -> String {
+    match seconds {
+        s if s >= 9999.5 => format!("{:.1} h", s / 3600.0),
+        s if s >= 9.95 => format!("{s:.0} s"),
+        s if s >= 0.995 => format!("{s:.1} s"),
+        s if s >= 9.95e-4 => format!("{:.0} ms", s * 1e3),
+        s => format!("{:.0} µs", s * 1e6),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -149,5 +160,7 @@ mod tests {
         assert_eq!(duration(0.000_4), "400 µs");
         assert_eq!(duration(0.012), "12.0 ms");
         assert_eq!(duration(75.0), "1 min 15 s");
+        let short = [0.000_5, 0.012, 1.0, 9.99, 75.0, 36_000.0].map(short_seconds);
+        assert_eq!(short, ["500 µs", "12 ms", "1.0 s", "10 s", "75 s", "10.0 h"]);
     }
 }

@@ -90,8 +90,8 @@ pub struct WindowArguments {
     /// The light theme
     #[arg(long, hide = true, requires = "screenshot")]
     pub light: bool,
-    /// Tab at the right: render, rectification or inspector
-    #[arg(long, hide = true, requires = "screenshot", value_parser = ["render", "rectification", "inspector"])]
+    /// Tab at the right: render, rectification, inspector or measure, which begins to measure
+    #[arg(long, hide = true, requires = "screenshot", value_parser = ["render", "rectification", "inspector", "measure"])]
     pub tab: Option<String>,
 }
 

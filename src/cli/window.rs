@@ -37,7 +37,7 @@ pub struct WindowScreenshot {
     pub is_wipe: bool,
     /// The light theme instead of the dark one.
     pub is_light: bool,
-    /// `"render"`, `"rectification"` or `"inspector"`.
+    /// `"render"`, `"rectification"`, `"inspector"` or `"measure"`.
     pub tab: Option<String>,
 }
 

@@ -7,12 +7,14 @@
 //! ```text
 //! requests ─► preparer (scene, rectification) ─► main lane:      every mode, in lockstep
 //!                                              ├► reference lane: `reference` beside other modes, on a few threads of its own
-//!                                              └► surfaces lane:  surfaces in the colours of what rectification found
+//!                                              ├► surfaces lane:  surfaces in the colours of what rectification found
+//!                                              └► ground truth:   `reference` twice, to measure the others against
 //! ```
 //!
 //! Modes of one lane always have equally many samples, taken with the same random numbers: their difference shows the modes' error
 //! and not noise. `reference` is far slower than the others; beside them it has a lane of its own and holds nobody back.
 
+mod ground_truth;
 mod lane;
 mod mailbox;
 mod painter;
@@ -23,6 +25,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+pub use self::ground_truth::{GroundTruth, GroundTruthDemand, Halves, MOST_SAMPLES as MOST_GROUND_TRUTH_SAMPLES};
+use self::ground_truth::{Pools, run_ground_truth};
 use self::lane::{Job, LaneMessage, run_lane};
 use self::mailbox::{Mailbox, Taken};
 use self::painter::run_painter;
@@ -38,7 +42,8 @@ use crate::tracking::Mode;
 /// What to render.
 #[derive(Debug, Clone)]
 pub struct Request {
-    /// Different whenever anything else than `surfaces`, `sample_limit` and `is_paused` is: a new epoch starts from nothing.
+    /// Different whenever anything else than `surfaces`, `sample_limit`, `is_paused` and `ground_truth` is: a new epoch starts from
+    /// nothing.
     pub epoch: u64,
     /// Prepared anew when it is another allocation than the last request's.
     pub description: Arc<Description>,
@@ -57,6 +62,8 @@ pub struct Request {
     pub sample_limit: Option<u32>,
     /// Stops after the first sample at full resolution.
     pub is_paused: bool,
+    /// It outlives the epoch where only `modes` change.
+    pub ground_truth: GroundTruthDemand,
 }
 
 /// The state of one mode's film.
@@ -136,6 +143,7 @@ struct BoardState {
     failure: Option<(u64, SceneError)>,
     snapshots: BTreeMap<Mode, Arc<Snapshot>>,
     paintings: BTreeMap<SurfaceQuantity, Arc<PaintedSurfaces>>,
+    ground_truth: Option<GroundTruth>,
 }
 
 impl Board {
@@ -162,14 +170,19 @@ impl Board {
     pub fn paintings(&self) -> BTreeMap<SurfaceQuantity, Arc<PaintedSurfaces>> {
         self.lock().paintings.clone()
     }
+
+    /// The ground truth and how far it is; `None` where none is wanted.
+    pub fn ground_truth(&self) -> Option<GroundTruth> {
+        self.lock().ground_truth.clone()
+    }
 }
 
 /// What has been published.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum News {
-    /// A scene, its problems, or a failure.
+    /// A scene, its problems, a failure, or that the ground truth has come on.
     Scene,
-    /// Images.
+    /// Images, of the ground truth too.
     Images,
 }
 
@@ -182,10 +195,13 @@ struct Asked {
     at: Instant,
 }
 
+/// What the lanes are told: main, reference, surfaces, ground truth.
+type Lanes = [Arc<Mailbox<LaneMessage>>; 4];
+
 /// The handle to the threads. Dropping it cancels and joins them.
 pub struct Worker {
     requests: Arc<Mailbox<Asked>>,
-    lanes: [Arc<Mailbox<LaneMessage>>; 3],
+    lanes: Lanes,
     board: Arc<Board>,
     threads: Vec<JoinHandle<()>>,
 }
@@ -198,24 +214,30 @@ impl Worker {
     pub fn start(wake: Wake) -> std::io::Result<Self> {
         let board = Arc::new(Board::default());
         let requests = Arc::new(Mailbox::new());
-        let lanes = [(); 3].map(|()| Arc::new(Mailbox::new()));
+        let lanes: Lanes = [(); 4].map(|()| Arc::new(Mailbox::new()));
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let mut threads = Vec::new();
         // The window's own thread is idle most of the time. Where there are cores to spare it has one for itself; on small machines
         // rendering takes all of them, which made no frame later when measured on two cores.
         let widths = [if cores >= 4 { cores - 1 } else { cores }, (cores / 4).max(1), (cores / 2).max(1)];
+        let pool_of = |name: &'static str, width: usize| {
+            let named = rayon::ThreadPoolBuilder::new().thread_name(move |index| format!("{name}-{index}"));
+            named.num_threads(width).build().map_err(std::io::Error::other)
+        };
         for ((mailbox, width), name) in lanes.iter().zip(widths).zip(["render", "reference", "surfaces"]) {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(width)
-                .thread_name(move |index| format!("{name}-{index}"))
-                .build()
-                .map_err(std::io::Error::other)?;
+            let pool = pool_of(name, width)?;
             let (mailbox, board, wake) = (Arc::clone(mailbox), Arc::clone(&board), Arc::clone(&wake));
             threads.push(std::thread::Builder::new().name(format!("{name}-lane")).spawn(move || match name {
                 "surfaces" => run_painter(&pool, &mailbox, &board, &wake),
                 _ => run_lane(&pool, &mailbox, &board, &wake),
             })?);
         }
+        let pools = Pools { beside: pool_of("truth-beside", widths[1])?, alone: pool_of("truth-alone", widths[0])? };
+        let ground_truth = {
+            let (mailbox, board, wake) = (Arc::clone(&lanes[3]), Arc::clone(&board), Arc::clone(&wake));
+            move || run_ground_truth(&pools, &mailbox, &board, &wake)
+        };
+        threads.push(std::thread::Builder::new().name("ground-truth-lane".into()).spawn(ground_truth)?);
         let preparer = {
             let (requests, lanes, board) = (Arc::clone(&requests), lanes.clone(), Arc::clone(&board));
             move || prepare_scenes(&requests, &lanes, &board, &wake)
@@ -291,7 +313,7 @@ impl Leisure {
     }
 }
 
-fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &[Arc<Mailbox<LaneMessage>>; 3], board: &Board, wake: &Wake) {
+fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &Lanes, board: &Board, wake: &Wake) {
     let mut current: Option<Prepared> = None;
     let mut leisure: Option<Leisure> = None;
     loop {
@@ -341,8 +363,9 @@ fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &[Arc<Mailbox<LaneMessage>>;
         let alone = request.modes.iter().all(|mode| *mode == Mode::Reference);
         let (reference, main): (Vec<Mode>, Vec<Mode>) =
             request.modes.iter().partition(|mode| **mode == Mode::Reference && !alone);
-        let has_work = [!main.is_empty(), !reference.is_empty(), !request.surfaces.is_empty()];
-        for ((lane, modes), has_work) in lanes.iter().zip([main, reference, Vec::new()]).zip(has_work) {
+        let measures = request.ground_truth != GroundTruthDemand::Off;
+        let has_work = [!main.is_empty(), !reference.is_empty(), !request.surfaces.is_empty(), measures];
+        for ((lane, modes), has_work) in lanes.iter().zip([main, reference, Vec::new(), Vec::new()]).zip(has_work) {
             lane.post(if !has_work {
                 LaneMessage::Hold
             } else {
@@ -384,6 +407,7 @@ mod tests {
             max_depth: Some(8),
             sample_limit: Some(3),
             is_paused: false,
+            ground_truth: GroundTruthDemand::Off,
         }
     }
 
@@ -551,6 +575,46 @@ mod tests {
         until(&worker, |_| {
             paintings(&worker).len() == 2 && paintings(&worker).values().all(|p| p.is_done() && p.epoch == 2)
         });
+    }
+
+    #[test]
+    fn a_ground_truth_is_kept_while_the_picture_is_the_same() {
+        let worker = Worker::start(quiet()).unwrap();
+        let truth_when = |is_met: &dyn Fn(Option<&GroundTruth>) -> bool| {
+            let start = Instant::now();
+            loop {
+                let truth = worker.board().ground_truth();
+                if is_met(truth.as_ref()) {
+                    return truth;
+                }
+                assert!(start.elapsed() < Duration::from_secs(60), "waited too long");
+                std::thread::sleep(Duration::from_millis(2));
+            }
+        };
+        let first = Request { ground_truth: GroundTruthDemand::On, ..request(1, &[Mode::Rectified]) };
+        worker.submit(first.clone());
+        let truth =
+            truth_when(&|truth| truth.is_some_and(|truth| truth.halves.as_ref().is_some_and(|h| h.samples >= 4)));
+        let halves = truth.and_then(|truth| truth.halves).unwrap();
+        assert_eq!((halves.size, halves.mean.len()), ([96, 64], 96 * 64));
+        assert_ne!(halves.rgb[0], halves.rgb[1], "the halves have noise of their own");
+        let film = Arc::clone(&worker.board().snapshots()[&Mode::Rectified]);
+        assert!(halves.rgb.iter().all(|half| *half != film.rgb));
+
+        // Another mode is another epoch of the same picture. Paused, it stays as it is.
+        let paused =
+            Request { epoch: 2, modes: vec![Mode::Stack], ground_truth: GroundTruthDemand::Paused, ..first.clone() };
+        worker.submit(paused);
+        let kept = truth_when(&|truth| truth.is_some_and(|truth| truth.epoch == 2)).unwrap();
+        assert!(kept.samples >= halves.samples);
+        // Another view is another picture.
+        let mut moved = Request { epoch: 3, ..first.clone() };
+        moved.camera.position.x += 0.1;
+        worker.submit(moved);
+        let anew = truth_when(&|truth| truth.is_some_and(|truth| truth.epoch == 3)).unwrap();
+        assert!(anew.samples < kept.samples, "it begins anew: {} of {}", anew.samples, kept.samples);
+        worker.submit(Request { epoch: 4, ..request(4, &[Mode::Rectified]) });
+        truth_when(&|truth| truth.is_none());
     }
 
     #[test]

@@ -18,7 +18,7 @@ use glam::DVec3;
 use iorect::optics::IorModel;
 use iorect::optics::dispersion::WAVELENGTH_D_UM;
 use iorect::render::surfaces::SurfaceQuantity;
-use iorect::render::worker::{Request, Worker};
+use iorect::render::worker::{GroundTruthDemand, Request, Worker};
 use iorect::scene::{Description, builtin};
 use iorect::tracking::Mode;
 
@@ -140,6 +140,7 @@ fn run(description: &Description, panes: &Panes, edits: usize) -> std::io::Resul
         max_depth: None,
         sample_limit: Some(4096),
         is_paused: false,
+        ground_truth: GroundTruthDemand::Off,
     };
     answer(&worker, &news, &request);
     let mut moments = 0.0_f64;

@@ -125,6 +125,9 @@ fn file_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         for (text, keys, kind) in all {
             item_enabled(ui, state.report.is_some(), text, keys, commands, Command::AskExport(kind));
         }
+        let is_measured = state.measurement.results.curves.values().any(|curve| !curve.points.is_empty());
+        let ask = Command::AskExport(ExportKind::ErrorsCsv);
+        item_enabled(ui, is_measured, "Measured errors as CSV…", None, commands, ask);
     });
     ui.separator();
     item(ui, "Quit", Some(&keys::QUIT), commands, Command::Quit);
@@ -206,6 +209,9 @@ fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     );
     choice(ui, settings.show_problems, "Problems", None, commands, Command::ToggleProblems);
     item(ui, "Inspector", None, commands, Command::ShowTab(Tab::Inspector));
+    item(ui, "Error against time", Some(&keys::MEASURE), commands, Command::ShowTab(Tab::Measure));
+    let values = "Values under the pointer";
+    choice(ui, settings.show_values, values, Some(&keys::VALUES), commands, Command::ToggleValues);
     ui.separator();
     submenu_ui(ui, "Theme", |ui| {
         for (theme, name) in [(Theme::System, "As the system"), (Theme::Dark, "Dark"), (Theme::Light, "Light")] {

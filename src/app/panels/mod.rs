@@ -4,6 +4,7 @@ pub mod about;
 pub mod dialogs;
 mod gallery;
 mod inspector;
+mod measure;
 mod medium;
 mod menu_bar;
 mod notices;
@@ -82,6 +83,7 @@ fn tabs_ui(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Vec<C
         (Tab::Render, "Render", "Panes, display, quality, progress and events."),
         (Tab::Rectification, "Interfaces", "What rectification found on the other side of every refractor."),
         (Tab::Inspector, "Inspector", "The path of a pixel, vertex by vertex. Click a picture to choose the pixel."),
+        (Tab::Measure, "Measure", "Error against time for every mode that is shown."),
     ];
     if let Some(tab) = segmented_ui(ui, state.settings.tab, &tabs) {
         commands.push(Command::ShowTab(tab));
@@ -94,6 +96,7 @@ fn tabs_ui(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Vec<C
             Tab::Render => render::show(ui, state, viewport, commands),
             Tab::Rectification => rectification::show(ui, state, commands),
             Tab::Inspector => inspector::show(ui, state, commands),
+            Tab::Measure => measure::show(ui, state, commands),
         }
     });
 }

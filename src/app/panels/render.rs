@@ -3,7 +3,7 @@
 use egui::{ComboBox, DragValue, RichText, Slider, Ui};
 
 use crate::app::command::Command;
-use crate::app::settings::{Arrangement, MAX_PANES, PaneContent, Preset, mode_title};
+use crate::app::settings::{Arrangement, DifferenceKind, MAX_PANES, PaneContent, Preset, mode_title};
 use crate::app::state::State;
 use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
 use crate::app::viewport::{Viewport, content_menu_ui, event_meaning, event_name};
@@ -66,7 +66,9 @@ fn panes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 PaneContent::Mode(mode) => {
                     RichText::new(format!("{DOT} {}", mode_title(*mode))).color(palette.mode(*mode))
                 }
-                PaneContent::Difference(..) | PaneContent::Surfaces(_) => RichText::new(content.to_string()),
+                PaneContent::Difference(..) | PaneContent::Error(_) | PaneContent::Surfaces(_) => {
+                    RichText::new(content.to_string())
+                }
             };
             ComboBox::from_id_salt(("pane", index)).selected_text(text).width(ui.available_width()).truncate().show_ui(
                 ui,
@@ -110,14 +112,11 @@ fn display_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             commands.push(Command::SetCurve(curve));
         }
     });
-    if settings.shown_panes().iter().any(|content| matches!(content, PaneContent::Difference(..))) {
-        let kinds = [
-            (false, "Absolute", "How far apart, in one colour scale."),
-            (true, "Signed", "Blue where the first is darker, orange where it is brighter."),
-        ];
+    if settings.shown_panes().iter().any(|content| content.is_difference()) {
+        let kinds = DifferenceKind::ALL.map(|kind| (kind, kind.name(), kind.about()));
         row_ui(ui, "Difference", "How differences are coloured. The exposure scales them.", |ui| {
-            if let Some(signed) = segmented_ui(ui, settings.signed_difference, &kinds) {
-                commands.push(Command::SetSignedDifference(signed));
+            if let Some(kind) = segmented_ui(ui, settings.difference, &kinds) {
+                commands.push(Command::SetDifference(kind));
             }
         });
     }
@@ -176,7 +175,7 @@ fn limit_ui(
 }
 
 /// A mode's name where there is little room.
-fn short_title(mode: Mode) -> &'static str {
+pub(super) fn short_title(mode: Mode) -> &'static str {
     match mode {
         Mode::RectifiedObject => "per object",
         other => other.name(),
@@ -195,7 +194,7 @@ fn progress_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
         "Time spent rendering this image.",
         "Pixel samples per second.",
     ];
-    table_row_ui(ui, ["mode", "spp", "time", "samples/s"].map(head), about);
+    table_row_ui(ui, &COLUMNS, ["mode", "spp", "time", "samples/s"].map(head), about);
     for mode in state.settings.modes() {
         let name = RichText::new(format!("{DOT} {}", short_title(mode))).small().color(palette.mode(mode));
         let film = (state.settings.shown_panes().iter())
@@ -208,16 +207,17 @@ fn progress_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
             None => ["…", "…", "…"].map(str::to_owned),
         };
         let [samples, time, speed] = texts.map(value);
-        table_row_ui(ui, [name, samples, time, speed], [mode_title(mode), "", "", ""]);
+        table_row_ui(ui, &COLUMNS, [name, samples, time, speed], [mode_title(mode), "", "", ""]);
     }
 }
 
-fn table_row_ui(ui: &mut Ui, cells: [RichText; 4], about: [&str; 4]) {
+/// A row of a table whose columns begin at shares of its width. `about` explains each cell.
+pub(super) fn table_row_ui<const N: usize>(ui: &mut Ui, columns: &[f32; N], cells: [RichText; N], about: [&str; N]) {
     let (rect, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), 18.0), egui::Sense::hover());
     for (index, (cell, about)) in cells.into_iter().zip(about).enumerate() {
-        let end = COLUMNS.get(index + 1).copied().unwrap_or(1.0);
+        let end = columns.get(index + 1).copied().unwrap_or(1.0);
         let x = |share: f32| rect.left() + share * rect.width();
-        let room = egui::Rect::from_x_y_ranges(x(COLUMNS[index])..=x(end) - 2.0, rect.y_range());
+        let room = egui::Rect::from_x_y_ranges(x(columns[index])..=x(end) - 2.0, rect.y_range());
         let layout = egui::Layout::left_to_right(egui::Align::Center);
         let mut cell_ui = ui.new_child(egui::UiBuilder::new().max_rect(room).layout(layout));
         let response = cell_ui.add(egui::Label::new(cell).truncate());

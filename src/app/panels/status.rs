@@ -4,7 +4,7 @@ use egui::{Align, Layout, RichText, Ui};
 
 use crate::app::state::State;
 use crate::app::theme::Palette;
-use crate::app::viewport::Viewport;
+use crate::app::viewport::{Viewport, pixel_at};
 use crate::app::widgets::value;
 
 /// The hint, longest first: the longest that fits is shown.
@@ -22,6 +22,10 @@ pub fn show(ui: &mut Ui, state: &State, viewport: &Viewport) {
             let [width, height] = state.film_size();
             ui.label(value(format!("{width} × {height}")).color(palette.weak_text))
                 .on_hover_text("Size of each image, in pixels.");
+            if let Some([x, y]) = viewport.pointer().and_then(|point| pixel_at([width, height], point)) {
+                ui.label(value(format!("pixel {x}, {y}")))
+                    .on_hover_text("Under the pointer; 0, 0 is at the upper left.");
+            }
             ui.label(value(progress(state, viewport)).color(palette.weak_text));
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let room = ui.available_width();

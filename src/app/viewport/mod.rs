@@ -6,6 +6,7 @@ mod layout;
 mod legend;
 mod overlay;
 mod tools;
+mod values;
 
 use std::sync::Arc;
 
@@ -13,10 +14,11 @@ use egui::{Color32, Rect, Sense, TextureHandle, TextureOptions, Ui, Vec2};
 
 use self::layout::{Pane, film_window, panes};
 pub use self::overlay::{content_menu_ui, event_meaning, event_name};
+pub use self::values::pixel_at;
 use super::Shown;
 use super::command::Command;
 use super::develop::{Picture, Source};
-use super::settings::{Arrangement, PaneContent};
+use super::settings::{Arrangement, DifferenceKind, PaneContent};
 use super::state::State;
 use super::theme::Palette;
 use crate::render::worker::Snapshot;
@@ -27,13 +29,16 @@ pub struct Viewport {
     shown: Shown<Shot>,
     drag: Option<input::Drag>,
     handles: handles::Handles,
+    /// Where the pointer is over a pane, in [0, 1]² of the film.
+    pointer: Option<[f64; 2]>,
 }
 
 /// One picture.
 struct Shot {
     texture: TextureHandle,
     source: Source,
-    mean_difference: Option<f64>,
+    mean_difference: Option<(DifferenceKind, f64)>,
+    flip: Option<Arc<Vec<f32>>>,
 }
 
 impl Viewport {
@@ -55,13 +60,12 @@ impl Viewport {
                     shot.texture.set(picture.image, options);
                     shot.source = picture.source;
                     shot.mean_difference = picture.mean_difference;
+                    shot.flip = picture.flip;
                 }
                 None => {
                     let texture = ctx.load_texture(content.to_string(), picture.image, options);
-                    self.shown.insert(
-                        content,
-                        Shot { texture, source: picture.source, mean_difference: picture.mean_difference },
-                    );
+                    let Picture { source, mean_difference, flip, .. } = picture;
+                    self.shown.insert(content, Shot { texture, source, mean_difference, flip });
                 }
             }
         }
@@ -80,6 +84,29 @@ impl Viewport {
     /// The films that the picture of `content` was made from; empty before the first one, and for painted surfaces.
     pub fn films(&self, content: PaneContent) -> Vec<Arc<Snapshot>> {
         self.source(content).films
+    }
+
+    /// Where the pointer is over a pane, in [0, 1]² of the film.
+    pub fn pointer(&self) -> Option<[f64; 2]> {
+        self.pointer
+    }
+
+    /// How the difference that `content` shows is coloured, and its mean; `None` where there is none of `epoch`.
+    pub fn difference(&self, content: PaneContent, epoch: u64) -> Option<(DifferenceKind, f64)> {
+        let shot = self.shown.get(&content)?;
+        shot.mean_difference.filter(|_| shot.source.epochs().all(|shown| shown == epoch))
+    }
+
+    /// What is said of the pixel under the pointer in pane `index`, line by line.
+    pub fn values(&self, index: usize, state: &State) -> Vec<String> {
+        let content = state.settings.panes[index];
+        match (self.shown.get(&content), self.pointer) {
+            (Some(shot), Some(point)) => {
+                let flip = shot.flip.as_deref().map(Vec::as_slice);
+                values::lines(content, &shot.source, flip, state.settings.difference, point)
+            }
+            _ => Vec::new(),
+        }
     }
 
     /// Samples per pixel of an up-to-date picture at full resolution; 0 before.
@@ -102,7 +129,12 @@ impl Viewport {
         let panes = panes(area, settings.pane_count, settings.arrangement, state.view.divider);
         let film_size = film_size(ui, panes[0].picture.size(), settings.resolution_scale);
         state.set_film_size(film_size);
-        self.shown.retain(|content, _| state.settings.shown_panes().contains(content));
+        self.shown.retain(|content, shot| {
+            // The next reference image takes a while: until then an error is not of this picture.
+            let is_stale = matches!(content, PaneContent::Error(_))
+                && (!state.measurement.is_on() || shot.source.epochs().any(|epoch| epoch != state.epoch()));
+            state.settings.shown_panes().contains(content) && !is_stale
+        });
 
         self.read_pointer(ui, &response, state, &panes, commands);
         for (index, pane) in panes.iter().enumerate() {
@@ -127,7 +159,34 @@ impl Viewport {
             legend::show_faces(ui, state, &panes[index], pos, handles::film_point(state, &panes[index], pos));
         }
         tools::show(ui, state, &panes[0], commands);
+        self.values_ui(ui, &response, state, &panes);
         overlay::area_ui(ui, state, area);
+    }
+
+    /// The numbers under the pointer, and in the other panes where that is.
+    fn values_ui(&mut self, ui: &Ui, response: &egui::Response, state: &State, panes: &[Pane]) {
+        let hovered = response.hover_pos().filter(|_| self.drag.is_none());
+        let over = hovered.and_then(|pos| Some((pos, panes.iter().position(|pane| pane.visible.contains(pos))?)));
+        self.pointer = over.map(|(pos, index)| handles::film_point(state, &panes[index], pos));
+        let (Some(point), Some((_, over))) = (self.pointer.filter(|_| state.settings.show_values), over) else {
+            return;
+        };
+        for (index, pane) in panes.iter().enumerate() {
+            let content = state.settings.panes[index];
+            if index != over && state.settings.arrangement == Arrangement::Tiles {
+                let painter = ui.painter().with_clip_rect(pane.visible.intersect(ui.clip_rect()));
+                values::paint_cross(&painter, state, pane.picture, point);
+            }
+            let [to_right, to_bottom] = overlay::label_corner(state, index);
+            // Above what else may be in that corner or reach into it.
+            let has_zoom = state.view.zoom > 1.0 && pane.visible.left() <= response.rect.left() + 1.0;
+            let is_lowest = pane.visible.bottom() >= response.rect.bottom() - 4.0;
+            let mut lift: f32 = if has_zoom && is_lowest { 30.0 } else { 0.0 };
+            if content.is_difference() && (pane.visible.width() < 360.0 || (to_right && to_bottom)) {
+                lift = lift.max(overlay::LEGEND_HEIGHT + 6.0);
+            }
+            values::show(ui, &self.values(index, state), pane, to_bottom, lift);
+        }
     }
 
     fn paint_picture(&self, ui: &Ui, state: &State, index: usize, pane: Pane) {
@@ -137,7 +196,13 @@ impl Viewport {
             painter.image(shot.texture.id(), pane.picture, window, Color32::WHITE);
         } else {
             let palette = Palette::of(ui);
-            let text = if state.report.is_none() { "Preparing the scene…" } else { "Rendering…" };
+            let is_error = matches!(state.settings.panes[index], PaneContent::Error(_));
+            let text = match () {
+                () if state.report.is_none() => "Preparing the scene…",
+                () if is_error && !state.measurement.is_on() => "No reference image: make one in the tab Measure",
+                () if is_error => "Waiting for the reference image…",
+                () => "Rendering…",
+            };
             let font = egui::TextStyle::Body.resolve(ui.style());
             painter.text(pane.visible.center(), egui::Align2::CENTER_CENTER, text, font, palette.weak_text);
         }

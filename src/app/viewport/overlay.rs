@@ -6,9 +6,9 @@ use egui::{Align2, Button, Color32, Painter, Pos2, Rect, Stroke, TextFormat, Ui,
 use super::layout::{Pane, film_window, screen_from_film};
 use super::legend;
 use crate::app::command::Command;
-use crate::app::develop::{Source, difference_color};
+use crate::app::develop::{Source, difference_color, flip_color};
 use crate::app::files::total_events;
-use crate::app::settings::{Arrangement, PaneContent, mode_title};
+use crate::app::settings::{Arrangement, DifferenceKind, PaneContent, mode_title};
 use crate::app::state::State;
 use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
 use crate::app::widgets::short_count;
@@ -27,7 +27,7 @@ pub(super) struct Shot<'a> {
     pub content: PaneContent,
     pub source: &'a Source,
     /// As in [`crate::app::develop::Picture`].
-    pub mean_difference: Option<f64>,
+    pub mean_difference: Option<(DifferenceKind, f64)>,
 }
 
 /// A pane's label, with the menu that chooses what it shows, and its legend.
@@ -44,8 +44,7 @@ pub(super) fn pane_ui(
         return;
     }
     // In a wipe the labels go to the outer corners, where the divider reaches them last.
-    let is_wipe = state.settings.arrangement == Arrangement::Wipe && state.settings.pane_count > 1;
-    let (to_right, to_bottom) = (is_wipe && index % 2 == 1, is_wipe && index >= 2);
+    let [to_right, to_bottom] = label_corner(state, index);
     let align = match (to_right, to_bottom) {
         (false, false) => egui::Layout::top_down(egui::Align::Min),
         (true, false) => egui::Layout::top_down(egui::Align::Max),
@@ -57,12 +56,18 @@ pub(super) fn pane_ui(
     label_ui(&mut child, state, shot, index, commands);
 
     match shot.content {
-        PaneContent::Difference(..) => paint_legend(ui, state, room, to_right && to_bottom),
+        PaneContent::Difference(..) | PaneContent::Error(_) => paint_legend(ui, state, room, to_right && to_bottom),
         PaneContent::Surfaces(quantity) => {
             legend::show(ui, state, shot.source, quantity, room, to_right && to_bottom);
         }
         PaneContent::Mode(_) => {}
     }
+}
+
+/// Whether a pane's label is at the right, and at the bottom.
+pub(super) fn label_corner(state: &State, index: usize) -> [bool; 2] {
+    let is_wipe = state.settings.arrangement == Arrangement::Wipe && state.settings.pane_count > 1;
+    [is_wipe && index % 2 == 1, is_wipe && index >= 2]
 }
 
 fn label_ui(ui: &mut Ui, state: &State, shot: &Shot<'_>, index: usize, commands: &mut Vec<Command>) {
@@ -83,6 +88,12 @@ fn label_ui(ui: &mut Ui, state: &State, shot: &Shot<'_>, index: usize, commands:
             let [a, b] = [a, b].map(mode_title);
             format!("The luminance of {a} less that of {b}, at the display's exposure.")
         }
+        PaneContent::Error(mode) => {
+            format!(
+                "The luminance of {} less that of the reference image, at the display's exposure.",
+                mode_title(mode)
+            )
+        }
         PaneContent::Surfaces(quantity) => quantity.about().to_owned(),
     };
     response.accessible_name(name).on_hover_text(format!("{hint}\nClick to show something else in this pane."));
@@ -100,11 +111,14 @@ fn label_ui(ui: &mut Ui, state: &State, shot: &Shot<'_>, index: usize, commands:
             commands.push(Command::ShowTab(crate::app::settings::Tab::Render));
         }
     }
-    if let Some(mean) = mean_difference {
+    if let Some((kind, mean)) = mean_difference {
         let text = if mean == 0.0 { "identical".to_owned() } else { format!("mean {mean:.3e}") };
         let text = egui::RichText::new(text).text_style(theme::small_mono_style()).color(WEAK);
         let chip = Button::new(text).fill(GROUND).stroke(Stroke::NONE).corner_radius(5).min_size(Vec2::ZERO).truncate();
-        let tip = "The mean over all pixels of the absolute difference in linear luminance, noise included.";
+        let tip = match kind {
+            DifferenceKind::Flip => "The mean of FLIP over all pixels: 0 looks the same, 1 is as different as can be.",
+            _ => "The mean over all pixels of the absolute difference in linear luminance, noise included.",
+        };
         ui.add(chip.sense(egui::Sense::hover())).on_hover_text(tip);
     }
     if state.is_paused && index == 0 {
@@ -131,6 +145,10 @@ fn label_text(ui: &Ui, source: &Source, content: PaneContent) -> LayoutJob {
             dot(a, 0.0);
             dot(b, 9.0);
             job.append("difference", 9.0, TextFormat::simple(body, TEXT));
+        }
+        PaneContent::Error(mode) => {
+            dot(mode, 0.0);
+            job.append("error", 9.0, TextFormat::simple(body, TEXT));
         }
         PaneContent::Surfaces(quantity) => job.append(quantity.name(), 0.0, TextFormat::simple(body, TEXT)),
     }
@@ -175,6 +193,17 @@ pub fn content_menu_ui(ui: &mut Ui, shown: PaneContent) -> Option<PaneContent> {
     ui.menu_button("difference", |ui| {
         for content in PaneContent::differences() {
             if ui.selectable_label(shown == content, content.to_string()).clicked() {
+                chosen = Some(content);
+            }
+        }
+    });
+    ui.menu_button("error", |ui| {
+        for mode in Mode::ALL {
+            let content = PaneContent::Error(mode);
+            let response = ui.selectable_label(shown == content, content.to_string());
+            let hint =
+                "Against a reference image, which is made in the background if there is none yet: see the tab Measure.";
+            if response.on_hover_text(hint).clicked() {
                 chosen = Some(content);
             }
         }
@@ -247,6 +276,9 @@ pub(super) fn paint_handle(painter: &Painter, center: Pos2) {
     }
 }
 
+/// Height of a difference's legend, in points.
+pub(super) const LEGEND_HEIGHT: f32 = 50.0;
+
 /// In the lower right corner, or in the lower left one where the label is in the way.
 fn paint_legend(ui: &Ui, state: &State, room: Rect, at_left: bool) {
     const BAR: Vec2 = vec2(120.0, 8.0);
@@ -254,20 +286,26 @@ fn paint_legend(ui: &Ui, state: &State, room: Rect, at_left: bool) {
         return;
     }
     let painter = ui.painter();
-    let size = vec2(BAR.x + 20.0, 36.0);
+    let size = vec2(BAR.x + 20.0, LEGEND_HEIGHT);
     let left = if at_left { room.left() } else { room.right() - size.x };
     let frame = Rect::from_min_size(pos2(left, room.bottom() - size.y), size);
     painter.rect_filled(frame, 5.0, GROUND);
     let bar = Rect::from_min_size(frame.min + vec2(10.0, 8.0), BAR);
-    let is_signed = state.settings.signed_difference;
+    let kind = state.settings.difference;
+    let is_signed = kind == DifferenceKind::Signed;
     for step in 0..60 {
         let part = step as f32 / 59.0;
         let value = if is_signed { 2.0 * part - 1.0 } else { part };
         let x = bar.left() + BAR.x * step as f32 / 60.0;
         let slice = Rect::from_min_size(pos2(x, bar.top()), vec2(BAR.x / 60.0 + 0.5, BAR.y));
-        painter.rect_filled(slice, 0.0, difference_color(value, is_signed));
+        let color = match kind {
+            DifferenceKind::Flip => flip_color(value),
+            _ => difference_color(value, is_signed),
+        };
+        painter.rect_filled(slice, 0.0, color);
     }
-    let end = f64::from(-state.settings.display.exposure).exp2();
+    let end = if kind == DifferenceKind::Flip { 0.0 } else { f64::from(-state.settings.display.exposure) };
+    let end = end.exp2();
     let font = egui::FontId::monospace(10.0);
     let number = |value: f64| {
         let text = format!("{value:.3}");
@@ -283,6 +321,12 @@ fn paint_legend(ui: &Ui, state: &State, room: Rect, at_left: bool) {
     for ((x, align), text) in places.into_iter().zip(labels) {
         painter.text(pos2(x, bar.bottom() + 3.0), align, text, font.clone(), TEXT);
     }
+    let caption = match kind {
+        DifferenceKind::Absolute => "|Δ luminance|, linear",
+        DifferenceKind::Signed => "Δ luminance, linear",
+        DifferenceKind::Flip => "FLIP, as displayed",
+    };
+    painter.text(pos2(bar.center().x, bar.bottom() + 16.0), Align2::CENTER_TOP, caption, font, WEAK);
 }
 
 /// What belongs to all panes together.

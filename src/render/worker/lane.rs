@@ -32,6 +32,15 @@ pub(super) struct Job {
 }
 
 impl Job {
+    /// Whether both are about one picture, whatever else is wanted of it: which modes show it, how many samples.
+    pub(super) fn shows_the_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.prepared.description, &other.prepared.description)
+            && self.request.camera == other.request.camera
+            && self.request.size == other.request.size
+            && self.request.max_depth == other.request.max_depth
+            && self.request.seed == other.request.seed
+    }
+
     /// When the first image must be there, if work on it begins at `begun`.
     pub(super) fn first_image_due(&self, begun: Instant) -> Instant {
         (self.asked_at + FIRST_IMAGE).max(begun + LEAST_FIRST_IMAGE)
@@ -203,7 +212,8 @@ impl Progress {
                     *last_published = Some(Instant::now());
                 }),
             });
-            let is_complete = cancellable(pool, mailbox, self.job.request.epoch, grace_end, alarm, |cancel| {
+            let is_other = of_another_epoch(self.job.request.epoch);
+            let is_complete = cancellable(pool, mailbox, is_other, grace_end, alarm, |cancel| {
                 accumulate(&self.job.prepared, &self.job.camera, &settings, film, samples, cancel)
             });
             if !is_complete {
@@ -277,12 +287,20 @@ fn post(board: &Board, wake: &Wake, snapshots: Vec<Snapshot>) {
     wake(News::Images);
 }
 
-/// Runs `pass` on the pool while this thread watches the mailbox and the clock for the `alarm`, and cancels it when it is out of date,
-/// though not before `not_before`.
+/// What puts the images of `epoch` out of date.
+pub(super) fn of_another_epoch(epoch: u64) -> impl Fn(&LaneMessage) -> bool {
+    move |message| match message {
+        LaneMessage::Hold => true,
+        LaneMessage::Render(job) => job.request.epoch != epoch,
+    }
+}
+
+/// Runs `pass` on the pool while this thread watches the mailbox and the clock for the `alarm`, and cancels it when a message comes that
+/// puts it out of date, though not before `not_before`.
 pub(super) fn cancellable(
     pool: &rayon::ThreadPool,
     mailbox: &Mailbox<LaneMessage>,
-    epoch: u64,
+    is_other: impl Fn(&LaneMessage) -> bool,
     not_before: Instant,
     alarm: Option<Alarm<'_>>,
     pass: impl FnOnce(&AtomicBool) -> bool + Send,
@@ -303,10 +321,6 @@ pub(super) fn cancellable(
             let _finish = Finish(mailbox);
             is_complete = pass(&cancel);
         });
-        let is_other = |message: &LaneMessage| match message {
-            LaneMessage::Hold => true,
-            LaneMessage::Render(job) => job.request.epoch != epoch,
-        };
         mailbox.watch(not_before, is_other, || cancel.store(true, Ordering::Relaxed), alarm);
     });
     is_complete

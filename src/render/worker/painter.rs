@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::lane::{Job, LaneMessage, MAX_DIVISOR, cancellable, divisor_for};
+use super::lane::{Job, LaneMessage, MAX_DIVISOR, cancellable, divisor_for, of_another_epoch};
 use super::mailbox::{Mailbox, Taken};
 use super::{Board, News, PaintedSurfaces, Wake, guarded};
 use crate::render::surfaces::{OFFSETS, Painting, SurfaceQuantity};
@@ -102,7 +102,7 @@ impl Progress {
         let Some(painting) = self.paintings.get_mut(&quantity) else { return false };
         let grace_end = if stage == 0 { begun + FIRST_PASS_GRACE } else { begun };
         let job = &self.job;
-        let is_complete = cancellable(pool, mailbox, job.request.epoch, grace_end, None, |cancel| {
+        let is_complete = cancellable(pool, mailbox, of_another_epoch(job.request.epoch), grace_end, None, |cancel| {
             painting.add(&job.prepared, &job.camera, quantity, cancel)
         });
         if is_complete {

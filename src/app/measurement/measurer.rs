@@ -1,0 +1,400 @@
+//! The thread that measures: keeps films at doublings of their samples and measures them again whenever the ground truth has become
+//! better. Neither the window nor the renderer waits for it.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use super::ErrorMetric;
+use super::curve::{Curve, Point};
+use crate::app::develop::displayed;
+use crate::measure::{MetricError, difference, difference_from_two, flip};
+use crate::render::Display;
+use crate::render::worker::{Board, GroundTruth, Halves, Snapshot};
+use crate::tracking::Mode;
+
+/// What to measure.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Plan {
+    pub is_on: bool,
+    /// Of the films to be measured.
+    pub epoch: u64,
+    /// FLIP is measured only where it is looked at: it takes far longer than the others.
+    pub metric: ErrorMetric,
+    /// FLIP is measured on displayed pictures.
+    pub display: Display,
+    /// Time that rectification has taken, counted with the modes that use what it found.
+    pub rectification_seconds: f64,
+}
+
+/// What has been measured.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Measurements {
+    pub epoch: u64,
+    /// Width and height of the films, in pixels.
+    pub size: [u32; 2],
+    pub curves: BTreeMap<Mode, Curve>,
+    /// What noise in the mean of the ground truth's halves amounts to, as relMSE.
+    pub truth_noise: Option<f64>,
+}
+
+/// Bytes of films that are kept; beyond, the earliest keep their last figures.
+const MOST_BYTES: usize = 256 << 20;
+/// A film is measured anew when the ground truth has so many times the samples.
+const BETTER_TRUTH: u32 = 2;
+/// Pause between measurements of the films as they are just now.
+const LIVE_PAUSE: Duration = Duration::from_millis(400);
+
+#[derive(Default)]
+struct Desk {
+    plan: Plan,
+    has_news: bool,
+    is_closed: bool,
+    finished: Option<Arc<Measurements>>,
+}
+
+#[derive(Default)]
+struct Shared {
+    desk: Mutex<Desk>,
+    changed: Condvar,
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, Desk> {
+        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The handle to the thread. Dropping it ends the thread.
+pub struct Measurer {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// A way to tell a [`Measurer`] that films have changed.
+#[derive(Clone)]
+pub struct Bell(Arc<Shared>);
+
+impl Bell {
+    /// A bell without a measurer yet.
+    pub fn new() -> Self {
+        Self(Arc::default())
+    }
+
+    pub fn ring(&self) {
+        self.0.lock().has_news = true;
+        self.0.changed.notify_all();
+    }
+}
+
+impl Measurer {
+    /// Starts the thread, which looks at `board` whenever `bell` rings and calls `wake` when it has measured something.
+    ///
+    /// # Errors
+    /// When the system refuses a thread.
+    pub fn start(bell: Bell, board: Arc<Board>, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+        let shared = bell.0;
+        let thread = {
+            let shared = Arc::clone(&shared);
+            std::thread::Builder::new().name("measure".into()).spawn(move || run(&shared, &board, &wake))?
+        };
+        Ok(Self { shared, thread: Some(thread) })
+    }
+
+    /// Says what to measure from now on.
+    pub fn set_plan(&self, plan: &Plan) {
+        let mut desk = self.shared.lock();
+        if desk.plan != *plan {
+            desk.plan = plan.clone();
+            desk.has_news = true;
+            self.shared.changed.notify_all();
+        }
+    }
+
+    /// What has been measured, if it is new.
+    pub fn take_finished(&self) -> Option<Arc<Measurements>> {
+        self.shared.lock().finished.take()
+    }
+}
+
+impl Drop for Measurer {
+    fn drop(&mut self) {
+        self.shared.lock().is_closed = true;
+        self.shared.changed.notify_all();
+        if let Some(thread) = self.thread.take() {
+            // A thread that panicked has said so already.
+            let _ = thread.join();
+        }
+    }
+}
+
+fn run(shared: &Shared, board: &Board, wake: &dyn Fn()) {
+    let mut records = Records::default();
+    let mut has_more = false;
+    loop {
+        let plan = {
+            let mut desk = shared.lock();
+            while !desk.has_news && !desk.is_closed && !has_more {
+                desk = match records.live_wait() {
+                    Some(wait) if wait.is_zero() => break,
+                    Some(wait) => shared.changed.wait_timeout(desk, wait).unwrap_or_else(PoisonError::into_inner).0,
+                    None => shared.changed.wait(desk).unwrap_or_else(PoisonError::into_inner),
+                };
+            }
+            if desk.is_closed {
+                return;
+            }
+            desk.has_news = false;
+            desk.plan.clone()
+        };
+        let truth = board.ground_truth().filter(|truth| plan.is_on && truth.epoch == plan.epoch);
+        let mut has_changed = records.take_in(&plan, board);
+        // One film at a time: between two, the board may have films that must not be missed.
+        has_more = records.measure_next(&plan, truth.as_ref());
+        has_changed |= has_more;
+        if has_changed {
+            shared.lock().finished = Some(Arc::new(records.measurements(&plan)));
+            wake();
+        }
+    }
+}
+
+/// A film at one moment.
+struct Record {
+    /// Let go where there are too many; the figures stay.
+    film: Option<Arc<Snapshot>>,
+    point: Option<Point>,
+    /// How FLIP was measured.
+    flip_display: Option<Display>,
+}
+
+impl Record {
+    fn new(film: Arc<Snapshot>) -> Self {
+        Self { film: Some(film), point: None, flip_display: None }
+    }
+
+    fn is_due(&self, plan: &Plan, truth: &Halves, is_last: bool) -> bool {
+        if self.film.as_ref().is_none_or(|film| film.size != truth.size) {
+            return false;
+        }
+        self.point.is_none_or(|point| {
+            truth.samples >= point.truth_samples.saturating_mul(BETTER_TRUTH)
+                || (is_last && truth.samples != point.truth_samples)
+                || (plan.metric == ErrorMetric::Flip && self.flip_display != Some(plan.display))
+        })
+    }
+
+    fn measure(&mut self, plan: &Plan, truth: &Halves, more_seconds: f64) {
+        let Some(film) = &self.film else { return };
+        let wants_flip = plan.metric == ErrorMetric::Flip;
+        match measured(film, truth, more_seconds, wants_flip.then_some(&plan.display)) {
+            Ok(point) => {
+                self.point = Some(point);
+                self.flip_display = wants_flip.then_some(plan.display);
+            }
+            // Not every figure is finite, or the sizes differ: there is nothing to be measured in this film.
+            Err(_) => self.film = None,
+        }
+    }
+}
+
+/// Whether a mode looks up what rectification found.
+fn uses_rectification(mode: Mode) -> bool {
+    matches!(mode, Mode::Rectified | Mode::RectifiedObject)
+}
+
+/// One mode's films.
+#[derive(Default)]
+struct Track {
+    /// At doublings of the samples.
+    records: Vec<Record>,
+    /// As it is just now, where that is between two doublings.
+    live: Option<Record>,
+    live_since: Option<Instant>,
+    newest: Option<Arc<Snapshot>>,
+}
+
+#[derive(Default)]
+struct Records {
+    epoch: u64,
+    tracks: BTreeMap<Mode, Track>,
+    /// The images that `noise` is of.
+    truth: Option<Arc<Halves>>,
+    noise: Option<f64>,
+    rectification_seconds: f64,
+}
+
+impl Records {
+    /// When a film as it is just now is to be measured next; `None`: there is no new one.
+    fn live_wait(&self) -> Option<Duration> {
+        self.truth.as_ref()?;
+        let waits =
+            self.tracks.values().filter(|track| track.has_newer()).map(|track| {
+                track.live_since.map_or(Duration::ZERO, |since| LIVE_PAUSE.saturating_sub(since.elapsed()))
+            });
+        waits.min()
+    }
+
+    /// Looks for films at doublings. `true` when what was measured is out of date.
+    fn take_in(&mut self, plan: &Plan, board: &Board) -> bool {
+        if !plan.is_on || plan.epoch != self.epoch {
+            let had_any = !self.tracks.is_empty();
+            *self = Self { epoch: plan.epoch, ..Self::default() };
+            if !plan.is_on || had_any {
+                return had_any;
+            }
+        }
+        self.rectification_seconds = plan.rectification_seconds;
+        for (mode, film) in board.snapshots() {
+            if film.epoch != self.epoch || film.is_preview() || film.samples == 0 {
+                continue;
+            }
+            let track = self.tracks.entry(mode).or_default();
+            let last = track.records.last().and_then(Record::samples);
+            if last.is_none_or(|last| film.samples >= 2 * last) {
+                track.records.push(Record::new(Arc::clone(&film)));
+                track.live = None;
+            }
+            track.newest = Some(film);
+        }
+        self.let_go();
+        false
+    }
+
+    /// Keeps memory bounded: the earliest films go first.
+    fn let_go(&mut self) {
+        let bytes = |record: &Record| record.film.as_ref().map_or(0, |film| size_of_val(&film.rgb[..]));
+        let mut held: usize = self.tracks.values().flat_map(|track| &track.records).map(bytes).sum();
+        while held > MOST_BYTES {
+            let earliest = (self.tracks.values_mut())
+                .filter_map(|track| {
+                    let count = track.records.len();
+                    track.records[..count.saturating_sub(1)].iter_mut().find(|record| record.film.is_some())
+                })
+                .min_by_key(|record| record.samples());
+            let Some(record) = earliest else { return };
+            held -= bytes(record);
+            record.film = None;
+        }
+    }
+
+    /// Measures one film that is due. `false` when there is none.
+    fn measure_next(&mut self, plan: &Plan, truth: Option<&GroundTruth>) -> bool {
+        let Some(halves) = truth.and_then(|truth| truth.halves.as_ref()) else {
+            self.truth = None;
+            return false;
+        };
+        let is_last = truth.is_some_and(|truth| truth.is_done);
+        let is_other = self.truth.as_ref().is_none_or(|known| !Arc::ptr_eq(known, halves));
+        if is_other {
+            self.noise = noise(halves);
+            self.truth = Some(Arc::clone(halves));
+        }
+        for (mode, track) in &mut self.tracks {
+            let more_seconds = if uses_rectification(*mode) { plan.rectification_seconds } else { 0.0 };
+            if let Some(record) = track.records.iter_mut().find(|record| record.is_due(plan, halves, is_last)) {
+                record.measure(plan, halves, more_seconds);
+                return true;
+            }
+            let may_look = track.live_since.is_none_or(|since| since.elapsed() >= LIVE_PAUSE);
+            if may_look && track.has_newer() {
+                track.live = track.newest.clone().map(Record::new);
+                track.live_since = Some(Instant::now());
+            }
+            if let Some(record) = track.live.as_mut().filter(|record| record.is_due(plan, halves, is_last)) {
+                record.measure(plan, halves, more_seconds);
+                return true;
+            }
+        }
+        is_other
+    }
+
+    fn measurements(&self, plan: &Plan) -> Measurements {
+        let curves = self.tracks.iter().map(|(mode, track)| {
+            let rectification_seconds = if uses_rectification(*mode) { plan.rectification_seconds } else { 0.0 };
+            let points = track.records.iter().chain(&track.live).filter_map(|record| record.point).collect();
+            (*mode, Curve { points, rectification_seconds })
+        });
+        Measurements {
+            epoch: self.epoch,
+            size: self.truth.as_ref().map_or([0; 2], |truth| truth.size),
+            curves: curves.collect(),
+            truth_noise: self.noise,
+        }
+    }
+}
+
+impl Record {
+    fn samples(&self) -> Option<u32> {
+        self.film.as_ref().map(|film| film.samples).or(self.point.map(|point| point.samples))
+    }
+}
+
+impl Track {
+    /// Whether the newest film is neither kept nor measured.
+    fn has_newer(&self) -> bool {
+        let known = self.live.as_ref().or(self.records.last()).and_then(Record::samples);
+        self.newest.as_ref().is_some_and(|film| Some(film.samples) != known)
+    }
+}
+
+/// Measures a film. FLIP needs to know how pictures are displayed.
+fn measured(
+    film: &Snapshot,
+    truth: &Halves,
+    more_seconds: f64,
+    flip_display: Option<&Display>,
+) -> Result<Point, MetricError> {
+    let [first, second] = &truth.rgb;
+    let squared = difference_from_two(&film.rgb, [first, second])?;
+    let smape = difference(&film.rgb, &truth.mean)?.smape;
+    let flip = match flip_display {
+        None => None,
+        Some(display) => {
+            let (image, reference) = (displayed(&film.rgb, display), displayed(&truth.mean, display));
+            let [width, height] = film.size.map(|side| side as usize);
+            Some(flip::ldr(&image, &reference, width, height, flip::DEFAULT_PIXELS_PER_DEGREE)?.mean())
+        }
+    };
+    Ok(Point {
+        samples: film.samples,
+        seconds: film.seconds + more_seconds,
+        squared,
+        smape,
+        flip,
+        relmse_standard_error: standard_error(&film.rgb, truth),
+        truth_samples: truth.samples,
+    })
+}
+
+/// The standard error of relMSE as a mean over pixels that are independent of each other.
+fn standard_error(image: &[[f32; 3]], truth: &Halves) -> f64 {
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for (((x, a), b), r) in image.iter().zip(&truth.rgb[0]).zip(&truth.rgb[1]).zip(&truth.mean) {
+        let relative: f64 = (0..3)
+            .map(|channel| {
+                let [x, a, b, r] = [x, a, b, r].map(|rgb| f64::from(rgb[channel]));
+                (x - a) * (x - b) / (r * r + 0.01)
+            })
+            .sum();
+        sum += relative / 3.0;
+        squares += (relative / 3.0).powi(2);
+    }
+    let count = image.len().max(2) as f64;
+    ((squares / count - (sum / count).powi(2)).max(0.0) / (count - 1.0)).sqrt()
+}
+
+/// The noise of the mean of both halves, as relMSE: half of their difference is as noisy as their mean.
+fn noise(truth: &Halves) -> Option<f64> {
+    let [first, second] = &truth.rgb;
+    let mut sum = 0.0;
+    for ((a, b), r) in first.iter().zip(second).zip(&truth.mean) {
+        for channel in 0..3 {
+            let half = 0.5 * (f64::from(a[channel]) - f64::from(b[channel]));
+            sum += half * half / (f64::from(r[channel]).powi(2) + 0.01);
+        }
+    }
+    let noise = sum / (3.0 * first.len() as f64);
+    noise.is_finite().then_some(noise)
+}

@@ -1,0 +1,216 @@
+//! Error against time: the reference that it is measured by, the plot, and the figures in a table.
+
+mod plot;
+
+use egui::{Button, ComboBox, RichText, Ui};
+
+use super::render::{short_title, table_row_ui};
+use crate::app::command::{Command, ExportKind};
+use crate::app::measurement::{Curve, ErrorAxis, ErrorMetric, Point};
+use crate::app::settings::mode_title;
+use crate::app::state::State;
+use crate::app::theme::{Palette, WARNING_MARK};
+use crate::app::widgets::{
+    duration, fact_ui, note, row_ui, section_first_ui, section_ui, segmented_ui, short_seconds, thousands, value,
+};
+use crate::render::worker::GroundTruthDemand;
+use crate::tracking::Mode;
+
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    section_first_ui(ui, "Reference image", "");
+    reference_ui(ui, state, commands);
+    section_ui(ui, "Error", "");
+    choices_ui(ui, state, commands);
+    let curves = curves(state);
+    if curves.iter().all(|(_, curve)| curve.points.is_empty()) {
+        ui.label(note(ui, waiting_text(state)));
+        return;
+    }
+    plot::show(ui, state, &curves);
+    table_ui(ui, state, &curves);
+    bias_ui(ui, state, &curves);
+    ui.add_space(6.0);
+    let about = "Every point of the plot, in every metric, as a table for other programs.";
+    if ui.add(Button::new("Export as CSV…")).on_hover_text(about).clicked() {
+        commands.push(Command::AskExport(ExportKind::ErrorsCsv));
+    }
+}
+
+fn reference_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let measurement = &state.measurement;
+    let mut button = |ui: &mut Ui, text: &str, about: &str, demand: GroundTruthDemand| {
+        if ui.add(Button::new(text)).on_hover_text(about).clicked() {
+            commands.push(Command::SetGroundTruth(demand));
+        }
+    };
+    let drop = "Lets the reference image go, and the errors with it.";
+    match measurement.demand {
+        GroundTruthDemand::Off => {
+            let about = "Renders this picture with mode reference, twice and with random numbers of its own, in the background.";
+            button(ui, "Make a reference image", about, GroundTruthDemand::On);
+            let text = "The picture again in mode reference, in the background, to measure every pane against. Two halves with \
+                        random numbers of their own: their noise cancels.";
+            ui.label(note(ui, text));
+            return;
+        }
+        GroundTruthDemand::On => ui.horizontal(|ui| {
+            button(ui, "Pause", "Keeps the reference image as it is.", GroundTruthDemand::Paused);
+            button(ui, "Drop", drop, GroundTruthDemand::Off);
+        }),
+        GroundTruthDemand::Paused => ui.horizontal(|ui| {
+            button(ui, "Go on", "Takes more samples.", GroundTruthDemand::On);
+            button(ui, "Drop", drop, GroundTruthDemand::Off);
+        }),
+    };
+    let truth = measurement.truth.as_ref();
+    let samples = truth.map_or(0, |truth| truth.samples);
+    let progress = match (measurement.demand, truth.is_some_and(|truth| truth.is_done)) {
+        (_, true) => "done",
+        (GroundTruthDemand::Paused, _) => "paused",
+        _ if samples == 0 => "waiting",
+        _ => "rendering",
+    };
+    let samples =
+        if samples == 0 { progress.to_owned() } else { format!("2 × {}, {progress}", thousands(samples.into())) };
+    fact_ui(
+        ui,
+        "Samples per pixel",
+        samples,
+        "Of each half. It takes cores that the panes leave, and all of them once they are done.",
+    );
+    if let Some(truth) = truth.filter(|truth| truth.samples > 0) {
+        fact_ui(ui, "Time", duration(truth.seconds), "Spent on rendering the reference image.");
+    }
+    let noise = measurement.results.truth_noise.filter(|_| is_current(state));
+    let about = "relMSE that noise in the mean of both halves amounts to. It cancels in relMSE and MSE; FLIP and sMAPE cannot see below it.";
+    fact_ui(ui, "Noise", noise.map_or_else(|| "…".to_owned(), |noise| format!("{noise:.1e}")), about);
+    if measurement.has_begun_anew {
+        let palette = Palette::of(ui);
+        let text = "The picture has changed: the reference image begins anew.";
+        ui.label(RichText::new(text).small().color(palette.warning));
+    }
+}
+
+fn choices_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let metric = state.settings.error_metric;
+    row_ui(ui, "Metric", metric.about(), |ui| {
+        ComboBox::from_id_salt("metric").selected_text(metric.name()).width(ui.available_width()).truncate().show_ui(
+            ui,
+            |ui| {
+                for choice in ErrorMetric::ALL {
+                    if ui.selectable_label(choice == metric, choice.name()).on_hover_text(choice.about()).clicked() {
+                        commands.push(Command::SetErrorMetric(choice));
+                    }
+                }
+            },
+        );
+    });
+    let axes = [
+        (ErrorAxis::Time, "Time", "Time spent on each film, and on rectification where the mode needs it."),
+        (ErrorAxis::Samples, "Samples", "Samples per pixel."),
+    ];
+    row_ui(ui, "Against", "What the plot has to the right.", |ui| {
+        if let Some(axis) = segmented_ui(ui, state.settings.error_axis, &axes) {
+            commands.push(Command::SetErrorAxis(axis));
+        }
+    });
+}
+
+/// Whether what has been measured is of the picture that is shown.
+fn is_current(state: &State) -> bool {
+    state.measurement.is_on() && state.measurement.results.epoch == state.epoch()
+}
+
+/// The curves of the modes that panes show.
+fn curves(state: &State) -> Vec<(Mode, &Curve)> {
+    if !is_current(state) {
+        return Vec::new();
+    }
+    let modes = state.settings.modes();
+    state
+        .measurement
+        .results
+        .curves
+        .iter()
+        .map(|(mode, curve)| (*mode, curve))
+        .filter(|(mode, _)| modes.contains(mode))
+        .collect()
+}
+
+fn waiting_text(state: &State) -> &'static str {
+    match () {
+        () if !state.measurement.is_on() => "Errors appear here once there is a reference image.",
+        () if state.settings.modes().is_empty() => "No pane shows a mode.",
+        () => "Waiting for the reference image and the panes…",
+    }
+}
+
+/// Where the columns of the table begin, as shares of its width.
+const COLUMNS: [f32; 6] = [0.0, 0.08, 0.37, 0.49, 0.65, 0.83];
+
+fn table_ui(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
+    let palette = Palette::of(ui);
+    let metric = state.settings.error_metric;
+    ui.add_space(4.0);
+    let head = |text: &str| RichText::new(text).small().color(palette.weak_text);
+    let about = [
+        "Panes that show the mode.",
+        "",
+        "Samples per pixel.",
+        "Time spent on this film, rectification included where the mode needs it. While the reference image is made, the panes have \
+         fewer cores and need longer.",
+        metric.about(),
+        "The power of time by which the error falls: −1 for squared errors without bias, −0.5 for others.",
+    ];
+    table_row_ui(ui, &COLUMNS, ["", "mode", "spp", "time", "error", "slope"].map(head), about);
+    for (mode, curve) in curves {
+        let Some(latest) = curve.latest() else { continue };
+        let panes: Vec<String> = (state.settings.shown_panes().iter().enumerate())
+            .filter(|(_, content)| content.modes().any(|shown| shown == *mode))
+            .map(|(index, _)| (index + 1).to_string())
+            .collect();
+        let trend = curve.trend(metric);
+        let slope = match (trend.bias, trend.slope) {
+            (Some(_), _) => RichText::new(format!("{WARNING_MARK}bias")).small().color(palette.warning),
+            (None, Some(slope)) => value(signed(slope)),
+            (None, None) => value("…"),
+        };
+        let name = format!("{} {}", plot::mark(*mode), short_title(*mode));
+        let cells = [
+            RichText::new(panes.join(" ")).small().color(palette.weak_text),
+            RichText::new(name).small().color(palette.mode(*mode)),
+            value(latest.samples.to_string()),
+            value(short_seconds(latest.seconds)),
+            value(error_text(latest, metric)),
+            slope,
+        ];
+        let shown = format!("In pane {}.", panes.join(", "));
+        table_row_ui(ui, &COLUMNS, cells, [&shown, mode_title(*mode), "", "", "", ""]);
+    }
+}
+
+/// What is wrong with modes whose errors have stopped falling.
+fn bias_ui(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
+    let palette = Palette::of(ui);
+    let metric = state.settings.error_metric;
+    for (mode, curve) in curves {
+        let trend = curve.trend(metric);
+        let Some(bias) = trend.bias else { continue };
+        let above = trend.slope.map(|slope| format!(", slope {} above it", signed(slope))).unwrap_or_default();
+        let text = format!("{WARNING_MARK} {} is biased: its error stays at {bias:.1e}{above}.", mode_title(*mode));
+        ui.label(RichText::new(text).small().color(palette.warning));
+    }
+}
+
+fn error_text(point: &Point, metric: ErrorMetric) -> String {
+    match point.error(metric) {
+        Some(error) if error > 0.0 => format!("{error:.1e}"),
+        // Chance, where the error is smaller than what the noise of both halves leaves.
+        Some(_) => "≈ 0".to_owned(),
+        None => "…".to_owned(),
+    }
+}
+
+fn signed(x: f64) -> String {
+    if x < 0.0 { format!("−{:.2}", -x) } else { format!("{x:.2}") }
+}

@@ -1,0 +1,174 @@
+//! Errors on log–log axes. Modes differ in colour, marker and kind of line.
+
+use egui::{Ui, Vec2b, vec2};
+use egui_plot::{
+    AxisHints, GridInput, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points,
+};
+
+use crate::app::measurement::{Curve, ErrorAxis, Point};
+use crate::app::settings::mode_title;
+use crate::app::state::State;
+use crate::app::theme::Palette;
+use crate::app::widgets::{duration, short_seconds};
+use crate::tracking::Mode;
+
+/// Width over height.
+const ASPECT: f32 = 1.25;
+
+/// A mode's marker, as a character.
+pub fn mark(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Naive => "●",
+        Mode::Stack => "■",
+        Mode::Priority => "◆",
+        Mode::RectifiedObject => "+",
+        Mode::Rectified => "×",
+        Mode::Reference => "*",
+    }
+}
+
+fn look(mode: Mode) -> (MarkerShape, LineStyle) {
+    match mode {
+        Mode::Naive => (MarkerShape::Circle, LineStyle::Dashed { length: 8.0 }),
+        Mode::Stack => (MarkerShape::Square, LineStyle::Dashed { length: 4.0 }),
+        Mode::Priority => (MarkerShape::Diamond, LineStyle::Dotted { spacing: 5.0 }),
+        Mode::RectifiedObject => (MarkerShape::Plus, LineStyle::Dashed { length: 12.0 }),
+        Mode::Rectified => (MarkerShape::Cross, LineStyle::Solid),
+        Mode::Reference => (MarkerShape::Asterisk, LineStyle::Dotted { spacing: 8.0 }),
+    }
+}
+
+/// The points of a curve that a logarithm has, as powers of ten.
+pub fn logarithms(curve: &Curve, state: &State) -> Vec<[f64; 2]> {
+    let x = |point: &Point| match state.settings.error_axis {
+        ErrorAxis::Time => point.seconds,
+        ErrorAxis::Samples => f64::from(point.samples),
+    };
+    (curve.points.iter())
+        .filter_map(|point| Some([x(point), point.error(state.settings.error_metric)?]))
+        .filter(|point| point.iter().all(|x| *x > 0.0 && x.is_finite()))
+        .map(|point| point.map(f64::log10))
+        .collect()
+}
+
+pub fn show(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
+    let palette = Palette::of(ui);
+    let (metric, axis) = (state.settings.error_metric, state.settings.error_axis);
+    let x_axis = AxisHints::new_x().formatter(move |mark, range| {
+        let text = |x: f64| match axis {
+            ErrorAxis::Time => short_seconds(x),
+            ErrorAxis::Samples => format!("{x:.0}"),
+        };
+        tick(mark, range.end() - range.start(), 2.0, text)
+    });
+    let y_axis = (AxisHints::new_y().min_thickness(34.0))
+        .formatter(|mark, range| tick(mark, range.end() - range.start(), 1.2, |x| format!("{x:.0e}")));
+    let all: Vec<[f64; 2]> = curves.iter().flat_map(|(_, curve)| logarithms(curve, state)).collect();
+    let [x_range, y_range] = [0, 1].map(|side| at_least_a_decade(all.iter().map(|point| point[side])));
+    let size = vec2(ui.available_width(), ui.available_width() / ASPECT);
+    Plot::new("errors")
+        .width(size.x)
+        .height(size.y)
+        .custom_x_axes(vec![x_axis])
+        .custom_y_axes(vec![y_axis])
+        .grid_color(palette.weak_text.gamma_multiply(0.6))
+        .x_grid_spacer(decades)
+        .y_grid_spacer(decades)
+        .auto_bounds(Vec2b::TRUE)
+        .include_x(x_range[0])
+        .include_x(x_range[1])
+        .include_y(y_range[0])
+        .include_y(y_range[1])
+        .set_margin_fraction(vec2(0.06, 0.08))
+        // The wheel scrolls the panel; a plot that moves away would have to be brought back.
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .allow_axis_zoom_drag(false)
+        .show_crosshair(false)
+        .label_formatter(move |hovered| match hovered {
+            HoverPosition::NearDataPoint { plot_name, position, .. } => {
+                let x = 10_f64.powf(position.x);
+                let x = match axis {
+                    ErrorAxis::Time => duration(x),
+                    ErrorAxis::Samples => format!("{x:.0} spp"),
+                };
+                Some(format!("{plot_name}\n{x}: {} {:.2e}", metric.name(), 10_f64.powf(position.y)))
+            }
+            HoverPosition::Elsewhere { .. } => None,
+        })
+        .show(ui, |plot| {
+            for (mode, curve) in curves {
+                let points = logarithms(curve, state);
+                let color = palette.mode(*mode);
+                let (shape, style) = look(*mode);
+                let name = mode_title(*mode);
+                if let (Some(bias), [first, .., last]) = (curve.trend(metric).bias, &points[..]) {
+                    let level = vec![[first[0], bias.log10()], [last[0], bias.log10()]];
+                    let line = Line::new(format!("bias of {name}"), PlotPoints::from(level));
+                    plot.line(
+                        line.color(color.gamma_multiply(0.7)).style(LineStyle::Dotted { spacing: 4.0 }).width(1.0),
+                    );
+                }
+                plot.line(Line::new(name, PlotPoints::from(points.clone())).color(color).style(style).width(1.5));
+                plot.points(Points::new(name, PlotPoints::from(points)).color(color).shape(shape).radius(3.5));
+            }
+        });
+}
+
+/// The range of `logarithms`, widened on both sides where less than a decade would be seen: two marks at least can then be read.
+fn at_least_a_decade(logarithms: impl Iterator<Item = f64>) -> [f64; 2] {
+    let (low, high) = logarithms.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    if low > high {
+        return [0.0, 1.0];
+    }
+    let missing = (1.0 - (high - low)).max(0.0);
+    [low - missing / 2.0, high + missing / 2.0]
+}
+
+/// Powers of ten, and between them 2 and 5, as far as the plot goes: marks beyond would have their texts in what lies around it.
+fn decades(input: GridInput) -> Vec<GridMark> {
+    let (low, high) = (input.bounds.0.floor() as i32, input.bounds.1.ceil() as i32);
+    let steps = [(1.0_f64, 1.0), (2.0, 0.3), (5.0, 0.3)];
+    (low..=high)
+        .flat_map(|decade| {
+            steps.map(|(factor, step_size)| GridMark { value: f64::from(decade) + factor.log10(), step_size })
+        })
+        .filter(|mark| (input.bounds.0..=input.bounds.1).contains(&mark.value))
+        .collect()
+}
+
+/// The text at a mark: at 2 and 5 only where less than `few` decades are seen.
+fn tick(mark: GridMark, decades: f64, few: f64, text: impl Fn(f64) -> String) -> String {
+    let is_decade = (mark.value - mark.value.round()).abs() < 1e-6;
+    if is_decade || decades < few { text(10_f64.powf(mark.value)) } else { String::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_decade_is_seen_at_least() {
+        let seen = |logarithms: &[f64]| at_least_a_decade(logarithms.iter().copied());
+        assert_eq!(seen(&[2.0]), [1.5, 2.5]);
+        assert_eq!(seen(&[0.25, -0.25]), [-0.5, 0.5]);
+        assert_eq!(seen(&[-3.0, 1.0]), [-3.0, 1.0]);
+        assert_eq!(seen(&[]), [0.0, 1.0]);
+    }
+
+    #[test]
+    fn marks_are_at_1_2_5_and_modes_look_different() {
+        let marks = decades(GridInput { bounds: (-1.2, 0.3), base_step_size: 0.1 });
+        let values: Vec<f64> = marks.iter().map(|mark| 10_f64.powf(mark.value)).collect();
+        let expected = [0.1, 0.2, 0.5, 1.0];
+        assert!(
+            values.len() == 4 && values.iter().zip(expected).all(|(x, e)| (x / e - 1.0).abs() < 1e-9),
+            "{values:?}"
+        );
+        for (index, a) in Mode::ALL.into_iter().enumerate() {
+            assert!(Mode::ALL[index + 1..].iter().all(|b| look(a).0 != look(*b).0 && mark(a) != mark(*b)));
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! The path under a pixel.
+
+use super::State;
+use super::view::ray_through;
+use crate::estimator::trace::{Follow, TracedPath, trace};
+use crate::scene::camera::Camera;
+use crate::scene::description::CameraDescription;
+
+/// Segments after which the inspector stops following a path.
+const INSPECTOR_DEPTH: u32 = 200;
+
+/// The path that the inspector shows.
+#[derive(Debug, Clone)]
+pub struct Inspection {
+    /// In [0, 1]² of the film, y down.
+    pub point: [f64; 2],
+    pub follow: Follow,
+    pub path: Option<TracedPath>,
+    /// What `path` was traced for.
+    key: Option<InspectionKey>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct InspectionKey {
+    scene_epoch: u64,
+    /// Rays of the pre-trace: more of them may have changed an answer.
+    rays: u64,
+    camera: CameraDescription,
+    mode: crate::tracking::Mode,
+    size: [u32; 2],
+    follow: Follow,
+}
+
+impl State {
+    /// The path under the inspected pixel in the active pane's mode, traced again when anything it depends on has changed.
+    pub fn refresh_inspection(&mut self) {
+        let mode = self.settings.panes[self.view.active_pane].inspected_mode();
+        let film_camera = self.film_camera();
+        let (Some(inspection), Some(report)) = (&mut self.inspection, &self.report) else { return };
+        let key = InspectionKey {
+            scene_epoch: report.epoch,
+            rays: report.prepared.table.rays(),
+            camera: film_camera,
+            mode,
+            size: self.film_size,
+            follow: inspection.follow,
+        };
+        if inspection.key == Some(key) {
+            return;
+        }
+        inspection.key = Some(key);
+        inspection.path = Camera::new(&film_camera).ok().map(|camera| {
+            let ray = ray_through(&camera, self.film_size, inspection.point);
+            let depth = self.settings.max_depth.unwrap_or(INSPECTOR_DEPTH).min(INSPECTOR_DEPTH);
+            trace(&report.prepared, mode, ray, inspection.follow, 0, Some(depth))
+        });
+    }
+
+    pub(super) fn inspect(&mut self, point: Option<[f64; 2]>) {
+        let follow = self.inspection.as_ref().map_or(Follow::Transmit, |inspection| inspection.follow);
+        self.inspection =
+            point.map(|p| Inspection { point: p.map(|x| x.clamp(0.0, 1.0)), follow, path: None, key: None });
+    }
+}
