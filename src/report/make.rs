@@ -8,11 +8,12 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::data::{Origin, Report, SceneReport};
-use super::experiment::{Effort, ExperimentError, SceneErrors, scene_errors};
+use super::experiment::{ExperimentError, SceneErrors, scene_errors};
+use super::extent::{Extent, StabilityPlan};
 use super::growth::{self, Growth, GrowthPlan, Quantity};
-use super::left_out::{self, LeftOutPlan};
+use super::left_out;
 use super::machine::{self, Machine};
-use super::pictures::{self, PicturePlan};
+use super::pictures;
 use super::progress::Progress;
 use super::stability::{self, Stability};
 use super::store::Store;
@@ -65,121 +66,6 @@ pub struct Subject {
     /// The built-in scene's name, or the file's stem: short, for headings, tables and names of files.
     pub name: String,
     pub description: Arc<Description>,
-}
-
-/// Which of the stability checks are run, from the first on.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct StabilityPlan {
-    pub effort: stability::Effort,
-    pub cases: usize,
-    pub sweeps: usize,
-    pub has_maps: bool,
-}
-
-impl StabilityPlan {
-    fn all(effort: stability::Effort) -> Self {
-        Self { effort, cases: usize::MAX, sweeps: usize::MAX, has_maps: true }
-    }
-}
-
-/// How much of each is measured.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Extent {
-    pub is_quick: bool,
-    pub pictures: PicturePlan,
-    pub errors: Effort,
-    pub stability: StabilityPlan,
-    pub left_out: LeftOutPlan,
-    pub growth: GrowthPlan,
-}
-
-/// Powers of two below `most`, and `most`.
-fn doublings(most: usize) -> Vec<u64> {
-    let most = most as u64;
-    (0..).map(|k| 1_u64 << k).take_while(|&threads| threads < most).chain([most]).collect()
-}
-
-/// 1, 3, 10, 30, … from `first` to `last`, which are powers of ten or three times such.
-fn half_decades(first: u64, last: u64) -> Vec<u64> {
-    let sizes = (0..19).flat_map(|k| [1, 3].map(|digit| digit * 10_u64.pow(k)));
-    sizes.filter(|size| (first..=last).contains(size)).collect()
-}
-
-impl Extent {
-    /// All built-in scenes within two minutes on two cores.
-    pub fn quick(seed: u64, threads: usize) -> Self {
-        Self {
-            is_quick: true,
-            pictures: PicturePlan { width: 192, height: 108, samples: 16, seed, secs: 1.2 },
-            errors: Effort { first_seed: seed, ..Effort::QUICK },
-            stability: StabilityPlan::all(stability::Effort::Quick),
-            left_out: LeftOutPlan { width: 96, height: 54, seed, pairs: 6, slice_secs: 0.02, each: false },
-            growth: GrowthPlan {
-                triangles: half_decades(1000, 1_000_000),
-                nesting: half_decades(1, 1000),
-                objects: half_decades(1, 10_000),
-                threads: doublings(threads),
-                width: 32,
-                height: 32,
-                seed,
-                slices: 3,
-                slice_secs: 0.03,
-            },
-        }
-    }
-
-    /// As much as is worth publishing.
-    pub fn full(seed: u64, threads: usize) -> Self {
-        Self {
-            is_quick: false,
-            pictures: PicturePlan { width: 384, height: 216, samples: 128, seed, secs: 120.0 },
-            errors: Effort { first_seed: seed, ..Effort::FULL },
-            stability: StabilityPlan::all(stability::Effort::Full),
-            left_out: LeftOutPlan { width: 192, height: 108, seed, pairs: 15, slice_secs: 0.25, each: true },
-            growth: GrowthPlan {
-                triangles: half_decades(1000, 10_000_000),
-                nesting: half_decades(1, 1000),
-                objects: half_decades(1, 10_000),
-                threads: doublings(threads),
-                width: 64,
-                height: 64,
-                seed,
-                slices: 9,
-                slice_secs: 0.2,
-            },
-        }
-    }
-
-    /// Next to nothing of everything: for tests of what is done with the measurements.
-    pub fn tiny(seed: u64, threads: usize) -> Self {
-        Self {
-            is_quick: true,
-            // Time decides nothing here.
-            pictures: PicturePlan { width: 32, height: 18, samples: 9, seed, secs: 1e9 },
-            errors: Effort {
-                size: [32, 20],
-                seeds: 4,
-                first_seed: seed,
-                secs: 1e9,
-                largest_spp: 32,
-                reference_factor: 8,
-                ..Effort::QUICK
-            },
-            stability: StabilityPlan { effort: stability::Effort::Quick, cases: 11, sweeps: 1, has_maps: false },
-            left_out: LeftOutPlan { width: 16, height: 9, seed, pairs: 2, slice_secs: 1e-4, each: true },
-            growth: GrowthPlan {
-                triangles: vec![500, 1000, 2000, 4000, 8000, 16_000],
-                nesting: vec![1, 2, 4, 8, 16, 32],
-                objects: vec![1, 2, 4, 8, 16, 32],
-                threads: doublings(threads.min(2)),
-                width: 8,
-                height: 8,
-                seed,
-                slices: 1,
-                slice_secs: 1e-5,
-            },
-        }
-    }
 }
 
 /// What is asked for.
@@ -478,15 +364,6 @@ impl Tally<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sizes_grow_by_half_decades_and_threads_by_doublings() {
-        assert_eq!(half_decades(1, 30), [1, 3, 10, 30]);
-        assert_eq!(half_decades(1000, 10_000), [1000, 3000, 10_000]);
-        assert_eq!(doublings(1), [1]);
-        assert_eq!(doublings(2), [1, 2]);
-        assert_eq!(doublings(12), [1, 2, 4, 8, 12]);
-    }
 
     #[test]
     fn parts_go_by_their_names() {

@@ -84,7 +84,11 @@ fn slopes(report: &Report) -> Option<Item> {
         is_good: Some(beside.is_empty()),
         what: format!("Its error falls as 1/samples in {} of {} scenes", found.len() - beside.len(), found.len()),
         details: if beside.is_empty() {
-            "the 95 % interval of the slope, with independent samples, holds −1".to_owned()
+            let widest = found.iter().map(|(_, slope)| 0.5 * (slope.high - slope.low)).fold(0.0, f64::max);
+            format!(
+                "the 95 % interval of the slope, with independent samples, holds −1; it is ±{} wide at the most",
+                fixed(widest, 2)
+            )
         } else {
             format!(
                 "the 95 % interval of the slope does not hold −1 in {}; of twenty intervals one may miss by chance",
