@@ -132,7 +132,7 @@ fn pieces(page: &str) -> Result<Vec<Piece<'_>>, String> {
             rest = &rest[end..];
             continue;
         }
-        let end = tag_end(rest).ok_or_else(|| format!("a tag does not end: {:.60}", rest))?;
+        let end = tag_end(rest).ok_or_else(|| format!("a tag does not end: {rest:.60}"))?;
         let tag = &rest[1..end];
         rest = &rest[end + 1..];
         if let Some(name) = tag.strip_prefix('/') {
