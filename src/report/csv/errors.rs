@@ -68,7 +68,7 @@ pub fn runs(report: &Report) -> Table {
         ("relmse_trimmed", "the same without the worst 0.1 % of pixels"),
         (
             "relmse_steady",
-            "relmse without those 0.1 % of pixels that are the worst at this run's last number of samples; slopes are of this",
+            "relmse without the 0.1 % of pixels in which the run's four quarters differ the most, at every number of samples the same; slopes are of this",
         ),
         ("mse", "mean of (x − r₁)(x − r₂)"),
         ("smape", "mean of 2|x − r|/(|x| + |r| + 0.01)"),

@@ -132,8 +132,8 @@ pub struct RunPoint {
     pub render_secs: f64,
     pub relmse: f64,
     pub relmse_trimmed: f64,
-    /// Without those 0.1 % of pixels that are the worst at this run's greatest sample count: the same pixels at every count. There it is
-    /// the trimmed relMSE; before, pixels that are the worst only for the moment are not left out. Slopes are of this figure.
+    /// relMSE without the 0.1 % of pixels in which this run's four quarters differ the most: the same pixels at every sample count, chosen for
+    /// being unsteady and not for being wrong. Slopes are of this figure.
     pub relmse_steady: f64,
     pub mse: f64,
     pub smape: f64,
@@ -144,7 +144,7 @@ pub struct RunPoint {
 /// samples −1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Slope {
-    /// Of the trimmed relMSE with the same pixels left out all along: [`RunPoint::relmse_steady`].
+    /// Of the relMSE trimmed of the same 0.1 % of pixels all along: [`RunPoint::relmse_steady`].
     pub trimmed: Interval,
     /// Of the trimmed relMSE whose pixels are chosen anew at each sample count. Its expectation does not fall as 1/samples: while bright rare
     /// paths have reached few pixels, those are left out with all that they add, and later they are too many to be.
@@ -167,7 +167,8 @@ pub struct Bias {
     pub squared_mse: f64,
     /// bias² without the worst 0.1 % of pixels.
     pub squared_trimmed: f64,
-    /// `squared` in units of the scatter that it would have without a bias.
+    /// A test of its own for whether there is a bias at all, in standard deviations of what chance does; far more sensitive than whether the
+    /// interval of `squared` reaches 0.
     pub significance: f64,
     /// Whether `significance` is beyond [`super::BIAS_SIGNIFICANCE`].
     pub is_biased: bool,
@@ -182,7 +183,8 @@ pub struct Plateau {
     pub relmse: Interval,
     /// bias² without the worst 0.1 % of pixels.
     pub relmse_trimmed: f64,
-    /// Samples per pixel at which noise is as large as bias.
+    /// Samples per pixel at which noise is as large as bias: the median over all sample counts, since a bright path that few runs met can
+    /// multiply the variance at one.
     pub spp: f64,
     /// When that is, `secs_before` included.
     pub secs: f64,

@@ -17,6 +17,7 @@ pub mod data;
 mod pair;
 pub mod plan;
 mod run;
+mod significance;
 mod spread;
 mod truth;
 

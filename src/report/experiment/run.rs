@@ -19,6 +19,8 @@ use crate::tracking::Mode;
 pub struct Run {
     pub seed: u64,
     pub levels: Vec<Level>,
+    /// At three quarters of the greatest sample count, so that its four quarters can be told apart.
+    pub at_three_quarters: Vec<[f32; 3]>,
     pub events: Events,
 }
 
@@ -32,6 +34,23 @@ pub struct Level {
 }
 
 impl Run {
+    /// The last image, and what each quarter of its samples alone has come to. `None` of a run with fewer than four samples.
+    pub fn quarters(&self) -> Option<(&[[f32; 3]], [Vec<[f32; 3]>; 4])> {
+        let [.., first, half, whole] = &self.levels[..] else { return None };
+        // Means of n samples and of the first m of them: the rest has the mean (n · of_n − m · of_m)/(n − m).
+        let rest = |of_n: &[[f32; 3]], n: f32, of_m: &[[f32; 3]], m: f32| {
+            let rest = |(x, y): (&[f32; 3], &[f32; 3])| std::array::from_fn(|c| (n * x[c] - m * y[c]) / (n - m));
+            of_n.iter().zip(of_m).map(rest).collect::<Vec<[f32; 3]>>()
+        };
+        let quarters = [
+            first.image.clone(),
+            rest(&half.image, 2.0, &first.image, 1.0),
+            rest(&self.at_three_quarters, 3.0, &half.image, 2.0),
+            rest(&whole.image, 4.0, &self.at_three_quarters, 3.0),
+        ];
+        Some((&whole.image, quarters))
+    }
+
     /// Whether all images are the same, to the bit.
     pub fn has_images_of(&self, other: &Self) -> bool {
         self.levels.len() == other.levels.len()
@@ -86,23 +105,29 @@ impl Maker<'_> {
         let mut film = if adaptive { Film::adaptive(width, height) } else { Film::new(width, height) };
         let mut render_secs = 0.0;
         let mut levels = Vec::with_capacity(self.plan.spp.len());
+        let three_quarters = self.plan.largest_spp() / 4 * 3;
+        let mut at_three_quarters = Vec::new();
         for &spp in &self.plan.spp {
             while film.samples < spp {
-                let samples = (spp - film.samples).min(film.samples_to_decision());
+                let stop = if film.samples < three_quarters { spp.min(three_quarters) } else { spp };
+                let samples = (stop - film.samples).min(film.samples_to_decision());
                 let start = Instant::now();
                 if !accumulate(self.prepared, self.camera, settings, &mut film, samples, progress.cancel) {
                     return None;
                 }
                 Film::allocate(&mut [&mut film]);
                 render_secs += start.elapsed().as_secs_f64();
+                if film.samples == three_quarters {
+                    at_three_quarters = film.to_rgb();
+                }
             }
             levels.push(Level { render_secs, image: film.to_rgb() });
         }
-        Some(Run { seed: settings.seed, levels, events: film.events })
+        Some(Run { seed: settings.seed, levels, at_three_quarters, events: film.events })
     }
 
     fn path(&self, settings: &RenderSettings, adaptive: bool) -> PathBuf {
-        let mut hasher = Hasher::new("iorect run 1");
+        let mut hasher = Hasher::new("iorect run 2");
         hasher.fingerprint(fingerprint(&self.prepared.description, self.camera, self.plan.size, settings));
         hasher.flag(adaptive);
         hasher.integer(self.plan.spp.len() as u64);
@@ -125,19 +150,21 @@ impl Maker<'_> {
     fn parse(&self, reader: &mut Reader, seed: u64) -> Option<Run> {
         let events = reader.events()?;
         let pixels = self.plan.size.iter().map(|&side| side as usize).product();
-        let mut level = || {
-            let render_secs = reader.number()?;
-            let pixel = |_| Some([reader.single()?, reader.single()?, reader.single()?]);
-            Some(Level { render_secs, image: (0..pixels).map(pixel).collect::<Option<_>>()? })
-        };
+        let at_three_quarters = parse_image(reader, pixels)?;
+        let mut level = || Some(Level { render_secs: reader.number()?, image: parse_image(reader, pixels)? });
         let levels = (0..self.plan.spp.len()).map(|_| level()).collect::<Option<_>>()?;
-        Some(Run { seed, levels, events })
+        Some(Run { seed, levels, at_three_quarters, events })
     }
+}
+
+fn parse_image(reader: &mut Reader, pixels: usize) -> Option<Vec<[f32; 3]>> {
+    (0..pixels).map(|_| Some([reader.single()?, reader.single()?, reader.single()?])).collect()
 }
 
 fn write(path: &Path, run: &Run) -> Result<(), ExportError> {
     let mut writer = Writer::default();
     writer.events(&run.events);
+    run.at_three_quarters.iter().flatten().for_each(|&component| writer.single(component));
     for Level { render_secs, image } in &run.levels {
         writer.number(*render_secs);
         image.iter().flatten().for_each(|&component| writer.single(component));
