@@ -64,6 +64,9 @@ const BIASED_SHARE: f64 = 0.6;
 /// Least samples of the latest point, and points, before that is judged.
 const LEAST_SAMPLES: u32 = 16;
 const LEAST_POINTS: usize = 4;
+/// A biased error has fallen by less than this factor over the last three doublings of the samples: one without bias falls by about 8, and by
+/// 5 where tails are heavy.
+const STAYED: f64 = 2.0;
 /// Slopes are fitted where the error is this many times its final level.
 const ABOVE_BIAS: f64 = 2.0;
 
@@ -89,7 +92,9 @@ impl Curve {
     /// Judged by relMSE, which is free of the ground truth's noise.
     fn is_biased(&self) -> bool {
         let Some(latest) = self.latest() else { return false };
-        self.points.len() >= LEAST_POINTS
+        let Some(before) = self.points.iter().rfind(|point| point.samples <= latest.samples / 8) else { return false };
+        before.squared.relmse < STAYED * latest.squared.relmse
+            && self.points.len() >= LEAST_POINTS
             && latest.samples >= LEAST_SAMPLES
             && latest.is_resolved()
             && self.level(ErrorMetric::RelMse).is_some_and(|level| level > BIASED_SHARE * latest.squared.relmse)
