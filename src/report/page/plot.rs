@@ -9,8 +9,8 @@ use maud::{Markup, html};
 const WIDTH: f64 = 520.0;
 const HEIGHT: f64 = 330.0;
 /// Room around the plotting area: for numbers at the left and below, for the curves' names at the right.
-const LEFT: f64 = 62.0;
-const RIGHT: f64 = 104.0;
+const LEFT: f64 = 70.0;
+const RIGHT: f64 = 116.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 46.0;
 /// Distance between the names at the curves' ends, at least.
