@@ -14,13 +14,16 @@ use crate::scene::camera::Camera;
 use crate::scene::fingerprint::Hasher;
 use crate::tracking::Mode;
 
+/// Linear RGB, row 0 at the top.
+pub type Image = Vec<[f32; 3]>;
+
 /// A film at each of the plan's sample counts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
     pub seed: u64,
     pub levels: Vec<Level>,
     /// At three quarters of the greatest sample count, so that its four quarters can be told apart.
-    pub at_three_quarters: Vec<[f32; 3]>,
+    pub at_three_quarters: Image,
     pub events: Events,
 }
 
@@ -29,18 +32,17 @@ pub struct Run {
 pub struct Level {
     /// Seconds of rendering up to here.
     pub render_secs: f64,
-    /// Linear RGB, row 0 at the top.
-    pub image: Vec<[f32; 3]>,
+    pub image: Image,
 }
 
 impl Run {
     /// The last image, and what each quarter of its samples alone has come to. `None` of a run with fewer than four samples.
-    pub fn quarters(&self) -> Option<(&[[f32; 3]], [Vec<[f32; 3]>; 4])> {
+    pub fn quarters(&self) -> Option<(&Image, [Image; 4])> {
         let [.., first, half, whole] = &self.levels[..] else { return None };
         // Means of n samples and of the first m of them: the rest has the mean (n · of_n − m · of_m)/(n − m).
         let rest = |of_n: &[[f32; 3]], n: f32, of_m: &[[f32; 3]], m: f32| {
             let rest = |(x, y): (&[f32; 3], &[f32; 3])| std::array::from_fn(|c| (n * x[c] - m * y[c]) / (n - m));
-            of_n.iter().zip(of_m).map(rest).collect::<Vec<[f32; 3]>>()
+            of_n.iter().zip(of_m).map(rest).collect::<Image>()
         };
         let quarters = [
             first.image.clone(),
