@@ -402,7 +402,8 @@ mod tests {
         let svg = plot.draw().into_string();
         assert!(svg.contains("first &amp; best") && svg.contains("two &lt;curves&gt;") && !svg.contains("NaN"));
         // Names that would lie on each other are apart.
-        let heights: Vec<f64> = (svg.split("class=\"names\"").nth(1).unwrap().split("<text x=\"429.0\" y=\"").skip(1))
+        let start = format!("<text x=\"{:.1}\" y=\"", WIDTH - RIGHT + 13.0);
+        let heights: Vec<f64> = (svg.split("class=\"names\"").nth(1).unwrap().split(&start).skip(1))
             .map(|rest| rest[..rest.find('"').unwrap()].parse().unwrap())
             .collect();
         assert!(heights.len() == 2 && (heights[1] - heights[0]).abs() >= LINE, "{heights:?}");
