@@ -18,7 +18,7 @@ pub const PILOT: u32 = 8;
 const LEVELS: i32 = 3;
 /// Pixels this far apart, in either direction, tell of each other.
 const REACH: i64 = 3;
-/// Relative variance of a sample that is taken for granted where the pilot saw none: what four samples can have missed.
+/// Relative variance of a sample that is taken for granted where the pilot saw none: what so few samples can have missed.
 const UNSEEN_VARIANCE: f64 = 5e-3;
 /// Added to squared radiance where an error is taken relative to it, as in relMSE.
 const DARK: f64 = 0.01;

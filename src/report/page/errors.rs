@@ -54,9 +54,9 @@ pub fn method(report: &Report) -> Markup {
             p {
                 "An image without a bias gets better for ever: on these axes its error falls with a slope of −1 in the number of samples. That of a wrong mode falls until noise is "
                 "as large as the bias and stays there: on its " em { "plateau" } ", the dotted line in the mode's colour with its 95 % band, which is computed from the mean of all seeds and "
-                "not from the curve. The slope is fitted to each seed for itself, against samples, and without the same 0.1 % of pixels all along (those that are the worst at the end): "
+                "not from the curve. The slope is fitted to each seed for itself, against samples, and without the same 0.1 % of pixels all along (those in which the four quarters of its samples differ the most): "
                 "were they chosen anew at each number of samples, the trimmed error of an unbiased image would not fall as 1/samples. Its interval is over the seeds. “As shipped” is "
-                code { "rectified" } " with the program's defaults: Sobol points, and samples spread to where they pay. It is unbiased too, and falls faster."
+                code { "rectified" } " with the program's defaults: Sobol points, and samples spread to where they pay. It is unbiased too, and mostly falls faster."
             }
         }
     }
