@@ -252,7 +252,7 @@ fn interruptions_and_threads_change_nothing_but_times() {
     assert_ne!(without_times(&measured(&prepared, &other, whole.path())), without_times(&expected));
 }
 
-/// The criterion of an honest mode, on every built-in scene: takes ten minutes in the release profile on two quiet cores.
+/// The criterion of an honest mode, on every built-in scene: takes seven minutes in the release profile on two quiet cores.
 ///
 /// An interval of 95 % misses the truth once in twenty scenes even of a perfect mode. So what each scene shows is printed as it is, and what
 /// must hold of all of them together is checked with intervals that together hold with 95 %, each with the twelfth root of that.
@@ -289,7 +289,8 @@ fn slopes_and_plateaus_of_all_built_in_scenes() {
                 "{:16}   {} stays at {:.2e}; measured over predicted {:.3} in {:.3} to {:.3}",
                 "", curve.mode, plateau.relmse.value, ratio.value, ratio.low, ratio.high
             );
-            if (ratio.value - 1.0).abs() > 0.15 {
+            // As wide as slopes, for the same reason. A mode of heavy tails is known only roughly.
+            if !Interval::around(ratio.value, (ratio.high - ratio.value) * wider).contains(1.0) {
                 wrong.push(format!("{}: {} {plateau:?}", scene.name, curve.mode));
             }
         }

@@ -442,6 +442,48 @@ fn what_was_left_out_is_on_the_page_as_in_the_table() {
     }
 }
 
+/// Times from an edit to the picture, likewise.
+#[test]
+fn edits_are_on_the_page_as_in_the_table() {
+    let rows = MADE.table("editing.csv");
+    let on_page = rows_of("editing");
+    let digits = |text: &str| text.split(' ').next().unwrap().to_owned();
+    for scene in &MADE.report.scenes {
+        let shown_row = on_page.iter().find(|cells| cells[0] == scene.name).unwrap();
+        for (kind, column) in [("ior", 1), ("transform", 4), ("camera", 7)] {
+            let row = rows.iter().find(|row| row["scene"] == scene.name && row["edit"] == kind).unwrap();
+            let (median, longest) = (field(row, "image_secs"), field(row, "worst_secs"));
+            assert!(0.0 < median && median <= longest && field(row, "first_width") <= field(row, "pane_width"));
+            assert_eq!(row["rectify_secs"].is_empty(), kind == "camera");
+            // The camera has no column for rectification.
+            let at = if kind == "camera" { column } else { column + 1 };
+            // Three digits, in milliseconds or seconds.
+            let secs = shown(&digits(&shown_row[at])) * if shown_row[at].contains(" ms") { 1e-3 } else { 1.0 };
+            assert!((secs - median).abs() <= 0.006 * median, "{shown_row:?} for {median}");
+        }
+    }
+}
+
+/// What a finding begins with in every report: before its first number.
+fn stem(what: &str) -> &str {
+    what.split(|c: char| c.is_ascii_digit()).next().unwrap()
+}
+
+/// The README's figures are a report's summary, of this version of it: the same findings in the same order.
+#[test]
+fn the_readme_quotes_a_summary_as_it_is_made() {
+    let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).unwrap();
+    let (_, quoted) = readme.split_once("<!-- summary.md -->\n").expect("the mark where the quotation begins");
+    let (quoted, _) = quoted.split_once("<!-- end -->").expect("the mark where it ends");
+    let made = std::fs::read_to_string(MADE.folder.path().join("summary.md")).unwrap();
+    let stems = |text: &str| -> Vec<String> {
+        text.lines().filter_map(|line| Some(stem(line.strip_prefix("- **")?).to_owned())).collect()
+    };
+    assert_eq!(stems(quoted), stems(&made), "made:\n{made}");
+    assert!(quoted.starts_with("`iorect report") && quoted.contains(env!("CARGO_PKG_VERSION")));
+    assert!(stems(&made).len() > 10);
+}
+
 /// JSON holds what the tables hold, and no pictures.
 #[test]
 fn json_is_complete_without_pixels() {
@@ -555,6 +597,6 @@ fn the_command_writes_a_report_and_goes_on_from_it() {
         .collect();
     assert_eq!(
         left.iter().cloned().collect::<BTreeSet<_>>(),
-        ["cache", "left-out.csv", "report.html", "report.json"].map(String::from).into()
+        ["cache", "left-out.csv", "report.html", "report.json", "summary.md"].map(String::from).into()
     );
 }

@@ -288,7 +288,7 @@ pub struct ReportArguments {
     /// Small images and few runs
     #[arg(long)]
     pub quick: bool,
-    /// What to measure, separated by commas: error, stability, left-out, growth [default: all of it]
+    /// What to measure, separated by commas: error, stability, left-out, editing, growth [default: all of it]
     #[arg(long, value_name = "PARTS", value_delimiter = ',')]
     pub only: Vec<Part>,
     /// Seed of the random numbers

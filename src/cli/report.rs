@@ -64,7 +64,7 @@ fn failure(error: ReportError) -> Failure {
     match error {
         ReportError::Scene(error) => error.into(),
         ReportError::Output(error) => Failure::output(error),
-        error @ ReportError::Experiment(_) => Failure::Failed(error.into()),
+        error @ (ReportError::Experiment(_) | ReportError::Editing(_)) => Failure::Failed(error.into()),
     }
 }
 

@@ -50,6 +50,7 @@ pub fn tables(report: &Report) -> Vec<Table> {
         stability(report),
         maps(report),
         left_out(report),
+        editing(report),
         growth(report),
         exponents(report),
     ];
@@ -147,12 +148,42 @@ fn left_out(report: &Report) -> Table {
     }
 }
 
+fn editing(report: &Report) -> Table {
+    let measured = report.scenes.iter().filter_map(|scene| Some((&scene.name, scene.editing.as_ref()?)));
+    let rows = measured.flat_map(|(name, found)| {
+        let [width, height] = found.size;
+        found.times.iter().map(move |times| {
+            let start = [name.clone(), times.edit.name().to_owned(), times.edits.to_string()];
+            let seconds = [times.rectify_secs, Some(times.image_secs), Some(times.worst_secs)].map(number);
+            let end = [times.width, width, height].map(|side| side.to_string());
+            start.into_iter().chain(seconds).chain(end).collect()
+        })
+    });
+    Table {
+        file: "editing.csv",
+        about: "How long the picture takes to follow an edit",
+        columns: vec![
+            ("scene", "name of the scene"),
+            ("edit", "what is edited: ior, transform or camera"),
+            ("edits", "how many were timed"),
+            ("rectify_secs", "median seconds of rectifying the edited scene; empty where it need not be"),
+            ("image_secs", "median seconds until each of four panes had a new image"),
+            ("worst_secs", "the longest of those times"),
+            ("first_width", "pixels across the coarsest of the first images, which are refined from there"),
+            ("pane_width", "pixels across a pane"),
+            ("pane_height", "pixels down a pane"),
+        ],
+        rows: rows.collect(),
+    }
+}
+
 fn growth(report: &Report) -> Table {
     let rows = (report.growth.iter())
         .flat_map(|growth| growth.points.iter().map(move |point| (growth.quantity, point)))
         .map(|(quantity, point)| {
             let measured = Measure::ALL.map(|measure| number(measure.of(point)));
-            [quantity.name().to_owned(), point.size.to_string()].into_iter().chain(measured).collect()
+            let peak = number(point.peak_bytes.map(|bytes| bytes as f64));
+            [quantity.name().to_owned(), point.size.to_string()].into_iter().chain(measured).chain([peak]).collect()
         })
         .collect();
     Table {
@@ -168,6 +199,7 @@ fn growth(report: &Report) -> Table {
                 "memory_bytes",
                 "by how much the process's memory rose for the prepared scene; empty where it is too little to tell",
             ),
+            ("peak_bytes", "the same of the most that it had while the scene was being prepared"),
         ],
         rows,
     }

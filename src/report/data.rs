@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::editing::Editing;
 use super::experiment::SceneErrors;
 use super::growth::Growth;
 use super::left_out::LeftOut;
@@ -53,6 +54,7 @@ pub struct SceneReport {
     pub pictures: Option<Pictures>,
     pub errors: Option<SceneErrors>,
     pub left_out: Option<LeftOut>,
+    pub editing: Option<Editing>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]

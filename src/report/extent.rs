@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::editing::EditingPlan;
 use super::experiment::Effort;
 use super::growth::GrowthPlan;
 use super::left_out::LeftOutPlan;
@@ -23,6 +24,9 @@ impl StabilityPlan {
     }
 }
 
+/// Pixels of one of four panes in a picture of 1280×720.
+const PANE: [u32; 2] = [640, 360];
+
 /// How much of each is measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Extent {
@@ -31,6 +35,7 @@ pub struct Extent {
     pub errors: Effort,
     pub stability: StabilityPlan,
     pub left_out: LeftOutPlan,
+    pub editing: EditingPlan,
     pub growth: GrowthPlan,
 }
 
@@ -55,6 +60,7 @@ impl Extent {
             errors: Effort { first_seed: seed, ..Effort::QUICK },
             stability: StabilityPlan::all(stability::Effort::Quick),
             left_out: LeftOutPlan { width: 96, height: 54, seed, pairs: 6, slice_secs: 0.02, each: false },
+            editing: EditingPlan { size: PANE, edits: 3, within_secs: 0.1 },
             growth: GrowthPlan {
                 triangles: half_decades(1000, 1_000_000),
                 nesting: half_decades(1, 1000),
@@ -73,10 +79,11 @@ impl Extent {
     pub fn full(seed: u64, threads: usize) -> Self {
         Self {
             is_quick: false,
-            pictures: PicturePlan { width: 384, height: 216, samples: 128, seed, secs: 120.0 },
+            pictures: PicturePlan { width: 384, height: 216, samples: 128, seed, secs: 30.0 },
             errors: Effort { first_seed: seed, ..Effort::FULL },
             stability: StabilityPlan::all(stability::Effort::Full),
             left_out: LeftOutPlan { width: 192, height: 108, seed, pairs: 15, slice_secs: 0.25, each: true },
+            editing: EditingPlan { size: PANE, edits: 12, within_secs: 0.7 },
             growth: GrowthPlan {
                 triangles: half_decades(1000, 10_000_000),
                 nesting: half_decades(1, 1000),
@@ -108,6 +115,7 @@ impl Extent {
             },
             stability: StabilityPlan { effort: stability::Effort::Quick, cases: 11, sweeps: 1, has_maps: false },
             left_out: LeftOutPlan { width: 16, height: 9, seed, pairs: 2, slice_secs: 1e-4, each: true },
+            editing: EditingPlan { size: [32, 18], edits: 1, within_secs: 0.01 },
             growth: GrowthPlan {
                 triangles: vec![500, 1000, 2000, 4000, 8000, 16_000],
                 nesting: vec![1, 2, 4, 8, 16, 32],

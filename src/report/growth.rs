@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::machine::{available_bytes, resident_bytes};
+use super::machine::{available_bytes, forget_peak, peak_bytes, resident_bytes};
 use super::progress::Progress;
 use super::timing::Timed;
 use crate::measure::statistics::power_law;
@@ -99,6 +99,8 @@ pub struct GrowthPoint {
     /// By how much the memory of this process rose for the prepared scene, in bytes; `None` where it cannot be found out or is too little to
     /// be told from the allocator's reserves.
     pub memory_bytes: Option<u64>,
+    /// The same of the most that it had while the scene was being prepared.
+    pub peak_bytes: Option<u64>,
 }
 
 /// What is measured at a size.
@@ -228,12 +230,11 @@ fn of_scene(
     progress: &Progress<'_>,
 ) -> Result<Option<GrowthPoint>, SceneError> {
     let camera = Camera::new(&description.camera)?;
-    let before = resident_bytes();
+    let (before, has_forgotten) = (resident_bytes(), forget_peak());
     let prepared = prepare(Arc::new(description), None)?;
-    let memory_bytes = match (before, resident_bytes()) {
-        (Some(before), Some(after)) => after.checked_sub(before).filter(|&bytes| bytes >= LEAST_MEMORY),
-        _ => None,
-    };
+    let (after, peak) = (resident_bytes(), peak_bytes().filter(|_| has_forgotten));
+    let rise = |to: Option<u64>| to?.checked_sub(before?).filter(|&bytes| bytes >= LEAST_MEMORY);
+    let (memory_bytes, peak_bytes) = (rise(after), rise(peak));
     let (build_secs, rectify_secs) = best_of_preparing(&prepared, plan)?;
     let settings = RenderSettings {
         mode: Mode::Rectified,
@@ -244,7 +245,14 @@ fn of_scene(
     };
     let mut timed = Timed::new(&prepared, &camera, settings, (plan.width, plan.height));
     let sample_secs = timed.sample_secs(plan.slices, plan.slice_secs, progress);
-    Ok(sample_secs.map(|sample_secs| GrowthPoint { size, build_secs, rectify_secs, sample_secs, memory_bytes }))
+    Ok(sample_secs.map(|sample_secs| GrowthPoint {
+        size,
+        build_secs,
+        rectify_secs,
+        sample_secs,
+        memory_bytes,
+        peak_bytes,
+    }))
 }
 
 /// The least times of preparing the scene, which small scenes do several times: the first time pays for pages of memory.
@@ -305,6 +313,7 @@ mod tests {
             rectify_secs: 0.25,
             sample_secs: 2.0 / size as f64,
             memory_bytes: (size > 1_000_000).then_some(100 * size),
+            peak_bytes: None,
         };
         let points: Vec<_> = (6..=16).map(|k| point(10_u64.pow(k / 2) * if k % 2 == 1 { 3 } else { 1 })).collect();
         let growth = Growth::of(Quantity::Triangles, points, Vec::new());

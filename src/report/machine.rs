@@ -35,6 +35,17 @@ pub fn resident_bytes() -> Option<u64> {
     kilobytes("/proc/self/status", "VmRSS")
 }
 
+/// The most memory that this process had in use since [`forget_peak`], or since it began, in bytes; `None` where the system does not tell.
+pub fn peak_bytes() -> Option<u64> {
+    kilobytes("/proc/self/status", "VmHWM")
+}
+
+/// Makes [`peak_bytes`] begin anew; whether the system can do that.
+pub fn forget_peak() -> bool {
+    // proc_pid_clear_refs(5): "reset the peak resident set size to the process's current resident set size value".
+    cfg!(target_os = "linux") && fs::write("/proc/self/clear_refs", "5").is_ok()
+}
+
 /// Memory that could be had without swapping, in bytes; `None` where the system does not tell in a file.
 pub fn available_bytes() -> Option<u64> {
     kilobytes("/proc/meminfo", "MemAvailable")
@@ -108,5 +119,11 @@ mod tests {
         let after = resident_bytes().unwrap();
         assert!(after > before + (48 << 20), "{before} {after}");
         assert_eq!(block[12_345], 1);
+        assert!(peak_bytes().unwrap() >= after);
+        drop(block);
+        // Other tests use memory at the same time, but not so much.
+        if forget_peak() {
+            assert!(peak_bytes().unwrap() < after, "{after}");
+        }
     }
 }

@@ -8,6 +8,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::data::{Origin, Report, SceneReport};
+use super::editing::{self, EditingError};
 use super::experiment::{ExperimentError, SceneErrors, scene_errors};
 use super::extent::{Extent, StabilityPlan};
 use super::growth::{self, Growth, GrowthPlan, Quantity};
@@ -32,11 +33,12 @@ pub enum Part {
     Error,
     Stability,
     LeftOut,
+    Editing,
     Growth,
 }
 
 impl Part {
-    pub const ALL: [Self; 4] = [Self::Error, Self::Stability, Self::LeftOut, Self::Growth];
+    pub const ALL: [Self; 5] = [Self::Error, Self::Stability, Self::LeftOut, Self::Editing, Self::Growth];
 
     /// As on the command line.
     pub fn name(self) -> &'static str {
@@ -44,6 +46,7 @@ impl Part {
             Self::Error => "error",
             Self::Stability => "stability",
             Self::LeftOut => "left-out",
+            Self::Editing => "editing",
             Self::Growth => "growth",
         }
     }
@@ -88,6 +91,8 @@ pub enum ReportError {
     Output(#[from] ExportError),
     #[error(transparent)]
     Experiment(#[from] ExperimentError),
+    #[error(transparent)]
+    Editing(#[from] EditingError),
 }
 
 /// Takes the measurements that are asked for, on rayon's current pool. `None` when cancelled; what was finished by then is in `store`.
@@ -157,7 +162,7 @@ fn weight_of(request: &Request) -> f64 {
     let has = |part: Part| if request.parts.contains(&part) { 1.0 } else { 0.0 };
     let sizes = Quantity::ALL.iter().flat_map(|&quantity| request.extent.growth.sizes(quantity));
     let errors = has(Part::Error) * request.extent.errors.secs.min(MOST_ERRORS);
-    let scene = PICTURES + errors + has(Part::LeftOut) * LEFT_OUT;
+    let scene = PICTURES + errors + has(Part::LeftOut) * LEFT_OUT + has(Part::Editing) * EDITING;
     let checks = stability::cases().len().min(request.extent.stability.cases)
         + stability::sweeps().len().min(request.extent.stability.sweeps)
         + 1;
@@ -167,6 +172,7 @@ fn weight_of(request: &Request) -> f64 {
 
 const PICTURES: f64 = 1.0;
 const LEFT_OUT: f64 = 0.5;
+const EDITING: f64 = 1.0;
 const CHECK: f64 = 0.4;
 /// However long one is ready to wait for error against time.
 const MOST_ERRORS: f64 = 1000.0;
@@ -208,6 +214,16 @@ fn scene(
             return Ok(None);
         }
     }
+    let mut editing = None;
+    if request.parts.contains(&Part::Editing) {
+        let what = label("from an edit to the picture");
+        editing = tally.piece(&what, EDITING, "editing", &(fingerprint, extent.editing), |progress| {
+            Ok(editing::measure(&subject.description, &extent.editing, progress)?)
+        })?;
+        if editing.is_none() {
+            return Ok(None);
+        }
+    }
     let mut found = None;
     if request.parts.contains(&Part::Error) {
         found = errors(request, subject, prepared, tally)?;
@@ -230,6 +246,7 @@ fn scene(
         pictures: Some(pictures),
         errors: found,
         left_out,
+        editing,
     }))
 }
 

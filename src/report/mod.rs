@@ -1,12 +1,13 @@
 //! Measurements of whole scenes, and the page that shows them.
 //!
-//! [`make`] takes the measurements ([`experiment`], [`stability`], [`left_out`], [`growth`], and [`pictures`] to look at), piece by piece;
-//! [`store`] keeps finished pieces, so that an interruption costs one of them at most. What comes of it is [`data`]: plain, whole, and all
+//! [`make`] takes the measurements ([`experiment`], [`stability`], [`left_out`], [`editing`], [`growth`], and
+//! [`pictures`] to look at), piece by piece; [`store`] keeps finished pieces, so that an interruption costs one of them at most. What comes of it is [`data`]: plain, whole, and all
 //! that [`page`] and [`csv`] see. Numbers are worked out where they are measured and shown as they are: the page computes none.
 
 mod checked;
 pub mod csv;
 pub mod data;
+pub mod editing;
 pub mod experiment;
 pub mod extent;
 pub mod growth;
@@ -19,5 +20,6 @@ pub mod progress;
 pub mod reference;
 pub mod stability;
 pub mod store;
+pub mod summary;
 pub mod timing;
 pub mod write;

@@ -6,9 +6,10 @@ use super::csv::tables;
 use super::data::{Report, SceneReport};
 use super::page;
 use super::pictures::Pictures;
+use super::summary;
 use crate::export::{ExportError, write_atomically};
 
-/// Writes `report.html`, `report.json` and the tables into `folder`; returns what was written, the page first. The page goes last, so that
+/// Writes `report.html`, `report.json`, `summary.md` and the tables into `folder`; returns what was written, the page first. The page goes last, so that
 /// where it stands all else does.
 ///
 /// # Errors
@@ -25,6 +26,7 @@ pub fn write(report: &Report, folder: &Path) -> Result<Vec<PathBuf>, ExportError
     for table in &tables {
         put(table.file, &table.text())?;
     }
+    put("summary.md", &summary::markdown(report))?;
     put("report.json", &json(report))?;
     put("report.html", &page::html(report, &tables))?;
     written.reverse();

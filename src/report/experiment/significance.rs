@@ -4,10 +4,12 @@
 //! pixel. Without a bias both are 0 in the mean; so is a · g(b) for every function g, because g(b) knows nothing of a. Where there is a
 //! bias, b tells its direction. g is chosen so that a pixel that is plainly off counts for 1, by however much it is off, and one whose
 //! b may be noise counts for little: otherwise a few dark pixels that are off by many times their radiance decide, and a few
-//! numbers are never significant.
+//! numbers are never significant. What noise is, a pixel knows from its own runs and, as they are few, from all other pixels': two
+//! runs that happen to agree are no proof of a mean that is known well.
 
 use super::spread::Image;
 use super::truth::Truth;
+use crate::report::timing::median;
 
 /// How many times its standard error b must be for a pixel to count for half.
 const NOISE: f64 = 4.0;
@@ -19,12 +21,13 @@ const FLOOR: f64 = 1e-4;
 pub fn significance(truth: &Truth, images: &[&Image]) -> f64 {
     let half = |which: usize| images.iter().skip(which).step_by(2).copied().collect::<Vec<&Image>>();
     let halves = [half(0), half(1)];
+    let usual = halves.each_ref().map(|half| usual_noise(truth, half));
     let (mut sum, mut squares) = (0.0, 0.0);
     for (pixel, truth) in truth.pixels.iter().enumerate() {
         let mut of_pixel = 0.0;
         for c in 0..3 {
             let references = [truth.mean[c] + truth.half_gap[c], truth.mean[c] - truth.half_gap[c]];
-            let [a, b] = [0, 1].map(|which| Half::new(&halves[which], pixel, c, references[which]));
+            let [a, b] = [0, 1].map(|which| Half::new(&halves[which], pixel, c, references[which], usual[which]));
             of_pixel += a.off * b.direction + b.off * a.direction;
         }
         sum += of_pixel;
@@ -33,7 +36,58 @@ pub fn significance(truth: &Truth, images: &[&Image]) -> f64 {
     if squares > 0.0 { sum / squares.sqrt() } else { 0.0 }
 }
 
+/// Squared standard error of a component of the mean image, relative to its squared radiance: the median over all, which a few bright
+/// paths do not decide. 0 of fewer than two images.
+fn usual_noise(truth: &Truth, images: &[&Image]) -> f64 {
+    if images.len() < 2 {
+        return 0.0;
+    }
+    let of_component = |pixel: usize, c: usize| {
+        let mean = truth.pixels[pixel].mean[c];
+        Moments::of(images, pixel, c, mean).squared_error() / squared_radiance(mean)
+    };
+    let mut all: Vec<f64> = (0..truth.pixels.len())
+        .flat_map(|pixel| (0..3).map(move |c| (pixel, c)))
+        .map(|(p, c)| of_component(p, c))
+        .collect();
+    median(&mut all)
+}
+
+/// As in relMSE, never 0.
+fn squared_radiance(radiance: f64) -> f64 {
+    radiance * radiance + 0.01
+}
+
+/// One component of some images, as differences from a reference.
+struct Moments {
+    count: f64,
+    sum: f64,
+    squares: f64,
+}
+
+impl Moments {
+    fn of(images: &[&Image], pixel: usize, channel: usize, reference: f64) -> Self {
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for image in images {
+            let off = f64::from(image[pixel][channel]) - reference;
+            sum += off;
+            squares += off * off;
+        }
+        Self { count: images.len() as f64, sum, squares }
+    }
+
+    fn mean(&self) -> f64 {
+        self.sum / self.count
+    }
+
+    /// Of the mean; of two images or more.
+    fn squared_error(&self) -> f64 {
+        ((self.squares - self.sum * self.mean()) / (self.count - 1.0) / self.count).max(0.0)
+    }
+}
+
 /// One component of a mean image against its reference.
+#[derive(Default)]
 struct Half {
     off: f64,
     /// g of it.
@@ -41,23 +95,20 @@ struct Half {
 }
 
 impl Half {
-    fn new(images: &[&Image], pixel: usize, channel: usize, reference: f64) -> Self {
-        let count = images.len() as f64;
-        let (mut sum, mut squares) = (0.0, 0.0);
-        for image in images {
-            let off = f64::from(image[pixel][channel]) - reference;
-            sum += off;
-            squares += off * off;
-        }
+    fn new(images: &[&Image], pixel: usize, channel: usize, reference: f64, usual_noise: f64) -> Self {
         if images.is_empty() {
-            return Self { off: 0.0, direction: 0.0 };
+            return Self::default();
         }
-        let off = sum / count;
+        let moments = Moments::of(images, pixel, channel, reference);
+        let off = moments.mean();
         if images.len() < 2 {
             return Self { off, direction: 0.0 };
         }
-        let squared_error = ((squares - sum * off) / (count - 1.0) / count).max(0.0);
-        let floor = FLOOR * (reference * reference + 0.01);
+        // As many degrees of freedom as there are, and one more for what is usual.
+        let freedom = moments.count - 1.0;
+        let usual = usual_noise * squared_radiance(reference);
+        let squared_error = (freedom * moments.squared_error() + usual) / (freedom + 1.0);
+        let floor = FLOOR * squared_radiance(reference);
         Self { off, direction: off / (off * off + NOISE * NOISE * squared_error + floor) }
     }
 }

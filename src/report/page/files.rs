@@ -16,7 +16,7 @@ pub fn section(report: &Report, tables: &[Table]) -> Markup {
                 "scene, with other settings, by another build or on another machine is not used. Images and answers depend on the seed alone. Times depend on the machine, and on what else it does."
             }
             p {
-                "Numbers with all their digits lie beside this page: " a href="report.json" { "report.json" } " holds everything but the pictures; the tables are comma-separated values (RFC 4180)."
+                "Numbers with all their digits lie beside this page: " a href="report.json" { "report.json" } " holds everything but the pictures, " a href="summary.md" { "summary.md" } " what stands at the top of this page; the tables are comma-separated values (RFC 4180)."
             }
             @for table in tables {
                 details {

@@ -3,7 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::words::{bytes, fixed, time};
-use super::{files, growth, left_out, scenes, stability, summary};
+use super::{editing, files, growth, left_out, scenes, stability, summary};
 use crate::report::csv::Table;
 use crate::report::data::{Origin, Report};
 
@@ -28,6 +28,7 @@ pub fn html(report: &Report, tables: &[Table]) -> String {
                     (scenes::section(report))
                     @if let Some(found) = &report.stability { (stability::section(found)) }
                     @if report.scenes.iter().any(|scene| scene.left_out.is_some()) { (left_out::section(report)) }
+                    @if report.scenes.iter().any(|scene| scene.editing.is_some()) { (editing::section(report)) }
                     @if !report.growth.is_empty() { (growth::section(report)) }
                     (files::section(report, tables))
                 }
@@ -47,6 +48,7 @@ fn beginning(report: &Report) -> Markup {
         ("scenes", if has_errors { "Scenes: error against time" } else { "Scenes" }, true),
         ("stability", "Stability", report.stability.is_some()),
         ("left-out", "What was left out", report.scenes.iter().any(|scene| scene.left_out.is_some())),
+        ("editing", "From an edit to the picture", report.scenes.iter().any(|scene| scene.editing.is_some())),
         ("growth", "Growth", !report.growth.is_empty()),
         ("files", "Files, and how to make them again", true),
     ];
@@ -54,7 +56,7 @@ fn beginning(report: &Report) -> Markup {
         h1 { "iorect: measured" }
         p class="lead" {
             "iorect renders scenes in which dielectrics sit inside dielectrics. This page says how fast its images converge and to what, "
-            "how it fares where numbers get stiff, what it leaves out of the work, and how time and memory grow."
+            "how it fares where numbers get stiff, what it leaves out of the work, how soon pictures follow edits, and how time and memory grow."
         }
         (origin(&report.origin))
         nav aria-label="Contents" {

@@ -45,7 +45,7 @@ fn of_quantity(growth: &Growth) -> Markup {
                     th class="n" { (growth.quantity.name()) }
                     @if !is_threads { th class="n" { "build" } th class="n" { "rectify" } }
                     th class="n" { "a sample" }
-                    @if is_threads { th class="n" { "speed-up" } } @else { th class="n" { "memory" } }
+                    @if is_threads { th class="n" { "speed-up" } } @else { th class="n" { "memory" } th class="n" { "at most, meanwhile" } }
                 } }
                 tbody {
                     @for point in &growth.points { (row(growth, point)) }
@@ -71,6 +71,7 @@ fn row(growth: &Growth, point: &GrowthPoint) -> Markup {
                 td class="n" { @match growth.points.first() { Some(first) => (fixed(first.sample_secs / point.sample_secs, 2)), None => "–" } }
             } @else {
                 td class="n" { @match point.memory_bytes { Some(memory) => (bytes(memory)), None => "too little to tell" } }
+                td class="n" { @match point.peak_bytes { Some(peak) => (bytes(peak)), None => "–" } }
             }
         }
     }
@@ -96,6 +97,7 @@ fn exponents(growth: &Growth) -> Markup {
             }
             @if growth.quantity == Quantity::Threads { (cell(of(Measure::Sample))) td class="n" { "" } } @else {
                 @for measure in Measure::ALL { (cell(of(measure))) }
+                td class="n" { "" }
             }
         }
     }

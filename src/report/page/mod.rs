@@ -1,5 +1,6 @@
 //! One page that holds everything: no other file, no network, no script. Light or dark as its reader prefers, on a phone, on paper.
 
+mod editing;
 mod errors;
 mod files;
 mod frame;
@@ -10,6 +11,6 @@ pub mod plot;
 mod scenes;
 mod stability;
 mod summary;
-mod words;
+pub(super) mod words;
 
 pub use frame::html;
