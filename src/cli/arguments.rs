@@ -27,7 +27,7 @@ Examples:
   iorect rectify nested-spheres                 what lies on the other side of every surface
   iorect trace camera-in-water --pixel 256,256  one path, vertex by vertex
   iorect check my-scene.toml                    what is wrong or doubtful in a scene
-  iorect report -o report --quick               error against time, stability, growth: a page with plots
+  iorect report -o report --quick               error against time, stability, speed, growth: a page
 
 Exit codes: 0 fine, 1 the work failed, 2 the command or the scene was wrong.";
 
