@@ -26,7 +26,7 @@ const STEPS: u64 = 10_000;
 
 pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     let subjects = subjects(&arguments.scenes)?;
-    // Hours of work are not to be lost to a folder that cannot be written into.
+    // An hour of work is not to be lost to a folder that cannot be written into.
     let unwritable = |error: ExportError| {
         let advice = "the folder for the report cannot be used; choose another with `-o DIR`";
         Failure::Wrong(anyhow::Error::new(error).context(advice))
