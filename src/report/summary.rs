@@ -237,7 +237,8 @@ fn left_out(report: &Report) -> Option<Finding> {
     let found: Vec<_> =
         report.scenes.iter().filter_map(|scene| Some((scene.name.as_str(), scene.left_out.as_ref()?))).collect();
     let most = found.iter().max_by(|a, b| a.1.render.median.total_cmp(&b.1.render.median))?;
-    let least = found.iter().min_by(|a, b| a.1.render.median.total_cmp(&b.1.render.median))?;
+    let longer = found.iter().filter(|(_, one)| one.render.low > 1.0).count();
+    let shorter = found.iter().filter(|(_, one)| one.render.high < 1.0).count();
     let is_equal = found.iter().all(|(_, one)| {
         one.images_are_equal && one.tables_are_equal != Some(false) && one.each.iter().all(|each| each.images_are_equal)
     });
@@ -246,9 +247,9 @@ fn left_out(report: &Report) -> Option<Finding> {
         what: if is_equal { "What is left out changes no bit of any image" } else { "What is left out changes images" }
             .to_owned(),
         details: format!(
-            "a sample with everything put back takes {} times as long in {}, {} times in {}",
-            fixed(least.1.render.median, 3),
-            least.0,
+            "with everything put back a sample takes longer, beyond chance, in {longer} of {} scenes, and less long in {shorter}; \
+             {} times as long at the most, in {}",
+            found.len(),
             fixed(most.1.render.median, 3),
             most.0
         ),
@@ -272,7 +273,10 @@ fn editing(report: &Report) -> Option<Finding> {
             let mut rectify: Vec<f64> = found.iter().filter_map(|(_, times)| times.rectify_secs).collect();
             let rectified = match rectify.is_empty() {
                 true => String::new(),
-                false => format!(", of which rectification {} in the median scene", time(median(&mut rectify))),
+                false => {
+                    let of_which = if found.len() > 1 { " in the median scene" } else { "" };
+                    format!(", of which rectification {}{of_which}", time(median(&mut rectify)))
+                }
             };
             Some(format!("{} {range}{where_most}{rectified}", edit.about()))
         })
@@ -288,14 +292,11 @@ fn prepared(report: &Report) -> Option<Finding> {
     let secs = |scene: &SceneReport| scene.build_secs + scene.rectify_secs;
     let by_time = |a: &&SceneReport, b: &&SceneReport| secs(a).total_cmp(&secs(b));
     let (least, most) = (report.scenes.iter().min_by(by_time)?, report.scenes.iter().max_by(by_time)?);
+    let where_most = if report.scenes.len() > 1 { format!(", the longest in {}", most.name) } else { String::new() };
     Some(Finding {
         is_good: None,
         what: "From a scene to its first ray".to_owned(),
-        details: format!(
-            "{} for meshes, tree and rectification; the longest in {}",
-            span(secs(least), secs(most), time),
-            most.name
-        ),
+        details: format!("meshes, tree and rectification take {}{where_most}", span(secs(least), secs(most), time)),
     })
 }
 
@@ -317,7 +318,7 @@ fn triangles(report: &Report) -> Option<Finding> {
     };
     Some(Finding {
         is_good: None,
-        what: format!("Of {} triangles", grouped(point.size)),
+        what: format!("A scene of {} triangles", grouped(point.size)),
         details: format!(
             "meshes and tree in {}, rectification in {}, a sample in {}{memory}",
             time(point.build_secs),
@@ -331,7 +332,7 @@ fn nesting(report: &Report) -> Option<Finding> {
     let point = largest(report, Quantity::Nesting)?;
     Some(Finding {
         is_good: None,
-        what: format!("Of {} nested shells", grouped(point.size)),
+        what: format!("A scene of {} nested shells", grouped(point.size)),
         details: format!("rectification in {}, a sample in {}", time(point.rectify_secs), time(point.sample_secs)),
     })
 }
@@ -340,7 +341,7 @@ fn objects(report: &Report) -> Option<Finding> {
     let point = largest(report, Quantity::Objects)?;
     Some(Finding {
         is_good: None,
-        what: format!("Of {} objects", grouped(point.size)),
+        what: format!("A scene of {} objects", grouped(point.size)),
         details: format!(
             "tree in {}, rectification in {}, a sample in {}",
             time(point.build_secs),
