@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::lane::{Job, LaneMessage, MAX_DIVISOR, cancellable, divisor_for, of_another_epoch};
+use super::job::{Job, LaneMessage, MAX_DIVISOR, attempted, cancellable, divisor_for, of_another_epoch};
 use super::mailbox::{Mailbox, Taken};
-use super::{Board, News, PaintedSurfaces, Wake, guarded};
+use super::{Board, News, PaintedSurfaces, Wake};
 use crate::render::surfaces::{OFFSETS, Painting, SurfaceQuantity};
 
 /// Seconds that a ray is expected to take before one has been timed.
@@ -44,14 +44,11 @@ pub(super) fn run_painter(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessag
         }
         let Some(p) = &mut progress else { continue };
         let Some(quantity) = p.next() else { continue };
-        match guarded(|| Ok(p.advance(quantity, pool, mailbox, board, &mut seconds_per_ray))) {
-            Ok(true) => wake(News::Images),
-            Ok(false) => progress = None,
-            Err(error) => {
-                board.lock().failure = Some((p.job.request.epoch, error));
-                progress = None;
-                wake(News::Scene);
-            }
+        let epoch = p.job.request.epoch;
+        if attempted(epoch, board, wake, || p.advance(quantity, pool, mailbox, board, &mut seconds_per_ray)) {
+            wake(News::Images);
+        } else {
+            progress = None;
         }
     }
 }
