@@ -34,9 +34,12 @@ pub(super) fn run_painter(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessag
             Taken::Empty => {}
             Taken::Message(LaneMessage::Hold) => progress = None,
             Taken::Message(LaneMessage::Render(job)) => match &mut progress {
-                // The same scene from the same camera: what is painted stays, whatever else is wanted now.
+                // The same scene from the same camera: what is painted stays, whatever else is wanted now. What has left the board was not
+                // wanted by a request in between, which this lane need not have seen: it is painted anew.
                 Some(p) if p.job.request.epoch == job.request.epoch => {
-                    p.paintings.retain(|quantity, _| job.request.surfaces.contains(quantity));
+                    let shown = board.paintings();
+                    p.paintings
+                        .retain(|quantity, _| job.request.surfaces.contains(quantity) && shown.contains_key(quantity));
                     p.job = *job;
                 }
                 _ => progress = Some(Progress { job: *job, paintings: BTreeMap::new() }),

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::time::Duration;
 
+use super::job::{Job, LaneMessage};
 use super::preparer::REPEATS;
 use super::*;
 use crate::render::prepare;
@@ -186,6 +187,44 @@ fn surfaces_are_painted_beside_the_films_and_without_any() {
     until(&worker, |_| {
         paintings(&worker).len() == 2 && paintings(&worker).values().all(|p| p.is_done() && p.epoch == 2)
     });
+}
+
+/// A request for less takes a painting from the board, though the painter may only see the next one, for all again.
+#[test]
+fn what_has_left_the_board_is_painted_anew() {
+    let asked = Request { surfaces: vec![SurfaceQuantity::Class, SurfaceQuantity::Outside], ..request(1, &[]) };
+    let message = || {
+        LaneMessage::Render(Box::new(Job {
+            prepared: prepare(Arc::clone(&asked.description), None).unwrap(),
+            camera: Camera::new(&asked.camera).unwrap(),
+            modes: Vec::new(),
+            request: asked.clone(),
+            asked_at: Instant::now(),
+        }))
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let (mailbox, board) = (Mailbox::new(), Board::default());
+    let all_are_painted = || {
+        let start = Instant::now();
+        while !(board.paintings().len() == 2 && board.paintings().values().all(|painted| painted.is_done())) {
+            if start.elapsed() > Duration::from_secs(60) {
+                return false;
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        true
+    };
+    let [at_first, again] = std::thread::scope(|scope| {
+        scope.spawn(|| run_painter(&pool, &mailbox, &board, &quiet()));
+        mailbox.post(message());
+        let at_first = all_are_painted();
+        board.lock().paintings.remove(&SurfaceQuantity::Outside);
+        mailbox.post(message());
+        let again = all_are_painted();
+        mailbox.close();
+        [at_first, again]
+    });
+    assert!(at_first && again, "{at_first}, {again}");
 }
 
 #[test]
