@@ -1,10 +1,14 @@
 //! The real binary, run as its users run it: what it prints, what it writes, and how it ends.
 
+#[path = "common/desk.rs"]
+mod desk;
+
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
+use desk::{Desk, text};
 use serde_json::Value;
 
 /// Two concentric balls in a white room without walls: cheap, and with known answers (a furnace; Bouguer's formula).
@@ -36,73 +40,8 @@ medium = "glass"
 shape = { sphere = { center = [0.0, 0.0, 0.0], radius = 0.5 } }
 "#;
 
-/// A folder of one's own to run the program in.
-struct Desk(tempfile::TempDir);
-
-impl Desk {
-    fn new() -> Self {
-        let desk = Self(tempfile::tempdir().unwrap());
-        desk.put("nest.toml", NEST);
-        desk
-    }
-
-    fn path(&self) -> &Path {
-        self.0.path()
-    }
-
-    fn put(&self, name: &str, text: &str) {
-        fs::write(self.path().join(name), text).unwrap();
-    }
-
-    fn files(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.path()).unwrap();
-        let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
-        names.sort();
-        names
-    }
-
-    fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_iorect"));
-        command.current_dir(self.path()).args(arguments).stdin(Stdio::null());
-        for variable in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET", "RUST_LOG"] {
-            command.env_remove(variable);
-        }
-        command
-    }
-
-    fn run(&self, arguments: &[&str]) -> Output {
-        self.command(arguments).output().unwrap()
-    }
-
-    /// Standard output of a run that must end well and say nothing on standard error.
-    fn fine(&self, arguments: &[&str]) -> String {
-        let output = self.run(arguments);
-        let (out, err) = (text(&output.stdout), text(&output.stderr));
-        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {err}");
-        assert_eq!(err, "", "{arguments:?}: no progress without a terminal");
-        out
-    }
-
-    fn json(&self, arguments: &[&str]) -> Value {
-        serde_json::from_str(&self.fine(arguments)).unwrap_or_else(|e| panic!("{arguments:?}: {e}"))
-    }
-
-    /// Standard error of a run that must end with exit code 2 and one clear message, and change nothing.
-    fn wrong(&self, arguments: &[&str]) -> String {
-        let before = self.files();
-        let output = self.run(arguments);
-        let (out, err) = (text(&output.stdout), text(&output.stderr));
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {out}{err}");
-        assert!(err.starts_with("error: "), "{arguments:?}: {err}");
-        assert!(!err.contains("panicked"), "{arguments:?}: {err}");
-        assert_eq!(out, "", "{arguments:?}");
-        assert_eq!(self.files(), before, "{arguments:?}: nothing is left behind");
-        err
-    }
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
+fn with_nest() -> Desk {
+    Desk::with("nest.toml", NEST)
 }
 
 fn number(value: &Value) -> f64 {
@@ -139,12 +78,12 @@ const EVENT_KEYS: [&str; 5] = ["stack_underflow", "stack_overflow", "ambiguous",
 
 #[test]
 fn help_names_every_command_and_every_flag() {
-    let desk = Desk::new();
-    let help = desk.fine(&["--help"]);
+    let desk = with_nest();
+    let help = desk.fine("--help");
     for word in ["render", "compare", "rectify", "trace", "check", "scenes", "[SCENE]", "Examples:", "Exit codes:"] {
         assert!(help.contains(word), "`{word}` is missing in: {help}");
     }
-    let render = desk.fine(&["render", "--help"]);
+    let render = desk.fine("render --help");
     for flag in [
         "--mode",
         "--spp",
@@ -163,16 +102,16 @@ fn help_names_every_command_and_every_flag() {
     ] {
         assert!(render.contains(flag), "`{flag}` is missing in: {render}");
     }
-    assert!(desk.fine(&["--version"]).starts_with("iorect "));
+    assert!(desk.fine("--version").starts_with("iorect "));
 }
 
 #[test]
 fn scenes_are_listed_with_a_sentence_each() {
-    let desk = Desk::new();
-    let listed = desk.json(&["scenes", "--json"]);
+    let desk = with_nest();
+    let listed = desk.json("scenes --json");
     let listed = listed.as_array().unwrap();
     assert!(!listed.is_empty());
-    let table = desk.fine(&["scenes"]);
+    let table = desk.fine("scenes");
     for scene in listed {
         assert_has(scene, &["name", "about", "file"]);
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(scene["file"].as_str().unwrap());
@@ -183,8 +122,8 @@ fn scenes_are_listed_with_a_sentence_each() {
 
 #[test]
 fn render_writes_a_picture_that_says_what_it_is() {
-    let desk = Desk::new();
-    let said = desk.fine(&["render", "nest.toml", "--size", "24x16", "--spp", "4", "--seed", "9"]);
+    let desk = with_nest();
+    let said = desk.fine("render nest.toml --size 24x16 --spp 4 --seed 9");
     assert!(said.contains("wrote     nest-rectified.png") && said.contains("no events"), "{said}");
     assert_eq!(desk.files(), ["nest-rectified.png", "nest.toml"]);
     let file = fs::File::open(desk.path().join("nest-rectified.png")).unwrap();
@@ -205,20 +144,8 @@ fn render_writes_a_picture_that_says_what_it_is() {
 
 #[test]
 fn render_json_has_the_documented_fields_and_writes_nothing_unasked() {
-    let desk = Desk::new();
-    let report = desk.json(&[
-        "render",
-        "nest.toml",
-        "--size",
-        "8x4",
-        "--spp",
-        "2",
-        "--threads",
-        "2",
-        "--mode",
-        "stack",
-        "--json",
-    ]);
+    let desk = with_nest();
+    let report = desk.json("render nest.toml --size 8x4 --spp 2 --threads 2 --mode stack --json");
     assert_has(&report, &IMAGE_KEYS);
     assert_has(&report["seconds"], &["load", "bvh", "rectify", "render"]);
     assert_has(&report["events"], &EVENT_KEYS);
@@ -230,13 +157,13 @@ fn render_json_has_the_documented_fields_and_writes_nothing_unasked() {
     assert!(report["left_out"].as_array().unwrap().contains(&"absorption".into()));
     assert!(report["output"].is_null());
     assert_eq!(desk.files(), ["nest.toml"]);
-    let everything = desk.json(&["render", "nest.toml", "--size", "8x4", "--spp", "1", "--leave-out", "off", "--json"]);
+    let everything = desk.json("render nest.toml --size 8x4 --spp 1 --leave-out off --json");
     assert_eq!(everything["left_out"], Value::Array(vec![]));
     // What lowers the noise, by default and off.
     let keys = ["adaptive", "splits", "sampler", "sample_environment"];
     assert_eq!(keys.map(|key| report[key].clone()), [true.into(), 2.into(), "sobol".into(), Value::Bool(true)]);
     let off = "render nest.toml --size 8x4 --spp 1 --json --adaptive off --splits 0 --sampler independent --sample-environment off";
-    let plain = desk.json(&off.split(' ').collect::<Vec<_>>());
+    let plain = desk.json(off);
     assert_eq!(keys.map(|key| plain[key].clone()), [false.into(), 0.into(), "independent".into(), Value::Bool(false)]);
 }
 
@@ -244,9 +171,9 @@ fn render_json_has_the_documented_fields_and_writes_nothing_unasked() {
 /// light, in the mean where small branches of paths are followed by chance.
 #[test]
 fn a_furnace_stays_white_in_the_exr() {
-    let desk = Desk::new();
+    let desk = with_nest();
     for splits in ["0", "2"] {
-        desk.fine(&["render", "nest.toml", "--size", "20x20", "--spp", "16", "--splits", splits, "-o", "white.exr"]);
+        desk.fine(&format!("render nest.toml --size 20x20 --spp 16 --splits {splits} -o white.exr"));
         let image = image::open(desk.path().join("white.exr")).unwrap().into_rgb32f();
         assert_eq!(image.dimensions(), (20, 20));
         let errors = || image.as_raw().iter().map(|x| f64::from(x - 1.0));
@@ -259,23 +186,21 @@ fn a_furnace_stays_white_in_the_exr() {
 
 #[test]
 fn the_image_is_a_function_of_the_seed_and_not_of_the_threads() {
-    let desk = Desk::new();
-    let render = |name: &str, more: &[&str]| {
-        let mut arguments = vec!["render", "camera-in-water", "--size", "16x12", "--spp", "3", "-o", name];
-        arguments.extend(more);
-        desk.fine(&arguments);
-        fs::read(desk.path().join(name)).unwrap()
+    let desk = with_nest();
+    let render = |name: &str, more: &str| {
+        desk.fine(&format!("render camera-in-water --size 16x12 --spp 3 -o {name} {more}"));
+        desk.get(name)
     };
-    let one = render("one.exr", &["--threads", "1"]);
-    assert!(one == render("three.exr", &["--threads", "3"]));
-    assert!(one != render("other.exr", &["--seed", "1"]));
+    let one = render("one.exr", "--threads 1");
+    assert!(one == render("three.exr", "--threads 3"));
+    assert!(one != render("other.exr", "--seed 1"));
 }
 
 #[test]
 fn time_is_kept_and_gives_one_sample_at_least() {
-    let desk = Desk::new();
+    let desk = with_nest();
     let spp = |time: &str| {
-        let report = desk.json(&["render", "nest.toml", "--size", "32x32", "--time", time, "--json"]);
+        let report = desk.json(&format!("render nest.toml --size 32x32 --time {time} --json"));
         (report["spp"].as_u64().unwrap(), number(&report["seconds"]["render"]))
     };
     assert_eq!(spp("1e-9").0, 1);
@@ -286,9 +211,8 @@ fn time_is_kept_and_gives_one_sample_at_least() {
 
 #[test]
 fn compare_draws_panes_and_measures_every_pair() {
-    let desk = Desk::new();
-    let arguments = ["compare", "nest.toml", "--size", "24x24", "--spp", "4", "--json", "-o", "c.png"];
-    let report = desk.json(&arguments);
+    let desk = with_nest();
+    let report = desk.json("compare nest.toml --size 24x24 --spp 4 --json -o c.png");
     assert_has(&report, &["scene", "panes", "differences"]);
     let panes = report["panes"].as_array().unwrap();
     assert_eq!(
@@ -308,17 +232,7 @@ fn compare_draws_panes_and_measures_every_pair() {
     assert!(width > 3 * 280 && height > 2 * 280);
 
     // Naive is a furnace too; with something to see it must differ.
-    let seen = desk.json(&[
-        "compare",
-        "nested-spheres",
-        "--size",
-        "24x24",
-        "--spp",
-        "4",
-        "--modes",
-        "rectified,naive",
-        "--json",
-    ]);
+    let seen = desk.json("compare nested-spheres --size 24x24 --spp 4 --modes rectified,naive --json");
     let difference = &seen["differences"][0];
     assert_eq!((&difference["a"], &difference["b"]), (&"naive".into(), &"rectified".into()));
     assert!(number(&difference["relmse"]) > 0.01, "{difference}");
@@ -327,8 +241,8 @@ fn compare_draws_panes_and_measures_every_pair() {
 
 #[test]
 fn rectify_finds_what_contains_what() {
-    let desk = Desk::new();
-    let report = desk.json(&["rectify", "nest.toml", "--json"]);
+    let desk = with_nest();
+    let report = desk.json("rectify nest.toml --json");
     assert_has(&report, &["scene", "granularity", "seconds", "patches", "warnings"]);
     assert_has(&report["seconds"], &["topology", "patches", "pretrace", "resolve"]);
     assert_eq!(report["granularity"], "patch");
@@ -361,19 +275,16 @@ fn rectify_finds_what_contains_what() {
     let area = number(&patches[0]["area"]);
     assert!((area - 4.0 * std::f64::consts::PI).abs() < 1e-9, "{area}");
 
-    let table = desk.fine(&["rectify", "nest.toml", "--granularity", "object"]);
+    let table = desk.fine("rectify nest.toml --granularity object");
     assert!(table.contains("glass 1.5000") && table.contains("3 refractors"), "{table}");
 }
 
 /// Deflection of a ray at impact parameter 0.5 by the shells 1, 0.7 and 0.5 of 1.5, 1.333 and 1.5, by Bouguer's formula: 26.72105044°.
 #[test]
 fn trace_follows_a_ray_through_the_nest() {
-    let desk = Desk::new();
-    let trace = |mode: &str| {
-        let arguments =
-            ["trace", "nest.toml", "--origin", "-0.5,0,3", "--direction", "0,0,-2", "--mode", mode, "--json"];
-        desk.json(&arguments)
-    };
+    let desk = with_nest();
+    let trace =
+        |mode: &str| desk.json(&format!("trace nest.toml --origin -0.5,0,3 --direction 0,0,-2 --mode {mode} --json"));
     let deflection = |path: &Value| {
         let direction: Vec<f64> = path["final_direction"].as_array().unwrap().iter().map(number).collect();
         direction[0].atan2(-direction[2]).to_degrees().abs()
@@ -408,33 +319,32 @@ fn trace_follows_a_ray_through_the_nest() {
     );
 
     // The centre of the image looks straight at the centre of the nest; an odd size has a pixel there.
-    let straight = desk.json(&["trace", "nest.toml", "--pixel", "16,16", "--size", "33x33", "--json"]);
+    let straight = desk.json("trace nest.toml --pixel 16,16 --size 33x33 --json");
     assert!(deflection(&straight) < 1e-9);
     assert_eq!(straight["vertices"].as_array().unwrap().len(), 6);
     assert!((number(&straight["vertices"][0]["fresnel"]) - 0.04).abs() < 1e-9);
-    let back =
-        desk.json(&["trace", "nest.toml", "--pixel", "16,16", "--size", "33x33", "--follow", "reflect", "--json"]);
+    let back = desk.json("trace nest.toml --pixel 16,16 --size 33x33 --follow reflect --json");
     assert_eq!((&back["vertices"][0]["event"], back["vertices"].as_array().unwrap().len()), (&"reflect".into(), 1));
-    let table = desk.fine(&["trace", "nest.toml", "--pixel", "16,16", "--size", "33x33"]);
+    let table = desk.fine("trace nest.toml --pixel 16,16 --size 33x33");
     assert!(table.contains("starts in world") && table.contains("leaves the scene"), "{table}");
 }
 
 #[test]
 fn check_reports_what_is_wrong_and_where() {
-    let desk = Desk::new();
-    let fine = desk.json(&["check", "nest.toml", "--json"]);
+    let desk = with_nest();
+    let fine = desk.json("check nest.toml --json");
     assert_has(&fine, &["scene", "problems"]);
     assert_eq!(fine["problems"], Value::Array(vec![]));
 
-    desk.put("advice.toml", &format!("{NEST}\n[[medium]]\nname = \"honey\"\nior = 1.49\n"));
-    let advice = desk.json(&["check", "advice.toml", "--json"]);
+    desk.put("advice.toml", format!("{NEST}\n[[medium]]\nname = \"honey\"\nior = 1.49\n"));
+    let advice = desk.json("check advice.toml --json");
     let problem = &advice["problems"][0];
     assert_has(problem, &["severity", "where", "kind", "message"]);
     assert_eq!((&problem["severity"], &problem["where"]), (&"advice".into(), &"honey".into()));
-    assert!(desk.fine(&["check", "advice.toml"]).contains("honey"));
+    assert!(desk.fine("check advice.toml").contains("honey"));
 
-    desk.put("wrong.toml", &NEST.replace("radius = 0.7", "radius = 0.0"));
-    let output = desk.run(&["check", "wrong.toml", "--json"]);
+    desk.put("wrong.toml", NEST.replace("radius = 0.7", "radius = 0.0"));
+    let output = desk.run("check wrong.toml --json");
     assert_eq!(output.status.code(), Some(2));
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report["problems"][0]["severity"], "error");
@@ -443,7 +353,7 @@ fn check_reports_what_is_wrong_and_where() {
 
 #[test]
 fn wrong_scenes_are_refused_with_file_line_and_column() {
-    let desk = Desk::new();
+    let desk = with_nest();
     let cases = [
         ("ior = 1.333", "ior = 0.0", "0"),
         ("ior = 1.333", "ior = -1.3", "-1.3"),
@@ -461,89 +371,89 @@ fn wrong_scenes_are_refused_with_file_line_and_column() {
     ];
     for (from, to, hint) in cases {
         assert!(NEST.contains(from));
-        desk.put("bad.toml", &NEST.replacen(from, to, 1));
-        let message = desk.wrong(&["render", "bad.toml", "--size", "4x4", "--spp", "1", "--json"]);
+        desk.put("bad.toml", NEST.replacen(from, to, 1));
+        let message = desk.wrong("render bad.toml --size 4x4 --spp 1 --json");
         assert!(message.contains("bad.toml"), "{to}: {message}");
         assert!(message.to_lowercase().contains(&hint.to_lowercase()), "{to}: `{hint}` is missing in: {message}");
     }
     // With the place, for what stands in a line.
-    desk.put("bad.toml", &NEST.replacen("ior = 1.333", "ior = 0.0", 1));
+    desk.put("bad.toml", NEST.replacen("ior = 1.333", "ior = 0.0", 1));
     let line = NEST.lines().position(|line| line == "ior = 1.333").unwrap() + 1;
-    assert!(desk.wrong(&["rectify", "bad.toml"]).contains(&format!("bad.toml:{line}:")));
+    assert!(desk.wrong("rectify bad.toml").contains(&format!("bad.toml:{line}:")));
 
     desk.put(
         "mesh.toml",
-        &NEST.replacen("{ sphere = { center = [0.0, 0.0, 0.0], radius = 0.7 } }", "{ mesh = \"none.obj\" }", 1),
+        NEST.replacen("{ sphere = { center = [0.0, 0.0, 0.0], radius = 0.7 } }", "{ mesh = \"none.obj\" }", 1),
     );
-    assert!(desk.wrong(&["check-nothing"]).contains("check-nothing"));
-    assert!(desk.wrong(&["trace", "mesh.toml", "--pixel", "0,0"]).contains("none.obj"));
+    assert!(desk.wrong("check-nothing").contains("check-nothing"));
+    assert!(desk.wrong("trace mesh.toml --pixel 0,0").contains("none.obj"));
     desk.put("empty.toml", "");
-    assert!(desk.wrong(&["render", "empty.toml"]).contains("camera"));
+    assert!(desk.wrong("render empty.toml").contains("camera"));
     fs::write(desk.path().join("binary.toml"), [0xff, 0xfe, 0x00, 0x01]).unwrap();
-    assert!(desk.wrong(&["render", "binary.toml"]).contains("binary.toml"));
+    assert!(desk.wrong("render binary.toml").contains("binary.toml"));
 }
 
 #[test]
 fn wrong_commands_are_refused_before_any_work() {
-    let desk = Desk::new();
-    let cases: &[(&[&str], &str)] = &[
-        (&["render", "missing.toml"], "missing.toml"),
-        (&["render", "camera-in-watr"], "camera-in-water"),
-        (&["render"], "SCENE"),
-        (&["render", "nest.toml", "--size", "0x0"], "at least one pixel"),
-        (&["render", "nest.toml", "--size", "512"], "1280x720"),
-        (&["render", "nest.toml", "--size", "100000x100000"], "at most"),
-        (&["render", "nest.toml", "--size", "-5x5"], "not a number of pixels"),
-        (&["render", "nest.toml", "--spp", "0"], "--spp"),
-        (&["render", "nest.toml", "--spp", "-3"], "--spp"),
-        (&["render", "nest.toml", "--spp", "4", "--time", "1"], "--time"),
-        (&["render", "nest.toml", "--time", "-1"], "seconds"),
-        (&["render", "nest.toml", "--time", "nan"], "seconds"),
-        (&["render", "nest.toml", "--max-depth", "0"], "at least 1"),
-        (&["render", "nest.toml", "--threads", "0"], "--threads"),
-        (&["render", "nest.toml", "--exposure", "inf"], "stops"),
-        (&["render", "nest.toml", "--curve", "film"], "clip, soft"),
-        (&["render", "nest.toml", "--leave-out", "maybe"], "on, off"),
-        (&["render", "nest.toml", "--mode", "fast"], "naive, stack, priority, rectified-object, rectified, reference"),
-        (&["render", "nest.toml", "--backend", "gpu"], "not yet supported"),
-        (&["render", "nest.toml", "--estimator", "bidirectional"], "not yet supported"),
-        (&["rectify", "nest.toml", "--granularity", "face"], "patch, object"),
-        (&["report", "nest.toml"], "--output"),
-        (&["report", "missing.toml", "-o", "out"], "missing.toml"),
-        (&["report", "nest.toml", "nest.toml", "-o", "out"], "called `nest`"),
-        (&["report", "nest.toml", "-o", "out", "--only", "speed"], "left-out"),
-        (&["report", "nest.toml", "-o", "nest.toml"], "choose another"),
-        (&["report", "nest.toml", "-o", "nest.toml/out", "--quick"], "choose another"),
-        (&["export", "nest.toml", "--to", "mitsuba", "-o", "out"], "not yet supported"),
-        (&["render", "nest.toml", "-o", "missing/folder/a.png"], "no folder"),
-        (&["render", "nest.toml", "-o", "a.jpg"], "`.png` or `.exr`"),
-        (&["render", "nest.toml", "-o", "a"], "`.png` or `.exr`"),
-        (&["render", "nest.toml", "-o", "nest.toml/a.png"], "no folder"),
-        (&["compare", "nest.toml", "-o", "a.exr"], "`.png`"),
-        (&["compare", "nest.toml", "--modes", "naive,naive"], "twice"),
-        (&["compare", "nest.toml", "--modes", "naive,fast"], "unknown mode"),
-        (&["compare", "nest.toml", "--modes", ""], "unknown mode"),
-        (&["trace", "nest.toml"], "--pixel"),
-        (&["trace", "nest.toml", "--pixel", "512,0"], "outside the image"),
-        (&["trace", "nest.toml", "--pixel", "0,99", "--size", "100x99"], "rows from 0 to 98"),
-        (&["trace", "nest.toml", "--pixel", "1.5,2"], "column and row"),
-        (&["trace", "nest.toml", "--origin", "0,0,0"], "--direction"),
-        (&["trace", "nest.toml", "--origin", "0,0,0", "--direction", "0,0,0"], "cannot be zero"),
-        (&["trace", "nest.toml", "--origin", "0,0,nan", "--direction", "0,0,1"], "finite"),
-        (&["trace", "nest.toml", "--pixel", "1,1", "--follow", "light"], "sample, transmit, reflect"),
-        (&["nest.toml", "extra"], "extra"),
-        (&["missing.toml"], "missing.toml"),
-        (&["--no-such-flag"], "--no-such-flag"),
+    let desk = with_nest();
+    let cases = [
+        ("render missing.toml", "missing.toml"),
+        ("render camera-in-watr", "camera-in-water"),
+        ("render", "SCENE"),
+        ("render nest.toml --size 0x0", "at least one pixel"),
+        ("render nest.toml --size 512", "1280x720"),
+        ("render nest.toml --size 100000x100000", "at most"),
+        ("render nest.toml --size -5x5", "not a number of pixels"),
+        ("render nest.toml --spp 0", "--spp"),
+        ("render nest.toml --spp -3", "--spp"),
+        ("render nest.toml --spp 4 --time 1", "--time"),
+        ("render nest.toml --time -1", "seconds"),
+        ("render nest.toml --time nan", "seconds"),
+        ("render nest.toml --max-depth 0", "at least 1"),
+        ("render nest.toml --threads 0", "--threads"),
+        ("render nest.toml --exposure inf", "stops"),
+        ("render nest.toml --curve film", "clip, soft"),
+        ("render nest.toml --leave-out maybe", "on, off"),
+        ("render nest.toml --mode fast", "naive, stack, priority, rectified-object, rectified, reference"),
+        ("render nest.toml --backend gpu", "not yet supported"),
+        ("render nest.toml --estimator bidirectional", "not yet supported"),
+        ("rectify nest.toml --granularity face", "patch, object"),
+        ("report nest.toml", "--output"),
+        ("report missing.toml -o out", "missing.toml"),
+        ("report nest.toml nest.toml -o out", "called `nest`"),
+        ("report nest.toml -o out --only speed", "left-out"),
+        ("report nest.toml -o nest.toml", "choose another"),
+        ("report nest.toml -o nest.toml/out --quick", "choose another"),
+        ("export nest.toml --to mitsuba -o out", "not yet supported"),
+        ("render nest.toml -o missing/folder/a.png", "no folder"),
+        ("render nest.toml -o a.jpg", "`.png` or `.exr`"),
+        ("render nest.toml -o a", "`.png` or `.exr`"),
+        ("render nest.toml -o nest.toml/a.png", "no folder"),
+        ("compare nest.toml -o a.exr", "`.png`"),
+        ("compare nest.toml --modes naive,naive", "twice"),
+        ("compare nest.toml --modes naive,fast", "unknown mode"),
+        ("compare nest.toml --modes=", "unknown mode"),
+        ("trace nest.toml", "--pixel"),
+        ("trace nest.toml --pixel 512,0", "outside the image"),
+        ("trace nest.toml --pixel 0,99 --size 100x99", "rows from 0 to 98"),
+        ("trace nest.toml --pixel 1.5,2", "column and row"),
+        ("trace nest.toml --origin 0,0,0", "--direction"),
+        ("trace nest.toml --origin 0,0,0 --direction 0,0,0", "cannot be zero"),
+        ("trace nest.toml --origin 0,0,nan --direction 0,0,1", "finite"),
+        ("trace nest.toml --pixel 1,1 --follow light", "sample, transmit, reflect"),
+        ("nest.toml extra", "extra"),
+        ("missing.toml", "missing.toml"),
+        ("--no-such-flag", "--no-such-flag"),
     ];
-    for (arguments, hint) in cases {
-        let message = desk.wrong(arguments);
-        assert!(message.contains(hint), "{arguments:?}: `{hint}` is missing in: {message}");
+    for (line, hint) in cases {
+        let message = desk.wrong(line);
+        assert!(message.contains(hint), "{line}: `{hint}` is missing in: {message}");
     }
     // No folder to write into, even for the superuser.
     #[cfg(target_os = "linux")]
     {
-        assert!(desk.wrong(&["render", "nest.toml", "-o", "/proc/a.png"]).contains("/proc/a.png"));
-        assert!(desk.wrong(&["report", "nest.toml", "-o", "/proc/report"]).contains("/proc/report"));
+        assert!(desk.wrong("render nest.toml -o /proc/a.png").contains("/proc/a.png"));
+        assert!(desk.wrong("report nest.toml -o /proc/report").contains("/proc/report"));
     }
 }
 
@@ -551,9 +461,9 @@ fn wrong_commands_are_refused_before_any_work() {
 #[cfg(target_os = "linux")]
 #[test]
 fn without_a_display_the_comparison_is_written() {
-    let desk = Desk::new();
-    desk.put("away.toml", &NEST.replace("target = [0.0, 0.0, 0.0]", "target = [0.0, 0.0, 9.0]"));
-    let output = desk.run(&["away.toml"]);
+    let desk = with_nest();
+    desk.put("away.toml", NEST.replace("target = [0.0, 0.0, 0.0]", "target = [0.0, 0.0, 9.0]"));
+    let output = desk.run("away.toml");
     let err = text(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{err}");
     assert!(err.contains("no window can be opened") && err.contains("iorect-comparison.png"), "{err}");
@@ -561,7 +471,7 @@ fn without_a_display_the_comparison_is_written() {
     assert_eq!(desk.files(), ["away.toml", "iorect-comparison.png", "nest.toml"]);
     assert!(image::open(desk.path().join("iorect-comparison.png")).is_ok());
     // But a picture of the window cannot be had.
-    let output = desk.run(&["away.toml", "--screenshot", "window.png"]);
+    let output = desk.run("away.toml --screenshot window.png");
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("no window"));
 }
@@ -569,10 +479,10 @@ fn without_a_display_the_comparison_is_written() {
 #[cfg(unix)]
 #[test]
 fn an_interruption_leaves_nothing_half_written() {
-    let desk = Desk::new();
+    let desk = with_nest();
     desk.put("old.png", "old");
     let mut child = desk
-        .command(&["render", "nest.toml", "--size", "2048x2048", "--spp", "100000", "-o", "old.png"])
+        .command("render nest.toml --size 2048x2048 --spp 100000 -o old.png")
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
@@ -590,8 +500,8 @@ fn an_interruption_leaves_nothing_half_written() {
 #[cfg(unix)]
 #[test]
 fn a_reader_that_has_gone_is_no_error() {
-    let desk = Desk::new();
-    let mut child = desk.command(&["scenes"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let desk = with_nest();
+    let mut child = desk.command("scenes").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), String::new()));

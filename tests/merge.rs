@@ -1,9 +1,11 @@
 //! Parts of an image rendered apart and put together, by the real binary: `render --samples` and `merge`.
 
-use std::fs;
-use std::path::Path;
-use std::process::{Command, Output, Stdio};
+#[path = "common/desk.rs"]
+mod desk;
 
+use std::fs;
+
+use desk::{Desk, text};
 use serde_json::{Value, json};
 
 /// A ball of glass around one of water, a lamp and a sky: noise in every pixel.
@@ -42,77 +44,21 @@ shape = { sphere = { center = [1.0, 2.0, 1.0], radius = 0.2 } }
 radiance = [40.0, 38.0, 34.0]
 "#;
 
-/// A folder of one's own to run the program in.
-struct Desk(tempfile::TempDir);
+fn with_ball() -> Desk {
+    Desk::with("ball.toml", SCENE)
+}
 
-impl Desk {
-    fn new() -> Self {
-        let desk = Self(tempfile::tempdir().unwrap());
-        desk.put("ball.toml", SCENE);
-        desk
-    }
-
-    fn path(&self) -> &Path {
-        self.0.path()
-    }
-
-    fn put(&self, name: &str, contents: impl AsRef<[u8]>) {
-        fs::write(self.path().join(name), contents).unwrap();
-    }
-
-    fn get(&self, name: &str) -> Vec<u8> {
-        fs::read(self.path().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
-    }
-
-    fn files(&self) -> usize {
-        fs::read_dir(self.path()).unwrap().count()
-    }
-
-    /// Words of `line`, without quotes.
-    fn run(&self, line: &str) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_iorect"));
-        command.current_dir(self.path()).args(line.split_whitespace()).stdin(Stdio::null()).env_remove("RUST_LOG");
-        command.output().unwrap()
-    }
-
-    fn fine(&self, line: &str) -> String {
-        let output = self.run(line);
-        assert_eq!(output.status.code(), Some(0), "{line}: {}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8(output.stdout).unwrap()
-    }
-
-    fn json(&self, line: &str) -> Value {
-        serde_json::from_str(&self.fine(line)).unwrap()
-    }
-
-    /// Standard error of a run that must end with that code and one clear message, and write nothing.
-    fn refused(&self, line: &str, code: i32) -> String {
-        let before = self.files();
-        let output = self.run(line);
-        let error = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(code), "{line}: {error}");
-        assert!(error.starts_with("error: ") && !error.contains("panicked"), "{line}: {error}");
-        assert_eq!(self.files(), before, "{line}");
-        error
-    }
-
-    /// Renders samples of the scene into a file.
-    fn part(&self, samples: &str, name: &str) {
-        self.fine(&format!("render ball.toml --size 20x14 --samples {samples} -o {name}"));
-    }
-
-    /// The picture in an EXR file, as other programs see it.
-    fn picture(&self, name: &str) -> Vec<f32> {
-        image::open(self.path().join(name)).unwrap().into_rgb32f().into_raw()
-    }
+/// Renders samples of the scene into a file.
+fn render_part(desk: &Desk, samples: &str, name: &str) {
+    desk.fine(&format!("render ball.toml --size 20x14 --samples {samples} -o {name}"));
 }
 
 #[test]
 fn parts_are_the_whole_to_the_bit() {
-    let desk = Desk::new();
-    desk.part("0..24", "whole.exr");
+    let desk = with_ball();
+    render_part(&desk, "0..24", "whole.exr");
     for (samples, name) in [("0..5", "a.exr"), ("5..6", "b.exr"), ("6..16", "c.exr"), ("16..24", "d.exr")] {
-        desk.part(samples, name);
+        render_part(&desk, samples, name);
     }
     desk.fine("merge a.exr b.exr c.exr d.exr -o forwards.exr");
     desk.fine("merge d.exr b.exr a.exr c.exr -o mixed.exr");
@@ -135,7 +81,7 @@ fn parts_are_the_whole_to_the_bit() {
 
 #[test]
 fn sums_are_those_of_an_ordinary_render() {
-    let desk = Desk::new();
+    let desk = with_ball();
     let as_ever = "render ball.toml --size 20x14 --adaptive off --spp 24";
     let expected = desk.json(&format!("{as_ever} -o ordinary.exr --json"));
     let part = desk.json("render ball.toml --size 20x14 --samples 0..24 -o part.exr --json");
@@ -150,14 +96,14 @@ fn sums_are_those_of_an_ordinary_render() {
     // Equal but for the last bit of the f32.
     assert!(worst("ordinary.exr") < 3e-7, "{}", worst("ordinary.exr"));
     // The twin: other samples differ.
-    desk.part("24..48", "others.exr");
+    render_part(&desk, "24..48", "others.exr");
     assert!(worst("others.exr") > 1e-2);
 }
 
 /// Meshes, overlapping objects, image environments: the scenes as they are shipped.
 #[test]
 fn parts_of_built_in_scenes() {
-    let desk = Desk::new();
+    let desk = with_ball();
     for (scene, mode) in [("iced-water", "rectified"), ("siblings", "stack"), ("lamp-in-ice", "reference")] {
         let part = |samples: &str, name: &str| {
             desk.fine(&format!("render {scene} --mode {mode} --size 12x8 --samples {samples} -o {name}"))
@@ -173,9 +119,9 @@ fn parts_of_built_in_scenes() {
 
 #[test]
 fn what_was_merged_is_said() {
-    let desk = Desk::new();
-    desk.part("0..4", "a.exr");
-    desk.part("8..12", "b.exr");
+    let desk = with_ball();
+    render_part(&desk, "0..4", "a.exr");
+    render_part(&desk, "8..12", "b.exr");
     let said = desk.fine("merge b.exr a.exr -o all.exr -o all.png");
     for expected in ["Kugel in Öl — 球", "8 spp from 2 files", "0..4, 8..12", "missing   4..8", "all.exr", "all.png"]
     {
@@ -202,8 +148,8 @@ fn what_was_merged_is_said() {
 
 #[test]
 fn what_does_not_match_is_refused() {
-    let desk = Desk::new();
-    desk.part("0..2", "a.exr");
+    let desk = with_ball();
+    render_part(&desk, "0..2", "a.exr");
     let edits = [
         ("--seed 1", "the seed differs: 1 here, 0 there"),
         ("--mode naive", "the mode differs: naive here, rectified there"),
@@ -217,7 +163,7 @@ fn what_does_not_match_is_refused() {
     for (flags, expected) in edits {
         let size = if flags.starts_with("--size") { "" } else { "--size 20x14" };
         desk.fine(&format!("render ball.toml --samples 2..4 {size} {flags} -o b.exr"));
-        let error = desk.refused("merge a.exr b.exr -o c.exr", 2);
+        let error = desk.wrong("merge a.exr b.exr -o c.exr");
         assert!(error.contains(expected) && error.contains("b.exr cannot be merged with a.exr"), "{flags}: {error}");
     }
     let other = "render other.toml --size 20x14 --samples 2..4 -o b.exr";
@@ -228,7 +174,7 @@ fn what_does_not_match_is_refused() {
     ] {
         desk.put("other.toml", SCENE.replace(from, to));
         desk.fine(other);
-        let error = desk.refused("merge a.exr b.exr -o c.exr", 2);
+        let error = desk.wrong("merge a.exr b.exr -o c.exr");
         assert!(error.contains(expected), "{to}: {error}");
     }
     // The twin: other names and comments are no other scene.
@@ -239,28 +185,28 @@ fn what_does_not_match_is_refused() {
 
 #[test]
 fn no_sample_counts_twice() {
-    let desk = Desk::new();
-    desk.part("0..4", "a.exr");
-    desk.part("3..6", "b.exr");
-    desk.part("8..9", "c.exr");
-    let error = desk.refused("merge c.exr a.exr b.exr -o all.exr", 2);
+    let desk = with_ball();
+    render_part(&desk, "0..4", "a.exr");
+    render_part(&desk, "3..6", "b.exr");
+    render_part(&desk, "8..9", "c.exr");
+    let error = desk.wrong("merge c.exr a.exr b.exr -o all.exr");
     assert!(error.contains("b.exr cannot be merged with a.exr: the samples 3..4 are in both"), "{error}");
-    assert!(desk.refused("merge a.exr ./a.exr -o all.exr", 2).contains("0..4 are in both"));
+    assert!(desk.wrong("merge a.exr ./a.exr -o all.exr").contains("0..4 are in both"));
     desk.fine("merge a.exr c.exr -o all.exr");
-    assert!(desk.refused("merge all.exr c.exr -o more.exr", 2).contains("8..9 are in both"));
+    assert!(desk.wrong("merge all.exr c.exr -o more.exr").contains("8..9 are in both"));
 }
 
 #[test]
 fn damaged_files_are_refused() {
-    let desk = Desk::new();
-    desk.part("0..2", "a.exr");
-    desk.part("2..4", "b.exr");
+    let desk = with_ball();
+    render_part(&desk, "0..2", "a.exr");
+    render_part(&desk, "2..4", "b.exr");
     let good = desk.get("b.exr");
     // The twin: untouched, it is taken.
     desk.fine("merge a.exr b.exr --json");
     for length in [0, 3, 100, good.len() / 2, good.len() - 1] {
         desk.put("bad.exr", &good[..length]);
-        let error = desk.refused("merge a.exr bad.exr -o c.exr", 2);
+        let error = desk.wrong("merge a.exr bad.exr -o c.exr");
         assert!(error.contains("bad.exr"), "{error}");
     }
     // A bit here and there, in the head as in the pixels.
@@ -269,7 +215,7 @@ fn damaged_files_are_refused() {
         bad[position] ^= 0x10;
         desk.put("bad.exr", &bad);
         let output = desk.run("merge a.exr bad.exr -o c.exr");
-        let error = String::from_utf8(output.stderr).unwrap();
+        let error = text(&output.stderr);
         assert!(!error.contains("panicked"), "byte {position}: {error}");
         // Some bytes decide nothing, such as attributes that no one reads; then the result must be right.
         if output.status.success() {
@@ -283,39 +229,39 @@ fn damaged_files_are_refused() {
     let mut edited = good.clone();
     edited[position + 1] = b'3';
     desk.put("bad.exr", &edited);
-    assert!(desk.refused("merge a.exr bad.exr -o c.exr", 2).contains("damaged or edited"));
+    assert!(desk.wrong("merge a.exr bad.exr -o c.exr").contains("damaged or edited"));
     let position = good.windows(10).position(|window| window == b"\"format\":1").unwrap();
     edited = good;
     edited[position + 9] = b'7';
     desk.put("bad.exr", &edited);
-    assert!(desk.refused("merge a.exr bad.exr -o c.exr", 2).contains("format 7"));
+    assert!(desk.wrong("merge a.exr bad.exr -o c.exr").contains("format 7"));
 }
 
 #[test]
 fn files_of_another_kind_are_refused() {
-    let desk = Desk::new();
-    desk.part("0..2", "a.exr");
+    let desk = with_ball();
+    render_part(&desk, "0..2", "a.exr");
     desk.fine("render ball.toml --size 20x14 --spp 2 -o plain.exr");
     desk.fine("render ball.toml --size 20x14 --spp 2 -o plain.png");
-    assert!(desk.refused("merge a.exr plain.exr -o c.exr", 2).contains("plain.exr: holds no sums"));
-    assert!(desk.refused("merge plain.png a.exr -o c.exr", 2).contains("plain.png: is no OpenEXR file"));
-    assert!(desk.refused("merge ball.toml -o c.exr", 2).contains("ball.toml"));
+    assert!(desk.wrong("merge a.exr plain.exr -o c.exr").contains("plain.exr: holds no sums"));
+    assert!(desk.wrong("merge plain.png a.exr -o c.exr").contains("plain.png: is no OpenEXR file"));
+    assert!(desk.wrong("merge ball.toml -o c.exr").contains("ball.toml"));
     assert!(desk.refused("merge a.exr gone.exr -o c.exr", 1).contains("gone.exr: cannot be read"));
-    assert!(desk.refused("merge a.exr -o c.tiff", 2).contains("c.tiff"));
-    assert!(desk.refused("merge a.exr -o nowhere/c.exr", 2).contains("nowhere"));
-    assert!(desk.refused("merge -o c.exr", 2).contains("FILE"));
+    assert!(desk.wrong("merge a.exr -o c.tiff").contains("c.tiff"));
+    assert!(desk.wrong("merge a.exr -o nowhere/c.exr").contains("nowhere"));
+    assert!(desk.wrong("merge -o c.exr").contains("FILE"));
 }
 
 #[test]
 fn flags_that_contradict_are_refused() {
-    let desk = Desk::new();
+    let desk = with_ball();
     let render = "render ball.toml --size 4x4 --samples 0..2";
-    assert!(desk.refused(&format!("{render} --adaptive on"), 2).contains("leave out `--adaptive on`"));
-    assert!(desk.refused(&format!("{render} --spp 2"), 2).contains("--spp"));
-    assert!(desk.refused(&format!("{render} --time 1"), 2).contains("--time"));
-    assert!(desk.refused(&format!("{render} -o sums.png"), 2).contains("`.exr`"));
-    assert!(desk.refused("render ball.toml --samples 5..5", 2).contains("0..256"));
-    assert!(desk.refused("compare ball.toml --samples 0..5", 2).contains("--samples"));
+    assert!(desk.wrong(&format!("{render} --adaptive on")).contains("leave out `--adaptive on`"));
+    assert!(desk.wrong(&format!("{render} --spp 2")).contains("--spp"));
+    assert!(desk.wrong(&format!("{render} --time 1")).contains("--time"));
+    assert!(desk.wrong(&format!("{render} -o sums.png")).contains("`.exr`"));
+    assert!(desk.wrong("render ball.toml --samples 5..5").contains("0..256"));
+    assert!(desk.wrong("compare ball.toml --samples 0..5").contains("--samples"));
     desk.fine(&format!("{render} --adaptive off -o last.exr"));
     desk.fine("render ball.toml --size 4x4 --samples 4294967293..4294967295 -o end.exr");
 }

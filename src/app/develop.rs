@@ -2,12 +2,12 @@
 //! nor the renderer waits.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
+use std::sync::Arc;
 use std::time::Instant;
 
 use egui::{Color32, ColorImage};
 
+use super::background::{Background, Bell, Desk};
 use super::settings::{DifferenceKind, PaneContent};
 use crate::export::color_map::{diverging, luminance};
 use crate::measure::flip;
@@ -90,113 +90,30 @@ impl Source {
     }
 }
 
-#[derive(Default)]
-struct Desk {
-    recipe: Recipe,
-    has_news: bool,
-    is_closed: bool,
-    finished: BTreeMap<PaneContent, Picture>,
+/// What is shown, each with its picture.
+type Pictures = BTreeMap<PaneContent, Picture>;
+
+/// The thread that develops. Its bell tells it that films have changed.
+pub type Developer = Background<Recipe, Pictures>;
+
+/// Starts the thread, which looks at `board` whenever `bell` rings and calls `wake` after each batch of pictures.
+///
+/// # Errors
+/// When the system refuses a thread.
+pub fn start(
+    bell: Bell<Recipe, Pictures>,
+    board: Arc<Board>,
+    wake: impl Fn() + Send + 'static,
+) -> std::io::Result<Developer> {
+    Background::start("develop", bell, move |desk| run(desk, &board, &wake))
 }
 
-struct Shared {
-    desk: Mutex<Desk>,
-    changed: Condvar,
-}
-
-impl Shared {
-    fn lock(&self) -> MutexGuard<'_, Desk> {
-        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// The handle to the thread. Dropping it ends the thread.
-pub struct Developer {
-    shared: Arc<Shared>,
-    thread: Option<JoinHandle<()>>,
-}
-
-/// A way to tell a [`Developer`] that films have changed.
-#[derive(Clone)]
-pub struct Bell(Arc<Shared>);
-
-impl Bell {
-    /// A bell without a developer yet.
-    pub fn new() -> Self {
-        Self(Arc::new(Shared { desk: Mutex::new(Desk::default()), changed: Condvar::new() }))
-    }
-
-    pub fn ring(&self) {
-        self.0.lock().has_news = true;
-        self.0.changed.notify_all();
-    }
-}
-
-impl Developer {
-    /// Starts the thread, which looks at `board` whenever `bell` rings and calls `wake` after each batch of pictures.
-    ///
-    /// # Errors
-    /// When the system refuses a thread.
-    pub fn start(bell: Bell, board: Arc<Board>, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
-        let shared = bell.0;
-        let thread = {
-            let shared = Arc::clone(&shared);
-            std::thread::Builder::new().name("develop".into()).spawn(move || run(&shared, &board, &wake))?
-        };
-        Ok(Self { shared, thread: Some(thread) })
-    }
-
-    /// Says how to develop from now on.
-    pub fn set_recipe(&self, recipe: &Recipe) {
-        let mut desk = self.shared.lock();
-        if desk.recipe != *recipe {
-            desk.recipe = recipe.clone();
-            desk.has_news = true;
-            self.shared.changed.notify_all();
-        }
-    }
-
-    /// The pictures finished since the last call.
-    pub fn take_finished(&self) -> BTreeMap<PaneContent, Picture> {
-        std::mem::take(&mut self.shared.lock().finished)
-    }
-}
-
-impl Drop for Developer {
-    fn drop(&mut self) {
-        self.shared.lock().is_closed = true;
-        self.shared.changed.notify_all();
-        if let Some(thread) = self.thread.take() {
-            // A thread that panicked has said so already.
-            let _ = thread.join();
-        }
-    }
-}
-
-fn run(shared: &Shared, board: &Board, wake: &dyn Fn()) {
+fn run(desk: &Desk<Recipe, Pictures>, board: &Board, wake: &dyn Fn()) {
     // What each picture was last made from and how.
     let mut made: BTreeMap<PaneContent, (Source, Display, DifferenceKind)> = BTreeMap::new();
     let mut rest_until = Instant::now();
     let mut has_put_off = false;
-    loop {
-        let recipe = {
-            let mut desk = shared.lock();
-            while !desk.has_news && !desk.is_closed {
-                desk = if has_put_off {
-                    let rest = rest_until.saturating_duration_since(Instant::now());
-                    if rest.is_zero() {
-                        break;
-                    }
-                    shared.changed.wait_timeout(desk, rest).unwrap_or_else(PoisonError::into_inner).0
-                } else {
-                    shared.changed.wait(desk).unwrap_or_else(PoisonError::into_inner)
-                };
-            }
-            if desk.is_closed {
-                return;
-            }
-            desk.has_news = false;
-            desk.recipe.clone()
-        };
+    while let Some(recipe) = desk.wait(has_put_off.then_some(rest_until)) {
         // One look at the board for all pictures, so that panes show the same number of samples.
         let sources = sources(&recipe, board);
         made.retain(|content, _| recipe.contents.contains(content));
@@ -230,7 +147,7 @@ fn run(shared: &Shared, board: &Board, wake: &dyn Fn()) {
             rest_until = Instant::now() + begin.elapsed() * FLIP_REST;
         }
         if !batch.is_empty() {
-            shared.lock().finished.append(&mut batch);
+            desk.put(|finished| finished.append(&mut batch));
             wake();
         }
     }

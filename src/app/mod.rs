@@ -3,6 +3,7 @@
 //! Panels only read the [`state::State`] and return [`command::Command`]s; `State::apply` and [`files`] are the only places that
 //! act on them. Rendering is done by [`crate::render::worker`], developing by [`develop`]: nothing here waits.
 
+mod background;
 mod command;
 mod develop;
 mod document;
@@ -30,10 +31,11 @@ pub use objects::Manipulation;
 pub use settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Settings, Tab, Theme};
 pub use state::State;
 
-use self::develop::{Bell, Developer, Recipe};
+use self::background::Bell;
+use self::develop::{Developer, Recipe};
 use self::files::{ExportJob, Files, Outcome, Purpose};
 use self::measurement::Measurer;
-use self::measurement::measurer::{Bell as MeasurerBell, Plan};
+use self::measurement::measurer::Plan;
 use self::panels::dialogs::{Dialogs, Leaving, PathPrompt};
 use self::screenshot::Camera as WindowCamera;
 use self::viewport::Viewport;
@@ -178,7 +180,7 @@ impl App {
             let ctx = cc.egui_ctx.clone();
             Arc::new(move || ctx.request_repaint())
         };
-        let (bell, measurer_bell) = (Bell::new(), MeasurerBell::new());
+        let (bell, measurer_bell) = (Bell::default(), Bell::default());
         let worker = {
             let (bell, measurer_bell, repaint) = (bell.clone(), measurer_bell.clone(), Arc::clone(&repaint));
             Worker::start(Arc::new(move |news| match news {
@@ -191,11 +193,11 @@ impl App {
         };
         let developer = {
             let repaint = Arc::clone(&repaint);
-            Developer::start(bell, Arc::clone(worker.board()), move || repaint())?
+            develop::start(bell, Arc::clone(worker.board()), move || repaint())?
         };
         let measurer = {
             let repaint = Arc::clone(&repaint);
-            Measurer::start(measurer_bell, Arc::clone(worker.board()), move || repaint())?
+            measurement::measurer::start(measurer_bell, Arc::clone(worker.board()), move || repaint())?
         };
         Ok(Self {
             state: State::new(Arc::new(description), settings),
@@ -452,12 +454,12 @@ impl eframe::App for App {
         }
 
         let settings = &self.state.settings;
-        self.developer.set_recipe(&Recipe {
+        self.developer.set_order(&Recipe {
             contents: settings.shown_panes().iter().copied().collect(),
             display: settings.display,
             difference: settings.difference,
         });
-        self.measurer.set_plan(&Plan {
+        self.measurer.set_order(&Plan {
             is_on: self.state.measurement.is_on(),
             epoch: self.state.epoch(),
             metric: settings.error_metric,

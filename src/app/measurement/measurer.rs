@@ -2,12 +2,12 @@
 //! better. Neither the window nor the renderer waits for it.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::ErrorMetric;
 use super::curve::{Curve, Point};
+use crate::app::background::{Background, Bell, Desk};
 use crate::app::develop::displayed;
 use crate::measure::{MetricError, difference, difference_from_two, flip};
 use crate::render::Display;
@@ -46,115 +46,36 @@ const BETTER_TRUTH: u32 = 2;
 /// Pause between measurements of the films as they are just now.
 const LIVE_PAUSE: Duration = Duration::from_millis(400);
 
-#[derive(Default)]
-struct Desk {
-    plan: Plan,
-    has_news: bool,
-    is_closed: bool,
-    finished: Option<Arc<Measurements>>,
+/// What has been measured, if it is new.
+type Results = Option<Arc<Measurements>>;
+
+/// The thread that measures. Its bell tells it that films have changed.
+pub type Measurer = Background<Plan, Results>;
+
+/// Starts the thread, which looks at `board` whenever `bell` rings and calls `wake` when it has measured something.
+///
+/// # Errors
+/// When the system refuses a thread.
+pub fn start(
+    bell: Bell<Plan, Results>,
+    board: Arc<Board>,
+    wake: impl Fn() + Send + 'static,
+) -> std::io::Result<Measurer> {
+    Background::start("measure", bell, move |desk| run(desk, &board, &wake))
 }
 
-#[derive(Default)]
-struct Shared {
-    desk: Mutex<Desk>,
-    changed: Condvar,
-}
-
-impl Shared {
-    fn lock(&self) -> MutexGuard<'_, Desk> {
-        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// The handle to the thread. Dropping it ends the thread.
-pub struct Measurer {
-    shared: Arc<Shared>,
-    thread: Option<JoinHandle<()>>,
-}
-
-/// A way to tell a [`Measurer`] that films have changed.
-#[derive(Clone)]
-pub struct Bell(Arc<Shared>);
-
-impl Bell {
-    /// A bell without a measurer yet.
-    pub fn new() -> Self {
-        Self(Arc::default())
-    }
-
-    pub fn ring(&self) {
-        self.0.lock().has_news = true;
-        self.0.changed.notify_all();
-    }
-}
-
-impl Measurer {
-    /// Starts the thread, which looks at `board` whenever `bell` rings and calls `wake` when it has measured something.
-    ///
-    /// # Errors
-    /// When the system refuses a thread.
-    pub fn start(bell: Bell, board: Arc<Board>, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
-        let shared = bell.0;
-        let thread = {
-            let shared = Arc::clone(&shared);
-            std::thread::Builder::new().name("measure".into()).spawn(move || run(&shared, &board, &wake))?
-        };
-        Ok(Self { shared, thread: Some(thread) })
-    }
-
-    /// Says what to measure from now on.
-    pub fn set_plan(&self, plan: &Plan) {
-        let mut desk = self.shared.lock();
-        if desk.plan != *plan {
-            desk.plan = plan.clone();
-            desk.has_news = true;
-            self.shared.changed.notify_all();
-        }
-    }
-
-    /// What has been measured, if it is new.
-    pub fn take_finished(&self) -> Option<Arc<Measurements>> {
-        self.shared.lock().finished.take()
-    }
-}
-
-impl Drop for Measurer {
-    fn drop(&mut self) {
-        self.shared.lock().is_closed = true;
-        self.shared.changed.notify_all();
-        if let Some(thread) = self.thread.take() {
-            // A thread that panicked has said so already.
-            let _ = thread.join();
-        }
-    }
-}
-
-fn run(shared: &Shared, board: &Board, wake: &dyn Fn()) {
+fn run(desk: &Desk<Plan, Results>, board: &Board, wake: &dyn Fn()) {
     let mut records = Records::default();
     let mut has_more = false;
-    loop {
-        let plan = {
-            let mut desk = shared.lock();
-            while !desk.has_news && !desk.is_closed && !has_more {
-                desk = match records.live_wait() {
-                    Some(wait) if wait.is_zero() => break,
-                    Some(wait) => shared.changed.wait_timeout(desk, wait).unwrap_or_else(PoisonError::into_inner).0,
-                    None => shared.changed.wait(desk).unwrap_or_else(PoisonError::into_inner),
-                };
-            }
-            if desk.is_closed {
-                return;
-            }
-            desk.has_news = false;
-            desk.plan.clone()
-        };
+    while let Some(plan) = desk.wait(if has_more { Some(Instant::now()) } else { records.live_due() }) {
         let truth = board.ground_truth().filter(|truth| plan.is_on && truth.epoch == plan.epoch);
         let mut has_changed = records.take_in(&plan, board);
         // One film at a time: between two, the board may have films that must not be missed.
         has_more = records.measure_next(&plan, truth.as_ref());
         has_changed |= has_more;
         if has_changed {
-            shared.lock().finished = Some(Arc::new(records.measurements(&plan)));
+            let measurements = Arc::new(records.measurements(&plan));
+            desk.put(|finished| *finished = Some(measurements));
             wake();
         }
     }
@@ -227,13 +148,10 @@ struct Records {
 
 impl Records {
     /// When a film as it is just now is to be measured next; `None`: there is no new one.
-    fn live_wait(&self) -> Option<Duration> {
+    fn live_due(&self) -> Option<Instant> {
         self.truth.as_ref()?;
-        let waits =
-            self.tracks.values().filter(|track| track.has_newer()).map(|track| {
-                track.live_since.map_or(Duration::ZERO, |since| LIVE_PAUSE.saturating_sub(since.elapsed()))
-            });
-        waits.min()
+        let newer = self.tracks.values().filter(|track| track.has_newer());
+        newer.map(|track| track.live_since.map_or_else(Instant::now, |since| since + LIVE_PAUSE)).min()
     }
 
     /// Looks for films at doublings. `true` when what was measured is out of date.

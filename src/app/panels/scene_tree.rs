@@ -68,8 +68,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.label(note(ui, "No refractors in this scene."));
         }
         ui.add_space(8.0);
-        solids_ui(ui, state, description, to_show.as_deref(), commands);
-        lights_ui(ui, state, description, to_show.as_deref(), commands);
+        plain_rows_ui(ui, state, "Solids", &solids(description), to_show.as_deref(), commands);
+        plain_rows_ui(ui, state, "Lights", &lights(description), to_show.as_deref(), commands);
     });
 }
 
@@ -311,50 +311,46 @@ fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut
     }
 }
 
-fn solids_ui(
-    ui: &mut Ui,
-    state: &State,
-    description: &Description,
-    to_show: Option<&str>,
-    commands: &mut Vec<Command>,
-) {
-    if description.solids.is_empty() {
-        return;
-    }
-    let is_shown = to_show.is_some_and(|name| description.solids.iter().any(|solid| solid.name == name));
-    let header = CollapsingHeader::new(format!("Solids ({})", description.solids.len())).id_salt("solids");
-    header.open(is_shown.then_some(true)).show(ui, |ui| {
-        for solid in &description.solids {
-            let color = match solid.paint {
-                Paint::Color(color) => color,
-                Paint::Checker { a, b, .. } => std::array::from_fn(|i| 0.5 * (a[i] + b[i])),
-            };
-            let response = plain_row_ui(ui, state, &solid.name, color, solid.visible, commands);
-            if to_show == Some(&*solid.name) {
-                response.scroll_to_me(None);
-            }
-        }
+/// What is no refractor: name, colour and whether it is shown.
+type PlainRow<'a> = (&'a str, [f64; 3], bool);
+
+fn solids(description: &Description) -> Vec<PlainRow<'_>> {
+    let rows = description.solids.iter().map(|solid| {
+        let color = match solid.paint {
+            Paint::Color(color) => color,
+            Paint::Checker { a, b, .. } => std::array::from_fn(|i| 0.5 * (a[i] + b[i])),
+        };
+        (&*solid.name, color, solid.visible)
     });
+    rows.collect()
 }
 
-fn lights_ui(
+fn lights(description: &Description) -> Vec<PlainRow<'_>> {
+    let rows = description.lights.iter().map(|light| {
+        let most = light.radiance.iter().copied().fold(1e-9, f64::max);
+        (&*light.name, light.radiance.map(|x| x / most), light.visible)
+    });
+    rows.collect()
+}
+
+/// Rows under a heading that opens where one of them is `to_show`.
+fn plain_rows_ui(
     ui: &mut Ui,
     state: &State,
-    description: &Description,
+    heading: &str,
+    rows: &[PlainRow<'_>],
     to_show: Option<&str>,
     commands: &mut Vec<Command>,
 ) {
-    if description.lights.is_empty() {
+    if rows.is_empty() {
         return;
     }
-    let is_shown = to_show.is_some_and(|name| description.lights.iter().any(|light| light.name == name));
-    let header = CollapsingHeader::new(format!("Lights ({})", description.lights.len())).id_salt("lights");
+    let is_shown = to_show.is_some_and(|to_show| rows.iter().any(|(name, ..)| *name == to_show));
+    let header = CollapsingHeader::new(format!("{heading} ({})", rows.len())).id_salt(heading);
     header.open(is_shown.then_some(true)).show(ui, |ui| {
-        for light in &description.lights {
-            let most = light.radiance.iter().copied().fold(1e-9, f64::max);
-            let color = light.radiance.map(|x| x / most);
-            let response = plain_row_ui(ui, state, &light.name, color, light.visible, commands);
-            if to_show == Some(&*light.name) {
+        for (name, color, visible) in rows {
+            let response = plain_row_ui(ui, state, name, *color, *visible, commands);
+            if to_show == Some(name) {
                 response.scroll_to_me(None);
             }
         }

@@ -12,7 +12,7 @@ use std::mem::transmute;
 use super::Kernel;
 use crate::geometry::bvh::{Node, WIDTH};
 use crate::geometry::triangle::{PACK, PackTest, ShearedRay, TrianglePack};
-use crate::geometry::walk::{BoxRay, NOTHING, Stack, entry};
+use crate::geometry::walk::{BoxRay, NOTHING, Stack};
 
 /// To be used only from code compiled for `avx2,fma`, on a processor that has them.
 pub struct Avx2;
@@ -56,16 +56,6 @@ impl Kernel for Avx2 {
             // SAFETY: nothing is read; addresses may be any.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(64 * line).cast()) };
         }
-    }
-
-    #[inline(always)]
-    fn top(stack: &Stack, far_limit: f32) -> (u64, usize) {
-        let farthest = entry(far_limit, u32::MAX);
-        let mut length = stack.length - 1;
-        while stack.fixed[length] > farthest {
-            length -= 1;
-        }
-        (stack.fixed[length], length)
     }
 
     #[inline(always)]
@@ -123,6 +113,7 @@ fn meet_four<const FIRST: usize>(
     t_max: f64,
     test: &mut PackTest,
 ) -> u32 {
+    const { assert!(FIRST + 4 <= PACK) };
     let [kx, ky, kz] = ray.axes;
     let corners = &pack.corners;
     // SAFETY: the features were detected. Four numbers follow `FIRST` in arrays of eight; loads and stores need no alignment.
@@ -134,11 +125,9 @@ fn meet_four<const FIRST: usize>(
         let mut depths = x;
         for index in 0..3 {
             let corner = &corners[index];
-            let depth = _mm256_sub_pd(_mm256_cvtps_pd(_mm_loadu_ps(corner[kz].as_ptr().add(FIRST))), oz);
-            let across = _mm256_sub_pd(_mm256_cvtps_pd(_mm_loadu_ps(corner[kx].as_ptr().add(FIRST))), ox);
-            x[index] = _mm256_sub_pd(across, _mm256_mul_pd(sx, depth));
-            let across = _mm256_sub_pd(_mm256_cvtps_pd(_mm_loadu_ps(corner[ky].as_ptr().add(FIRST))), oy);
-            y[index] = _mm256_sub_pd(across, _mm256_mul_pd(sy, depth));
+            let depth = _mm256_sub_pd(widened::<FIRST>(&corner[kz]), oz);
+            x[index] = _mm256_sub_pd(_mm256_sub_pd(widened::<FIRST>(&corner[kx]), ox), _mm256_mul_pd(sx, depth));
+            y[index] = _mm256_sub_pd(_mm256_sub_pd(widened::<FIRST>(&corner[ky]), oy), _mm256_mul_pd(sy, depth));
             depths[index] = depth;
         }
         let u = _mm256_sub_pd(_mm256_mul_pd(x[2], y[1]), _mm256_mul_pd(y[2], x[1]));
@@ -171,7 +160,14 @@ fn meet_four<const FIRST: usize>(
             _mm256_storeu_pd(test.determinants.as_mut_ptr().add(FIRST), determinant);
             _mm256_storeu_pd(test.distances.as_mut_ptr().add(FIRST), t);
         }
-        const { assert!(FIRST + 4 <= PACK) };
         met
     }
+}
+
+/// Four numbers in f64, from `FIRST` on.
+#[inline(always)]
+fn widened<const FIRST: usize>(numbers: &[f32; PACK]) -> __m256d {
+    const { assert!(FIRST + 4 <= PACK) };
+    // SAFETY: called by this kernel, whose features were detected. The load needs no alignment.
+    unsafe { _mm256_cvtps_pd(_mm_loadu_ps(numbers.as_ptr().add(FIRST))) }
 }

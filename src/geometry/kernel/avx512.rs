@@ -8,7 +8,7 @@ use std::arch::x86_64::*;
 use std::array::from_fn;
 use std::mem::transmute;
 
-use super::avx2::distances;
+use super::avx2::{Avx2, distances};
 use super::{Kernel, LONGER, SHORTER};
 use crate::geometry::bvh::{Node, WIDTH};
 use crate::geometry::triangle::{PACK, PackTest, ShearedRay, TrianglePack};
@@ -45,10 +45,7 @@ impl Kernel for Avx512 {
 
     #[inline(always)]
     fn fetch(start: *const u8) {
-        for line in 0..5 {
-            // SAFETY: nothing is read; addresses may be any.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(64 * line).cast()) };
-        }
+        Avx2::fetch(start);
     }
 
     #[inline(always)]

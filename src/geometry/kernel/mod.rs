@@ -24,7 +24,7 @@ pub(super) use portable::Portable;
 
 use super::bvh::Node;
 use super::triangle::{PackTest, ShearedRay, TrianglePack};
-use super::walk::{BoxRay, Stack};
+use super::walk::{BoxRay, Stack, entry};
 
 /// An implementation of both steps.
 pub(super) trait Kernel {
@@ -36,7 +36,15 @@ pub(super) trait Kernel {
     fn fetch(_start: *const u8) {}
 
     /// The uppermost entry on the stack that is not farther than `far_limit`, and the stack's length without it and those above it.
-    fn top(stack: &Stack, far_limit: f32) -> (u64, usize);
+    #[inline(always)]
+    fn top(stack: &Stack, far_limit: f32) -> (u64, usize) {
+        let farthest = entry(far_limit, u32::MAX);
+        let mut length = stack.length - 1;
+        while stack.fixed[length] > farthest {
+            length -= 1;
+        }
+        (stack.fixed[length], length)
+    }
 
     /// A bit for each triangle whose interior, edges or corners the ray's line meets at a distance from `t_min` to `t_max`; fills in `test`
     /// where there is any. Triangles that are points or seen edge-on are met nowhere.

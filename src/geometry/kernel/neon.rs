@@ -6,7 +6,7 @@
 
 use std::arch::aarch64::*;
 
-use super::{Kernel, Portable};
+use super::Kernel;
 use crate::geometry::bvh::{Node, WIDTH};
 use crate::geometry::triangle::{PACK, PackTest, ShearedRay, TrianglePack};
 use crate::geometry::walk::{BoxRay, NOTHING, Stack, entry};
@@ -31,11 +31,6 @@ impl Kernel for Neon {
             nearest = nearest.min(child);
         }
         nearest
-    }
-
-    #[inline(always)]
-    fn top(stack: &Stack, far_limit: f32) -> (u64, usize) {
-        Portable::top(stack, far_limit)
     }
 
     #[inline(always)]

@@ -39,16 +39,6 @@ impl Kernel for Portable {
     }
 
     #[inline(always)]
-    fn top(stack: &Stack, far_limit: f32) -> (u64, usize) {
-        let farthest = entry(far_limit, u32::MAX);
-        let mut length = stack.length - 1;
-        while stack.fixed[length] > farthest {
-            length -= 1;
-        }
-        (stack.fixed[length], length)
-    }
-
-    #[inline(always)]
     fn meet_triangles(ray: &ShearedRay, pack: &TrianglePack, t_min: f64, t_max: f64, test: &mut PackTest) -> u32 {
         let [kx, ky, kz] = ray.axes;
         // Corners relative to the ray's origin, sheared: [corner][lane].

@@ -4,10 +4,10 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::lane::{Job, LaneMessage, cancellable};
+use super::job::{Job, LaneMessage, attempted, cancellable};
 use super::mailbox::{Mailbox, Taken};
-use super::{Board, News, Wake, guarded};
-use crate::render::{Film, RenderSettings, VarianceReduction, accumulate};
+use super::{Board, News, Wake};
+use crate::render::{Film, accumulate};
 use crate::tracking::Mode;
 
 /// Whether a ground truth is wanted.
@@ -104,14 +104,9 @@ pub(super) fn run_ground_truth(pools: &Pools, mailbox: &Mailbox<LaneMessage>, bo
         }
         let Some(p) = progress.as_mut().filter(|p| p.has_work()) else { continue };
         p.is_settled = true;
-        match guarded(|| Ok(p.advance(pools, mailbox, board, wake))) {
-            Ok(true) => {}
-            Ok(false) => progress = None,
-            Err(error) => {
-                board.lock().failure = Some((p.job.request.epoch, error));
-                progress = None;
-                wake(News::Scene);
-            }
+        let epoch = p.job.request.epoch;
+        if !attempted(epoch, board, wake, || p.advance(pools, mailbox, board, wake)) {
+            progress = None;
         }
     }
 }
@@ -146,13 +141,7 @@ impl Progress {
         let job = &self.job;
         let begin = Instant::now();
         for (half, film) in self.films.iter_mut().enumerate() {
-            let settings = RenderSettings {
-                mode: Mode::Reference,
-                seed: seed_of(job.request.seed, half),
-                max_depth: job.request.max_depth,
-                variance: VarianceReduction::default(),
-                leave_out: true,
-            };
+            let settings = job.settings(Mode::Reference, seed_of(job.request.seed, half));
             let is_other = |message: &LaneMessage| match message {
                 LaneMessage::Hold => true,
                 LaneMessage::Render(other) => !job.shows_the_same(other),

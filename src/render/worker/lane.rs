@@ -2,55 +2,15 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::job::{FIRST_IMAGE, Job, LaneMessage, MAX_DIVISOR, attempted, cancellable, divisor_for, of_another_epoch};
 use super::mailbox::{Alarm, Mailbox, Taken};
-use super::{Board, News, Request, Snapshot, Wake, guarded};
-use crate::render::{Film, Prepared, RenderSettings, VarianceReduction, accumulate};
-use crate::scene::camera::Camera;
+use super::{Board, News, Snapshot, Wake};
+use crate::render::{Film, accumulate};
 use crate::scene::description::Source;
 use crate::tracking::Mode;
 
-/// What a lane is told.
-#[derive(Debug, Clone)]
-pub(super) enum LaneMessage {
-    Render(Box<Job>),
-    /// Nothing to do until told otherwise.
-    Hold,
-}
-
-/// What a lane renders.
-#[derive(Debug, Clone)]
-pub(super) struct Job {
-    pub(super) prepared: Prepared,
-    pub(super) camera: Camera,
-    pub(super) modes: Vec<Mode>,
-    pub(super) request: Request,
-    /// When the request came.
-    pub(super) asked_at: Instant,
-}
-
-impl Job {
-    /// Whether both are about one picture, whatever else is wanted of it: which modes show it, how many samples.
-    pub(super) fn shows_the_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.prepared.description, &other.prepared.description)
-            && self.request.camera == other.request.camera
-            && self.request.size == other.request.size
-            && self.request.max_depth == other.request.max_depth
-            && self.request.seed == other.request.seed
-    }
-
-    /// When the first image must be there, if work on it begins at `begun`.
-    pub(super) fn first_image_due(&self, begun: Instant) -> Instant {
-        (self.asked_at + FIRST_IMAGE).max(begun + LEAST_FIRST_IMAGE)
-    }
-}
-
-/// When the first image of an epoch is there, counted from the request: the rest of 100 ms is for display and the screen.
-const FIRST_IMAGE: Duration = Duration::from_millis(60);
-/// What the first image may take at least, however late it is already: after a long preparation, or in a stream of edits.
-const LEAST_FIRST_IMAGE: Duration = Duration::from_millis(30);
 /// The pilot's share of the time for the first image.
 const PILOT_SHARE: f64 = 0.2;
 /// How much of the time that the pilot has left the first image may be expected to take: other lanes and programs may want the cores.
@@ -61,8 +21,6 @@ const SLICE_SECONDS: f64 = 0.08;
 const FIRST_IMAGE_GRACE: Duration = Duration::from_millis(150);
 /// Pixels of the first pass of a mode that has not been timed in this scene.
 const UNTIMED_PIXELS: f64 = 600.0;
-/// Coarsest preview: one pixel for this many squared.
-pub(super) const MAX_DIVISOR: u32 = 40;
 
 /// The films of one epoch.
 struct Progress {
@@ -88,19 +46,12 @@ pub(super) fn run_lane(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessage>,
     let mut speed = Speed::default();
     let mut progress: Option<Progress> = None;
     loop {
-        let message = if progress.as_ref().is_some_and(Progress::has_work) {
-            match mailbox.take() {
-                Taken::Message(message) => Some(message),
-                Taken::Empty => None,
-                Taken::Closed => return,
-            }
-        } else {
-            let Some(message) = mailbox.wait() else { return };
-            Some(message)
-        };
-        match message {
-            Some(LaneMessage::Hold) => progress = None,
-            Some(LaneMessage::Render(job)) => match &mut progress {
+        let has_work = progress.as_ref().is_some_and(Progress::has_work);
+        match if has_work { mailbox.take() } else { mailbox.wait().into() } {
+            Taken::Closed => return,
+            Taken::Empty => {}
+            Taken::Message(LaneMessage::Hold) => progress = None,
+            Taken::Message(LaneMessage::Render(job)) => match &mut progress {
                 // Only the limit or the pause has changed: go on.
                 Some(p) if p.job.request.epoch == job.request.epoch => p.job = *job,
                 _ => {
@@ -108,19 +59,11 @@ pub(super) fn run_lane(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessage>,
                     progress = Some(Progress::new(*job, &speed));
                 }
             },
-            None => {}
         }
-        if let Some(p) = progress.as_mut().filter(|p| p.has_work()) {
-            let outcome = guarded(|| Ok(p.advance(pool, mailbox, board, wake, &mut speed)));
-            match outcome {
-                Ok(true) => {}
-                Ok(false) => progress = None,
-                Err(error) => {
-                    board.lock().failure = Some((p.job.request.epoch, error));
-                    progress = None;
-                    wake(News::Scene);
-                }
-            }
+        let Some(p) = progress.as_mut().filter(|p| p.has_work()) else { continue };
+        let epoch = p.job.request.epoch;
+        if !attempted(epoch, board, wake, || p.advance(pool, mailbox, board, wake, &mut speed)) {
+            progress = None;
         }
     }
 }
@@ -196,13 +139,7 @@ impl Progress {
             (None, None) => self.begun + FIRST_IMAGE_GRACE,
         };
         for ((film, seconds), mode) in self.films.iter_mut().zip(&mut self.seconds).zip(&self.job.modes) {
-            let settings = RenderSettings {
-                mode: *mode,
-                seed: self.job.request.seed,
-                max_depth: self.job.request.max_depth,
-                variance: VarianceReduction::default(),
-                leave_out: true,
-            };
+            let settings = self.job.settings(*mode, self.job.request.seed);
             let begin = Instant::now();
             let (pilot, last_published) = (&mut self.pilot, &mut self.last_published);
             let alarm = pilot.is_some().then(|| Alarm {
@@ -287,45 +224,6 @@ fn post(board: &Board, wake: &Wake, snapshots: Vec<Snapshot>) {
     wake(News::Images);
 }
 
-/// What puts the images of `epoch` out of date.
-pub(super) fn of_another_epoch(epoch: u64) -> impl Fn(&LaneMessage) -> bool {
-    move |message| match message {
-        LaneMessage::Hold => true,
-        LaneMessage::Render(job) => job.request.epoch != epoch,
-    }
-}
-
-/// Runs `pass` on the pool while this thread watches the mailbox and the clock for the `alarm`, and cancels it when a message comes that
-/// puts it out of date, though not before `not_before`.
-pub(super) fn cancellable(
-    pool: &rayon::ThreadPool,
-    mailbox: &Mailbox<LaneMessage>,
-    is_other: impl Fn(&LaneMessage) -> bool,
-    not_before: Instant,
-    alarm: Option<Alarm<'_>>,
-    pass: impl FnOnce(&AtomicBool) -> bool + Send,
-) -> bool {
-    /// Ends the watch even if the pass panics.
-    struct Finish<'a>(&'a Mailbox<LaneMessage>);
-    impl Drop for Finish<'_> {
-        fn drop(&mut self) {
-            self.0.finish();
-        }
-    }
-
-    let cancel = AtomicBool::new(false);
-    let mut is_complete = false;
-    mailbox.begin();
-    pool.in_place_scope(|scope| {
-        scope.spawn(|_| {
-            let _finish = Finish(mailbox);
-            is_complete = pass(&cancel);
-        });
-        mailbox.watch(not_before, is_other, || cancel.store(true, Ordering::Relaxed), alarm);
-    });
-    is_complete
-}
-
 /// Measured pixel samples per second of each mode, in one scene.
 #[derive(Debug, Default)]
 struct Speed {
@@ -364,24 +262,5 @@ impl Speed {
         let pixels = f64::from(job.request.size[0]) * f64::from(job.request.size[1]);
         let untimed = UNTIMED_PIXELS / (PILOT_SHARE * FIRST_IMAGE.as_secs_f64());
         job.modes.iter().map(|mode| pixels / self.of(*mode).unwrap_or(untimed)).sum()
-    }
-}
-
-/// The least divisor at which what takes `full_seconds` at full size takes at most `seconds`.
-pub(super) fn divisor_for(full_seconds: f64, seconds: f64) -> u32 {
-    (full_seconds / seconds.max(1e-6)).sqrt().ceil().max(1.0) as u32
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn divisors_fit_into_the_time() {
-        for (full, seconds) in [(1.0, 0.07), (0.01, 0.07), (40.0, 0.01), (0.07, 0.07)] {
-            let divisor = divisor_for(full, seconds);
-            let takes = |divisor: u32| full / f64::from(divisor * divisor);
-            assert!(takes(divisor) <= seconds && (divisor == 1 || takes(divisor - 1) > seconds), "{full}, {seconds}");
-        }
     }
 }

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::lane::{Job, LaneMessage, MAX_DIVISOR, cancellable, divisor_for, of_another_epoch};
+use super::job::{Job, LaneMessage, MAX_DIVISOR, attempted, cancellable, divisor_for, of_another_epoch};
 use super::mailbox::{Mailbox, Taken};
-use super::{Board, News, PaintedSurfaces, Wake, guarded};
+use super::{Board, News, PaintedSurfaces, Wake};
 use crate::render::surfaces::{OFFSETS, Painting, SurfaceQuantity};
 
 /// Seconds that a ray is expected to take before one has been timed.
@@ -34,9 +34,12 @@ pub(super) fn run_painter(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessag
             Taken::Empty => {}
             Taken::Message(LaneMessage::Hold) => progress = None,
             Taken::Message(LaneMessage::Render(job)) => match &mut progress {
-                // The same scene from the same camera: what is painted stays, whatever else is wanted now.
+                // The same scene from the same camera: what is painted stays, whatever else is wanted now. What has left the board was not
+                // wanted by a request in between, which this lane need not have seen: it is painted anew.
                 Some(p) if p.job.request.epoch == job.request.epoch => {
-                    p.paintings.retain(|quantity, _| job.request.surfaces.contains(quantity));
+                    let shown = board.paintings();
+                    p.paintings
+                        .retain(|quantity, _| job.request.surfaces.contains(quantity) && shown.contains_key(quantity));
                     p.job = *job;
                 }
                 _ => progress = Some(Progress { job: *job, paintings: BTreeMap::new() }),
@@ -44,14 +47,11 @@ pub(super) fn run_painter(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessag
         }
         let Some(p) = &mut progress else { continue };
         let Some(quantity) = p.next() else { continue };
-        match guarded(|| Ok(p.advance(quantity, pool, mailbox, board, &mut seconds_per_ray))) {
-            Ok(true) => wake(News::Images),
-            Ok(false) => progress = None,
-            Err(error) => {
-                board.lock().failure = Some((p.job.request.epoch, error));
-                progress = None;
-                wake(News::Scene);
-            }
+        let epoch = p.job.request.epoch;
+        if attempted(epoch, board, wake, || p.advance(quantity, pool, mailbox, board, &mut seconds_per_ray)) {
+            wake(News::Images);
+        } else {
+            progress = None;
         }
     }
 }

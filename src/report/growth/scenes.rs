@@ -4,9 +4,8 @@ use glam::DVec3;
 
 use super::Quantity;
 use crate::optics::{IorModel, Medium};
-use crate::scene::description::{
-    CameraDescription, Description, Environment, Refractor, Shape, Transform, WorldMedium,
-};
+use crate::report::stability::scenes;
+use crate::scene::description::{CameraDescription, Description, Environment, Refractor, Shape};
 use crate::scene::{SceneError, builtin, load};
 
 const WATER: f64 = 1.333;
@@ -68,23 +67,12 @@ fn balls(count: u64) -> Description {
 }
 
 fn empty(name: &str, position: DVec3) -> Description {
+    let blank = scenes::empty(1.0);
     Description {
         name: name.to_owned(),
-        camera: CameraDescription {
-            position,
-            target: DVec3::ZERO,
-            up: DVec3::Y,
-            vertical_fov: 40.0,
-            aperture_radius: 0.0,
-            focus_distance: None,
-        },
-        world: WorldMedium { ior: IorModel::Constant(1.0), absorption: [0.0; 3] },
+        camera: CameraDescription { position, ..blank.camera },
         environment: Environment::Gradient { zenith: [0.3, 0.5, 0.9], horizon: [1.0; 3], nadir: [0.2, 0.18, 0.15] },
-        media: Vec::new(),
-        refractors: Vec::new(),
-        solids: Vec::new(),
-        lights: Vec::new(),
-        source: None,
+        ..blank
     }
 }
 
@@ -97,13 +85,5 @@ fn add(description: &mut Description, shape: Shape, ior: f64) {
 }
 
 fn refractor(index: usize, medium: String, shape: Shape) -> Refractor {
-    Refractor {
-        name: format!("object {index}"),
-        medium,
-        shape,
-        priority: 0,
-        smooth: false,
-        visible: true,
-        transform: Transform::IDENTITY,
-    }
+    scenes::refractor(format!("object {index}"), medium, shape)
 }

@@ -43,15 +43,12 @@ pub fn empty(world_ior: f64) -> Description {
 pub fn add(description: &mut Description, shape: Shape, ior: f64, absorption: f64) {
     let name = format!("object {}", description.refractors.len());
     description.media.push(Medium { name: name.clone(), ior: IorModel::Constant(ior), absorption: [absorption; 3] });
-    description.refractors.push(Refractor {
-        medium: name.clone(),
-        name,
-        shape,
-        priority: 0,
-        smooth: false,
-        visible: true,
-        transform: Transform::IDENTITY,
-    });
+    description.refractors.push(refractor(name.clone(), name, shape));
+}
+
+/// A refractor where its shape is, with nothing special about it.
+pub fn refractor(name: String, medium: String, shape: Shape) -> Refractor {
+    Refractor { name, medium, shape, priority: 0, smooth: false, visible: true, transform: Transform::IDENTITY }
 }
 
 pub fn sphere(center: DVec3, radius: f64) -> Shape {

@@ -1,0 +1,214 @@
+//! Commands, one by one.
+
+use super::{MAX_ZOOM, State, Windows};
+use crate::app::command::Command;
+use crate::app::document::{EditKey, with_absorption, with_ior};
+use crate::app::objects::{self, Manipulation};
+use crate::app::settings::{MAX_PANES, PaneContent, Settings};
+use crate::render::worker::GroundTruthDemand;
+use crate::scene::Description;
+use crate::scene::description::Transform;
+
+impl State {
+    /// Applies a command; commands that need files or the window itself are not for here. `now_secs` is a steady clock.
+    pub fn apply(&mut self, command: Command, now_secs: f64) {
+        match command {
+            Command::SetIor(medium, ior) => {
+                let n = ior.ior();
+                if crate::optics::dispersion::IOR_RANGE.contains(&n) {
+                    let edited = with_ior(self.document.description(), &medium, ior);
+                    self.edit(EditKey::Ior(medium), now_secs, edited);
+                } else {
+                    self.notify_error(format!(
+                        "An index of refraction must be greater than 0 (from 1e-6 to 1e6), not {n}."
+                    ));
+                }
+            }
+            Command::SetAbsorption(medium, absorption) => {
+                if absorption.iter().all(|x| x.is_finite() && *x >= 0.0) {
+                    let edited = with_absorption(self.document.description(), &medium, absorption);
+                    self.edit(EditKey::Absorption(medium), now_secs, edited);
+                }
+            }
+            Command::SetPriority(object, priority) => {
+                let edited = objects::with_priority(self.document.description(), &object, priority);
+                self.edit(EditKey::Priority(object), now_secs, edited);
+            }
+            Command::SetVisible(object, visible) => {
+                let edited = objects::with_visible(self.document.description(), &object, visible);
+                self.edit(EditKey::Visibility(object), now_secs, edited);
+            }
+            Command::SetTransform(object, manipulation, transform) => {
+                self.set_transform(object, manipulation, transform, now_secs);
+            }
+            Command::BeginDrag => self.document.begin_gesture(),
+            Command::Drag(object, manipulation, transform) if self.document.has_gesture() => {
+                self.set_transform(object, manipulation, transform, now_secs);
+            }
+            Command::EndDrag => self.document.end_gesture(),
+            Command::KeepView => {
+                let mut edited = Description::clone(self.document.description());
+                edited.camera = self.view.camera;
+                self.edit(EditKey::Camera, now_secs, Some(edited));
+            }
+            Command::Undo => {
+                if self.document.cancel_gesture() || self.document.undo() {
+                    self.invalidate();
+                }
+            }
+            Command::Redo => {
+                if self.document.redo() {
+                    self.invalidate();
+                }
+            }
+            Command::SetCamera(camera) => self.set_camera(camera),
+            Command::ResetCamera => self.jump_to(self.document.description().camera),
+            Command::FrameObject(object) => self.frame_object(&object),
+            Command::ShowProblem { objects, spot } => self.show_problem(&objects, spot),
+            Command::EarlierView => {
+                if let Some(camera) = self.earlier_views.pop() {
+                    self.set_camera(camera);
+                }
+            }
+            Command::SetPaneCount(count) => self.change_panes(|settings| settings.pane_count = count),
+            Command::SetPaneContent(pane, content) if pane < MAX_PANES => {
+                self.change_panes(|settings| settings.panes[pane] = content);
+                if matches!(content, PaneContent::Error(_)) && !self.measurement.is_on() {
+                    self.demand_ground_truth(GroundTruthDemand::On);
+                }
+            }
+            Command::SetPreset(preset) => self.change_panes(|settings| {
+                settings.pane_count = MAX_PANES;
+                settings.panes = preset.panes();
+            }),
+            Command::SetActivePane(pane) => self.view.active_pane = pane.min(self.settings.pane_count - 1),
+            Command::SetArrangement(arrangement) => self.settings.arrangement = arrangement,
+            Command::SetDivider(divider) => self.view.divider = divider.map(|x| x.clamp(0.02, 0.98)),
+            Command::SetZoom(zoom, center) => {
+                self.view.zoom = zoom.clamp(1.0, MAX_ZOOM);
+                let margin = 0.5 / self.view.zoom;
+                self.view.zoom_center = center.map(|x| x.clamp(margin, 1.0 - margin));
+            }
+            Command::Inspect(point) => self.inspect(point),
+            Command::LookAt(point) => self.look_at(point),
+            Command::SelectAt(point) => self.select_at(point),
+            Command::SetHandles(handles) => self.settings.handles = handles,
+            Command::SetFollow(follow) => {
+                if let Some(inspection) = &mut self.inspection {
+                    inspection.follow = follow;
+                }
+            }
+            Command::SetExposure(exposure) if exposure.is_finite() => self.settings.display.exposure = exposure,
+            Command::SetCurve(curve) => self.settings.display.curve = curve,
+            Command::SetDifference(kind) => self.settings.difference = kind,
+            Command::ToggleValues => self.settings.show_values ^= true,
+            Command::SetGroundTruth(demand) => self.demand_ground_truth(demand),
+            Command::SetErrorMetric(metric) => self.settings.error_metric = metric,
+            Command::SetErrorAxis(axis) => self.settings.error_axis = axis,
+            Command::SetResolutionScale(scale) => self.settings.resolution_scale = scale.clamp(0.1, 4.0),
+            Command::SetMaxDepth(depth) => {
+                self.settings.max_depth = depth.map(|depth| depth.max(1));
+                self.invalidate();
+            }
+            Command::SetSampleLimit(limit) => {
+                self.settings.sample_limit = limit.map(|limit| limit.max(1));
+                self.has_news = true;
+            }
+            Command::TogglePause => {
+                self.is_paused = !self.is_paused;
+                self.has_news = true;
+            }
+            Command::Restart => {
+                self.is_paused = false;
+                self.invalidate();
+            }
+            Command::ClearRecent => self.settings.recent.clear(),
+            Command::ToggleScenePanel => self.settings.show_scene_panel ^= true,
+            Command::ToggleRenderPanel => self.settings.show_render_panel ^= true,
+            Command::ToggleBothPanels => {
+                let show = !(self.settings.show_scene_panel || self.settings.show_render_panel);
+                self.settings.show_scene_panel = show;
+                self.settings.show_render_panel = show;
+            }
+            Command::ToggleProblems => self.settings.show_problems ^= true,
+            Command::ShowTab(tab) => {
+                self.settings.tab = tab;
+                self.settings.show_render_panel = true;
+            }
+            Command::SetTheme(theme) => self.settings.theme = theme,
+            Command::SetInterfaceScale(scale) => self.settings.interface_scale = scale,
+            Command::SelectObject(object) => self.selected = object,
+            Command::ShowGallery(show) => self.windows = Windows { gallery: show, ..Windows::default() },
+            Command::ShowShortcuts(show) => self.windows = Windows { shortcuts: show, ..Windows::default() },
+            Command::ShowAbout(show) => self.windows = Windows { about: show, ..Windows::default() },
+            Command::DismissNotice(id) => self.notices.retain(|notice| notice.id != id),
+            Command::Escape => self.escape(),
+            Command::SetPaneContent(..)
+            | Command::SetExposure(_)
+            | Command::Drag(..)
+            | Command::Nothing
+            | Command::StepInterfaceScale(_)
+            | Command::AskOpen
+            | Command::Open(_)
+            | Command::OpenAnyway(_)
+            | Command::Save
+            | Command::AskSaveAs
+            | Command::SaveAs(_)
+            | Command::AskExport(_)
+            | Command::Export(..)
+            | Command::Quit
+            | Command::QuitAnyway => {}
+        }
+    }
+
+    fn edit(&mut self, key: EditKey, now_secs: f64, edited: Option<Description>) {
+        if let Some(edited) = edited {
+            self.document.edit(key, now_secs, edited);
+            self.invalidate();
+        }
+    }
+
+    /// Changes what the panes show; images are kept when the modes stay the same.
+    fn change_panes(&mut self, change: impl FnOnce(&mut Settings)) {
+        let (before, surfaces) = (self.settings.modes(), self.settings.surfaces());
+        change(&mut self.settings);
+        self.view.active_pane = self.view.active_pane.min(self.settings.pane_count - 1);
+        if self.settings.modes() != before {
+            self.invalidate();
+        } else if self.settings.surfaces() != surfaces {
+            // The films go on.
+            self.has_news = true;
+        }
+    }
+
+    fn demand_ground_truth(&mut self, demand: GroundTruthDemand) {
+        self.measurement.demand = demand;
+        self.has_news = true;
+    }
+
+    fn set_transform(&mut self, object: String, manipulation: Manipulation, transform: Transform, now_secs: f64) {
+        let description = self.document.description();
+        let Some(shape) = objects::object(description, &object).map(|o| o.shape) else { return };
+        if let Some(fault) = transform.fault(shape) {
+            self.notify_error(fault);
+            return;
+        }
+        let edited = objects::with_transform(description, &object, transform);
+        self.edit(EditKey::Transform(object, manipulation), now_secs, edited);
+    }
+
+    fn escape(&mut self) {
+        if self.document.cancel_gesture() {
+            self.invalidate();
+        } else if self.windows != Windows::default() {
+            self.windows = Windows::default();
+        } else if self.inspection.is_some() {
+            self.inspection = None;
+        } else if let Some(last) = self.notices.last() {
+            let id = last.id;
+            self.notices.retain(|notice| notice.id != id);
+        } else if self.view.zoom > 1.0 {
+            self.view.zoom = 1.0;
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! What the lanes have in common: messages, jobs, and passes that a newer message cancels.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use super::mailbox::{Alarm, Mailbox};
+use super::{Board, Request, Wake, guarded};
+use crate::render::{Prepared, RenderSettings, VarianceReduction};
+use crate::scene::camera::Camera;
+use crate::tracking::Mode;
+
+/// When the first image of an epoch is there, counted from the request: the rest of 100 ms is for display and the screen.
+pub(super) const FIRST_IMAGE: Duration = Duration::from_millis(60);
+/// What the first image may take at least, however late it is already: after a long preparation, or in a stream of edits.
+const LEAST_FIRST_IMAGE: Duration = Duration::from_millis(30);
+/// Coarsest preview: one pixel for this many squared.
+pub(super) const MAX_DIVISOR: u32 = 40;
+
+/// What a lane is told.
+#[derive(Debug, Clone)]
+pub(super) enum LaneMessage {
+    Render(Box<Job>),
+    /// Nothing to do until told otherwise.
+    Hold,
+}
+
+/// What a lane renders.
+#[derive(Debug, Clone)]
+pub(super) struct Job {
+    pub(super) prepared: Prepared,
+    pub(super) camera: Camera,
+    pub(super) modes: Vec<Mode>,
+    pub(super) request: Request,
+    /// When the request came.
+    pub(super) asked_at: Instant,
+}
+
+impl Job {
+    /// Whether both are about one picture, whatever else is wanted of it: which modes show it, how many samples.
+    pub(super) fn shows_the_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.prepared.description, &other.prepared.description)
+            && self.request.camera == other.request.camera
+            && self.request.size == other.request.size
+            && self.request.max_depth == other.request.max_depth
+            && self.request.seed == other.request.seed
+    }
+
+    /// When the first image must be there, if work on it begins at `begun`.
+    pub(super) fn first_image_due(&self, begun: Instant) -> Instant {
+        (self.asked_at + FIRST_IMAGE).max(begun + LEAST_FIRST_IMAGE)
+    }
+
+    /// How to render a film of this picture.
+    pub(super) fn settings(&self, mode: Mode, seed: u64) -> RenderSettings {
+        RenderSettings {
+            mode,
+            seed,
+            max_depth: self.request.max_depth,
+            variance: VarianceReduction::default(),
+            leave_out: true,
+        }
+    }
+}
+
+/// Whether a job's `pass` is complete. One that panics is told as a failure of the job's request.
+pub(super) fn attempted(epoch: u64, board: &Board, wake: &Wake, pass: impl FnOnce() -> bool) -> bool {
+    guarded(|| Ok(pass())).unwrap_or_else(|error| {
+        board.fail(epoch, error, wake);
+        false
+    })
+}
+
+/// What puts the images of `epoch` out of date.
+pub(super) fn of_another_epoch(epoch: u64) -> impl Fn(&LaneMessage) -> bool {
+    move |message| match message {
+        LaneMessage::Hold => true,
+        LaneMessage::Render(job) => job.request.epoch != epoch,
+    }
+}
+
+/// Runs `pass` on the pool while this thread watches the mailbox and the clock for the `alarm`, and cancels it when a message comes that
+/// puts it out of date, though not before `not_before`.
+pub(super) fn cancellable(
+    pool: &rayon::ThreadPool,
+    mailbox: &Mailbox<LaneMessage>,
+    is_other: impl Fn(&LaneMessage) -> bool,
+    not_before: Instant,
+    alarm: Option<Alarm<'_>>,
+    pass: impl FnOnce(&AtomicBool) -> bool + Send,
+) -> bool {
+    /// Ends the watch even if the pass panics.
+    struct Finish<'a>(&'a Mailbox<LaneMessage>);
+    impl Drop for Finish<'_> {
+        fn drop(&mut self) {
+            self.0.finish();
+        }
+    }
+
+    let cancel = AtomicBool::new(false);
+    let mut is_complete = false;
+    mailbox.begin();
+    pool.in_place_scope(|scope| {
+        scope.spawn(|_| {
+            let _finish = Finish(mailbox);
+            is_complete = pass(&cancel);
+        });
+        mailbox.watch(not_before, is_other, || cancel.store(true, Ordering::Relaxed), alarm);
+    });
+    is_complete
+}
+
+/// The least divisor at which what takes `full_seconds` at full size takes at most `seconds`.
+pub(super) fn divisor_for(full_seconds: f64, seconds: f64) -> u32 {
+    (full_seconds / seconds.max(1e-6)).sqrt().ceil().max(1.0) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn divisors_fit_into_the_time() {
+        for (full, seconds) in [(1.0, 0.07), (0.01, 0.07), (40.0, 0.01), (0.07, 0.07)] {
+            let divisor = divisor_for(full, seconds);
+            let takes = |divisor: u32| full / f64::from(divisor * divisor);
+            assert!(takes(divisor) <= seconds && (divisor == 1 || takes(divisor - 1) > seconds), "{full}, {seconds}");
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! The thread that prepares scenes and tells the lanes what to render.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::job::{Job, LaneMessage};
+use super::mailbox::{Mailbox, Taken};
+use super::{Board, GroundTruthDemand, News, Request, SceneReport, Wake, guarded};
+use crate::check::{Problem, check};
+use crate::render::{Prepared, prepare};
+use crate::scene::SceneError;
+use crate::scene::camera::Camera;
+use crate::tracking::Mode;
+
+/// A request, and when it came.
+pub(super) struct Asked {
+    pub(super) request: Request,
+    pub(super) at: Instant,
+}
+
+/// What the lanes are told: main, reference, surfaces, ground truth.
+pub(super) type Lanes = [Arc<Mailbox<LaneMessage>>; 4];
+
+/// Requests of a drag follow each other faster than this: what can wait is done when there is none for so long.
+const QUIET: Duration = Duration::from_millis(80);
+/// Pre-traces of a scene beyond the first, done while nothing else is wanted.
+pub(super) const REPEATS: u32 = 8;
+
+/// What can be done about a scene while nobody asks for anything else: look for problems, then shoot more rays.
+struct Leisure {
+    epoch: u64,
+    is_checked: bool,
+    repeats: u32,
+}
+
+impl Leisure {
+    fn is_over(&self) -> bool {
+        self.is_checked && self.repeats >= REPEATS
+    }
+
+    /// One piece of work. Returns the scene as it is known now, and its problems if they have been looked for.
+    fn work(&mut self, prepared: &Prepared) -> (Prepared, Option<Vec<Problem>>) {
+        if !self.is_checked {
+            self.is_checked = true;
+            return (prepared.clone(), Some(guarded(|| Ok(check(prepared))).unwrap_or_default()));
+        }
+        self.repeats += 1;
+        // Fresh directions: their votes are added, and what one ray in a million has missed may be seen now. Nobody has asked for this:
+        // where it fails, the scene stays as it is known.
+        let Ok(table) = guarded(|| Ok(prepared.table.repeated(&prepared.world))) else {
+            return (prepared.clone(), None);
+        };
+        // Other answers may have other problems.
+        self.is_checked = table.says_the_same(&prepared.table);
+        (Prepared { table: Arc::new(table), ..prepared.clone() }, None)
+    }
+}
+
+/// Serves requests until the mailbox is closed.
+pub(super) fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &Lanes, board: &Board, wake: &Wake) {
+    let mut current: Option<Prepared> = None;
+    let mut leisure: Option<Leisure> = None;
+    loop {
+        let is_free = leisure.as_ref().is_some_and(|leisure| !leisure.is_over());
+        let taken = if is_free { requests.wait_for(QUIET) } else { requests.wait().into() };
+        let Asked { request, at: asked_at } = match taken {
+            Taken::Message(asked) => asked,
+            Taken::Closed => return,
+            Taken::Empty => {
+                if let (Some(leisure), Some(prepared)) = (&mut leisure, &mut current) {
+                    let (known, problems) = leisure.work(prepared);
+                    *prepared = known.clone();
+                    let mut state = board.lock();
+                    let problems = problems.or_else(|| state.scene.as_ref().and_then(|scene| scene.problems.clone()));
+                    state.scene = Some(Arc::new(SceneReport { epoch: leisure.epoch, prepared: known, problems }));
+                    drop(state);
+                    wake(News::Scene);
+                }
+                continue;
+            }
+        };
+        let is_new = current.as_ref().is_none_or(|p| !Arc::ptr_eq(&p.description, &request.description));
+        let outcome = guarded(|| {
+            let camera = Camera::new(&request.camera)?;
+            if is_new {
+                // All cores for the preparation: what is being rendered is out of date.
+                lanes.iter().for_each(|lane| lane.post(LaneMessage::Hold));
+                let prepared = prepare(Arc::clone(&request.description), current.as_ref())?;
+                Ok((camera, prepared))
+            } else {
+                current.clone().map(|prepared| (camera, prepared)).ok_or_else(|| SceneError::new("no scene"))
+            }
+        });
+        let (camera, prepared) = match outcome {
+            Ok(ready) => ready,
+            Err(error) => {
+                board.fail(request.epoch, error, wake);
+                continue;
+            }
+        };
+        if is_new {
+            let report = SceneReport { epoch: request.epoch, prepared: prepared.clone(), problems: None };
+            board.lock().scene = Some(Arc::new(report));
+            wake(News::Scene);
+        }
+        let alone = request.modes.iter().all(|mode| *mode == Mode::Reference);
+        let (reference, main): (Vec<Mode>, Vec<Mode>) =
+            request.modes.iter().partition(|mode| **mode == Mode::Reference && !alone);
+        let measures = request.ground_truth != GroundTruthDemand::Off;
+        let has_work = [!main.is_empty(), !reference.is_empty(), !request.surfaces.is_empty(), measures];
+        for ((lane, modes), has_work) in lanes.iter().zip([main, reference, Vec::new(), Vec::new()]).zip(has_work) {
+            lane.post(if !has_work {
+                LaneMessage::Hold
+            } else {
+                LaneMessage::Render(Box::new(Job {
+                    prepared: prepared.clone(),
+                    camera,
+                    modes,
+                    request: request.clone(),
+                    asked_at,
+                }))
+            });
+        }
+        {
+            let mut state = board.lock();
+            state.snapshots.retain(|mode, _| request.modes.contains(mode));
+            state.paintings.retain(|quantity, _| request.surfaces.contains(quantity));
+        }
+        if is_new {
+            leisure = Some(Leisure { epoch: request.epoch, is_checked: false, repeats: 0 });
+            current = Some(prepared);
+        }
+    }
+}

@@ -1,0 +1,292 @@
+//! The threads together: what reaches the board, in which order, and what stays.
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::time::Duration;
+
+use super::job::{Job, LaneMessage};
+use super::preparer::REPEATS;
+use super::*;
+use crate::render::prepare;
+use crate::scene::camera::Camera;
+
+fn request(epoch: u64, modes: &[Mode]) -> Request {
+    let description = Arc::new(crate::scene::load::open("nested-spheres").expect("a built-in scene"));
+    Request {
+        epoch,
+        camera: description.camera,
+        description,
+        modes: modes.to_vec(),
+        surfaces: Vec::new(),
+        size: [96, 64],
+        seed: 0,
+        max_depth: Some(8),
+        sample_limit: Some(3),
+        is_paused: false,
+        ground_truth: GroundTruthDemand::Off,
+    }
+}
+
+fn until(worker: &Worker, is_met: impl Fn(&BTreeMap<Mode, Arc<Snapshot>>) -> bool) {
+    let start = Instant::now();
+    while !is_met(&worker.board().snapshots()) {
+        assert!(start.elapsed() < Duration::from_secs(60), "waited too long");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn quiet() -> Wake {
+    Arc::new(|_| {})
+}
+
+#[test]
+fn modes_advance_in_lockstep_to_the_limit() {
+    let modes = [Mode::Naive, Mode::Stack, Mode::Rectified];
+    let worker = Worker::start(quiet()).unwrap();
+    worker.submit(request(1, &modes));
+    until(&worker, |snapshots| {
+        let samples: Vec<_> = snapshots.values().map(|s| (s.size, s.samples)).collect();
+        assert!(samples.windows(2).all(|pair| pair[0] == pair[1]), "out of step: {samples:?}");
+        snapshots.len() == 3 && snapshots.values().all(|s| s.is_done)
+    });
+    let snapshots = worker.board().snapshots();
+    assert!(snapshots.values().all(|s| s.samples == 3 && s.size == [96, 64] && !s.is_preview()));
+    // From outside a proper nest the stack knows everything: the same random numbers give the same image.
+    assert_eq!(snapshots[&Mode::Stack].rgb, snapshots[&Mode::Rectified].rgb);
+    assert_ne!(snapshots[&Mode::Naive].rgb, snapshots[&Mode::Rectified].rgb);
+}
+
+#[test]
+fn a_higher_limit_goes_on_and_a_new_epoch_starts_anew() {
+    let worker = Worker::start(quiet()).unwrap();
+    let first = request(1, &[Mode::Rectified]);
+    worker.submit(first.clone());
+    until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.is_done));
+    let three = Arc::clone(&worker.board().snapshots()[&Mode::Rectified]);
+    worker.submit(Request { sample_limit: Some(5), ..first.clone() });
+    until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.samples == 5));
+    let five = Arc::clone(&worker.board().snapshots()[&Mode::Rectified]);
+    assert!(five.seconds > three.seconds && five.epoch == 1, "the same film went on");
+
+    // Many requests at once: the last one is what remains.
+    for epoch in 2..30 {
+        worker.submit(Request { epoch, ..first.clone() });
+    }
+    until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.epoch == 29 && s.is_done));
+    assert_eq!(worker.board().snapshots()[&Mode::Rectified].rgb, three.rgb, "an image depends on its request alone");
+}
+
+#[test]
+fn a_pause_stops_after_one_sample() {
+    let worker = Worker::start(quiet()).unwrap();
+    let paused = Request { is_paused: true, sample_limit: None, ..request(1, &[Mode::Rectified]) };
+    worker.submit(paused.clone());
+    until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| !s.is_preview()));
+    std::thread::sleep(Duration::from_millis(100));
+    assert_eq!(worker.board().snapshots()[&Mode::Rectified].samples, 1);
+    worker.submit(Request { is_paused: false, ..paused });
+    until(&worker, |s| s[&Mode::Rectified].samples > 10);
+}
+
+#[test]
+fn reference_beside_others_has_a_lane_of_its_own() {
+    let worker = Worker::start(quiet()).unwrap();
+    worker.submit(Request { sample_limit: Some(2), ..request(1, &[Mode::Rectified, Mode::Reference]) });
+    until(&worker, |s| s.len() == 2 && s.values().all(|s| s.is_done));
+    worker.submit(Request { sample_limit: Some(2), ..request(2, &[Mode::Reference]) });
+    until(&worker, |s| s.len() == 1 && s.values().all(|s| s.epoch == 2 && s.is_done));
+}
+
+/// Every image that is shown, the coarse ones of a drag too, is the one of its size.
+#[test]
+fn previews_are_images_of_their_size() {
+    type Shown = Mutex<Vec<(u64, Arc<Snapshot>)>>;
+    let seen: Arc<Shown> = Arc::default();
+    let board: Arc<Mutex<Option<Arc<Board>>>> = Arc::default();
+    let worker = {
+        let (seen, board) = (Arc::clone(&seen), Arc::clone(&board));
+        Worker::start(Arc::new(move |_| {
+            let Some(board) = board.lock().unwrap().clone() else { return };
+            let shown = board.snapshots().into_values().map(|snapshot| (snapshot.epoch, snapshot));
+            seen.lock().unwrap().extend(shown);
+        }))
+        .unwrap()
+    };
+    *board.lock().unwrap() = Some(Arc::clone(worker.board()));
+    let modes = [Mode::Stack, Mode::Rectified, Mode::Reference];
+    let first = Request { size: [480, 320], sample_limit: Some(1), ..request(1, &modes) };
+    let asked = |epoch: u64| {
+        let mut asked = Request { epoch, ..first.clone() };
+        asked.camera.position.x += 0.05 * epoch as f64;
+        asked
+    };
+    for epoch in 1..6 {
+        worker.submit(asked(epoch));
+        std::thread::sleep(Duration::from_millis(30));
+    }
+    until(&worker, |s| s.len() == 3 && s.values().all(|s| s.epoch == 5 && s.is_done));
+    let mut seen = seen.lock().unwrap().clone();
+    seen.dedup_by(|a, b| Arc::ptr_eq(&a.1, &b.1));
+    // (How many of them are previews is a matter of the machine's speed.)
+    assert!(seen.len() >= 3);
+    let prepared = prepare(Arc::clone(&first.description), None).unwrap();
+    for (epoch, snapshot) in seen {
+        let camera = Camera::new(&asked(epoch).camera).unwrap();
+        let settings = crate::render::RenderSettings {
+            mode: snapshot.mode,
+            seed: first.seed,
+            max_depth: first.max_depth,
+            variance: crate::render::VarianceReduction::default(),
+            leave_out: true,
+        };
+        let mut film = crate::render::Film::new(snapshot.size[0], snapshot.size[1]);
+        let never = std::sync::atomic::AtomicBool::new(false);
+        crate::render::accumulate(&prepared, &camera, &settings, &mut film, snapshot.samples, &never);
+        assert_eq!(film.to_rgb(), snapshot.rgb, "{} at {:?}", snapshot.mode, snapshot.size);
+    }
+}
+
+#[test]
+fn what_can_wait_is_done_when_nothing_else_is_wanted() {
+    let worker = Worker::start(quiet()).unwrap();
+    let asked = request(1, &[Mode::Rectified]);
+    worker.submit(asked.clone());
+    until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.is_done));
+    let rays = || worker.board().scene().map_or(0, |scene| scene.prepared.table.rays());
+    // Not what the board says now: on a busy machine some of it may be done by the time the film is.
+    let first = prepare(Arc::clone(&asked.description), None).unwrap().table.rays();
+    assert!(first > 0);
+    // Every pre-trace shoots as many rays here: nobody doubts this nest.
+    until(&worker, |_| rays() == first * (1 + u64::from(REPEATS)));
+    let scene = worker.board().scene().unwrap();
+    assert!(scene.problems.is_some() && scene.epoch == 1);
+    // An edit of optics counts on.
+    let mut description = Description::clone(&asked.description);
+    description.world.ior = crate::optics::IorModel::Constant(1.2);
+    worker.submit(Request { epoch: 2, description: Arc::new(description), ..asked });
+    until(&worker, |_| rays() > first * (1 + u64::from(REPEATS)));
+}
+
+#[test]
+fn surfaces_are_painted_beside_the_films_and_without_any() {
+    let paintings = |worker: &Worker| worker.board().paintings();
+    let worker = Worker::start(quiet()).unwrap();
+    let both = vec![SurfaceQuantity::Outside, SurfaceQuantity::Class];
+    let films_too = Request { surfaces: both.clone(), ..request(1, &[Mode::Rectified]) };
+    worker.submit(films_too.clone());
+    until(&worker, |s| s.len() == 1 && s.values().all(|s| s.is_done));
+    until(&worker, |_| paintings(&worker).len() == 2 && paintings(&worker).values().all(|p| p.is_done()));
+    let first = Arc::clone(&paintings(&worker)[&SurfaceQuantity::Class]);
+    assert_eq!([first.painting.width, first.painting.height], [96, 64]);
+    // Less of the same epoch keeps what there is; another epoch paints anew.
+    worker.submit(Request { surfaces: both[1..].to_vec(), modes: Vec::new(), ..films_too.clone() });
+    until(&worker, |_| paintings(&worker).len() == 1);
+    assert!(Arc::ptr_eq(&paintings(&worker)[&SurfaceQuantity::Class], &first));
+    worker.submit(Request { surfaces: both.clone(), modes: Vec::new(), ..films_too });
+    until(&worker, |_| paintings(&worker).len() == 2 && paintings(&worker).values().all(|p| p.is_done()));
+    worker.submit(Request { surfaces: both, ..request(2, &[]) });
+    until(&worker, |_| {
+        paintings(&worker).len() == 2 && paintings(&worker).values().all(|p| p.is_done() && p.epoch == 2)
+    });
+}
+
+/// A request for less takes a painting from the board, though the painter may only see the next one, for all again.
+#[test]
+fn what_has_left_the_board_is_painted_anew() {
+    let asked = Request { surfaces: vec![SurfaceQuantity::Class, SurfaceQuantity::Outside], ..request(1, &[]) };
+    let message = || {
+        LaneMessage::Render(Box::new(Job {
+            prepared: prepare(Arc::clone(&asked.description), None).unwrap(),
+            camera: Camera::new(&asked.camera).unwrap(),
+            modes: Vec::new(),
+            request: asked.clone(),
+            asked_at: Instant::now(),
+        }))
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let (mailbox, board) = (Mailbox::new(), Board::default());
+    let all_are_painted = || {
+        let start = Instant::now();
+        while !(board.paintings().len() == 2 && board.paintings().values().all(|painted| painted.is_done())) {
+            if start.elapsed() > Duration::from_secs(60) {
+                return false;
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        true
+    };
+    let [at_first, again] = std::thread::scope(|scope| {
+        scope.spawn(|| run_painter(&pool, &mailbox, &board, &quiet()));
+        mailbox.post(message());
+        let at_first = all_are_painted();
+        board.lock().paintings.remove(&SurfaceQuantity::Outside);
+        mailbox.post(message());
+        let again = all_are_painted();
+        mailbox.close();
+        [at_first, again]
+    });
+    assert!(at_first && again, "{at_first}, {again}");
+}
+
+#[test]
+fn a_ground_truth_is_kept_while_the_picture_is_the_same() {
+    let worker = Worker::start(quiet()).unwrap();
+    let truth_when = |is_met: &dyn Fn(Option<&GroundTruth>) -> bool| {
+        let start = Instant::now();
+        loop {
+            let truth = worker.board().ground_truth();
+            if is_met(truth.as_ref()) {
+                return truth;
+            }
+            assert!(start.elapsed() < Duration::from_secs(60), "waited too long");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    };
+    let first = Request { ground_truth: GroundTruthDemand::On, ..request(1, &[Mode::Rectified]) };
+    worker.submit(first.clone());
+    let truth = truth_when(&|truth| truth.is_some_and(|truth| truth.halves.as_ref().is_some_and(|h| h.samples >= 4)));
+    let halves = truth.and_then(|truth| truth.halves).unwrap();
+    assert_eq!((halves.size, halves.mean.len()), ([96, 64], 96 * 64));
+    assert_ne!(halves.rgb[0], halves.rgb[1], "the halves have noise of their own");
+    let film = Arc::clone(&worker.board().snapshots()[&Mode::Rectified]);
+    assert!(halves.rgb.iter().all(|half| *half != film.rgb));
+
+    // Another mode is another epoch of the same picture. Paused, it stays as it is.
+    let paused =
+        Request { epoch: 2, modes: vec![Mode::Stack], ground_truth: GroundTruthDemand::Paused, ..first.clone() };
+    worker.submit(paused);
+    let kept = truth_when(&|truth| truth.is_some_and(|truth| truth.epoch == 2)).unwrap();
+    assert!(kept.samples >= halves.samples);
+    // Another view is another picture.
+    let mut moved = Request { epoch: 3, ..first.clone() };
+    moved.camera.position.x += 0.1;
+    worker.submit(moved);
+    let anew = truth_when(&|truth| truth.is_some_and(|truth| truth.epoch == 3)).unwrap();
+    assert!(anew.samples < kept.samples, "it begins anew: {} of {}", anew.samples, kept.samples);
+    worker.submit(Request { epoch: 4, ..request(4, &[Mode::Rectified]) });
+    truth_when(&|truth| truth.is_none());
+}
+
+#[test]
+fn an_impossible_request_is_told_and_the_old_scene_stays() {
+    let worker = Worker::start(quiet()).unwrap();
+    let good = request(1, &[Mode::Rectified]);
+    worker.submit(good.clone());
+    until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.is_done));
+    let mut bad = Request { epoch: 2, ..good.clone() };
+    bad.camera.target = bad.camera.position;
+    worker.submit(bad);
+    let start = Instant::now();
+    let (epoch, error) = loop {
+        if let Some(failure) = worker.board().take_failure() {
+            break failure;
+        }
+        assert!(start.elapsed() < Duration::from_secs(60), "waited too long");
+        std::thread::sleep(Duration::from_millis(2));
+    };
+    assert_eq!(epoch, 2);
+    assert!(error.message.contains("direction"), "{error}");
+    assert!(worker.board().scene().is_some());
+    worker.submit(Request { epoch: 3, ..good });
+    until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.epoch == 3 && s.is_done));
+}
