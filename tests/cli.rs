@@ -136,7 +136,8 @@ const IMAGE_KEYS: [&str; 13] = [
     "left_out",
     "output",
 ];
-const EVENT_KEYS: [&str; 5] = ["stack_underflow", "stack_overflow", "ambiguous", "inconsistent", "non_finite"];
+const EVENT_KEYS: [&str; 7] =
+    ["stack_underflow", "stack_overflow", "ambiguous", "inconsistent", "non_finite", "crossings", "mixed"];
 
 #[test]
 fn help_names_every_command_and_every_flag() {

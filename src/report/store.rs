@@ -112,6 +112,7 @@ fn build() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::Events;
 
     fn make(store: &Store, inputs: &str, value: f64) -> f64 {
         let made: Result<_, ExportError> = store.piece("piece", &inputs, || Ok(Some(value)));
@@ -129,6 +130,26 @@ mod tests {
         assert_eq!(make(&store, "y", 7.0), 7.0);
         let other_build = Store { build: "another".into(), ..store };
         assert_eq!(make(&other_build, "x", 8.0), 8.0);
+    }
+
+    /// Every count, those that are no events among them.
+    #[test]
+    fn a_kept_piece_comes_back_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let events = Events {
+            stack_underflow: 1,
+            stack_overflow: 2,
+            ambiguous: 3,
+            inconsistent: 4,
+            non_finite: 5,
+            crossings: u64::MAX,
+            mixed: 7,
+        };
+        for made_now in [events, Events::default()] {
+            let piece: Result<_, ExportError> = store.piece("piece", &"x", || Ok(Some(made_now)));
+            assert_eq!(piece.unwrap(), Some(events));
+        }
     }
 
     #[test]
