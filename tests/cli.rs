@@ -9,6 +9,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use desk::{Desk, text};
+use iorect::measure::flip;
 use serde_json::Value;
 
 /// Two concentric balls in a white room without walls: cheap, and with known answers (a furnace; Bouguer's formula).
@@ -74,7 +75,8 @@ const IMAGE_KEYS: [&str; 13] = [
     "left_out",
     "output",
 ];
-const EVENT_KEYS: [&str; 5] = ["stack_underflow", "stack_overflow", "ambiguous", "inconsistent", "non_finite"];
+const EVENT_KEYS: [&str; 7] =
+    ["stack_underflow", "stack_overflow", "ambiguous", "inconsistent", "non_finite", "crossings", "mixed"];
 
 #[test]
 fn help_names_every_command_and_every_flag() {
@@ -223,11 +225,12 @@ fn compare_draws_panes_and_measures_every_pair() {
     let differences = report["differences"].as_array().unwrap();
     assert_eq!(differences.len(), 3);
     for difference in differences {
-        assert_has(difference, &["a", "b", "mse", "relmse", "mean_abs"]);
+        assert_has(difference, &["a", "b", "mse", "relmse", "mean_abs", "flip"]);
     }
     let of = |a: &str, b: &str| differences.iter().find(|d| d["a"] == a && d["b"] == b).unwrap();
     // From outside a clean nest the stack finds the same media, with the same random numbers: no difference at all.
     assert_eq!(number(&of("stack", "rectified")["mse"]), 0.0);
+    assert_eq!(number(&of("stack", "rectified")["flip"]), 0.0);
     let (width, height) = image::image_dimensions(desk.path().join("c.png")).unwrap();
     assert!(width > 3 * 280 && height > 2 * 280);
 
@@ -237,6 +240,41 @@ fn compare_draws_panes_and_measures_every_pair() {
     assert_eq!((&difference["a"], &difference["b"]), (&"naive".into(), &"rectified".into()));
     assert!(number(&difference["relmse"]) > 0.01, "{difference}");
     assert_eq!(desk.files(), ["c.png", "nest.toml"]);
+}
+
+/// By the library, from the pictures of the modes as `render` writes them.
+#[test]
+fn compare_gives_the_flip_of_what_the_picture_shows() {
+    const SIDE: usize = 24;
+    let desk = with_nest();
+    let image = |display: &str| format!("nested-spheres --size {SIDE}x{SIDE} --spp 4 --adaptive off {display}");
+    let run = |command: String| desk.fine(&command);
+    let shown = |mode: &str, display: &str| -> Vec<[f32; 3]> {
+        run(format!("render {} --mode {mode} -o {mode}.png", image(display)));
+        let png = image::open(desk.path().join(format!("{mode}.png"))).unwrap().into_rgb8();
+        png.pixels().map(|pixel| pixel.0.map(|byte| f32::from(byte) / 255.0)).collect()
+    };
+    let flips = ["--exposure 0", "--exposure -1.5", "--curve clip"].map(|display| {
+        let report = run(format!("compare {} --modes rectified,naive,priority --json", image(display)));
+        let report: Value = serde_json::from_str(&report).unwrap();
+        let pairs = report["differences"].as_array().unwrap();
+        assert_eq!(pairs.len(), 3);
+        let of_pair = |pair: &Value| {
+            let [a, b] = ["a", "b"].map(|which| shown(pair[which].as_str().unwrap(), display));
+            let reference = flip::Reference::ldr(&b, SIDE, SIDE, flip::DEFAULT_PIXELS_PER_DEGREE).unwrap();
+            let (got, expected) = (number(&pair["flip"]), reference.flip(&a).unwrap().mean());
+            assert!((got - expected).abs() < 1e-12, "{expected}, but {pair}");
+            got
+        };
+        let naive = pairs.iter().position(|pair| pair["a"] == "naive" && pair["b"] == "rectified").unwrap();
+        pairs.iter().map(of_pair).collect::<Vec<_>>()[naive]
+    });
+    // The twins: a picture shown otherwise has another figure, so the tests above would find it out.
+    assert!(flips[0] > 0.05, "{flips:?}");
+    assert!(flips[1..].iter().all(|flip| (flip - flips[0]).abs() > 1e-4), "{flips:?}");
+    let said = run(format!("compare {} -o c.png", image("")));
+    let heading = said.lines().find(|line| line.contains("relMSE")).unwrap();
+    assert!(heading.ends_with("FLIP"), "{said}");
 }
 
 #[test]

@@ -38,7 +38,7 @@ const CRATES: &[(&[&str], &[&str])] = &[
     (&["anyhow"], &["cli", "app"]),
     (&["toml_edit", "tobj", "ply_rs_bw", "gltf"], &["scene"]),
     (&["ab_glyph", "epaint_default_fonts", "png"], &["export", "app"]),
-    (&["sha2"], &["scene::fingerprint", "report"]),
+    (&["sha2"], &["scene::fingerprint"]),
     (&["exr"], &["export"]),
     (&["statrs"], &["measure"]),
     (&["maud"], &["report"]),

@@ -1,6 +1,8 @@
 //! Error metrics against values worked out by hand, and against other implementations.
 
-use iorect::measure::{MetricError, block_means, difference, difference_from_two, flip};
+use iorect::measure::flip::{self, Flip, Reference};
+use iorect::measure::{MetricError, block_means, difference, difference_from_two};
+use iorect::render::{Display, ToneCurve};
 use serde_json::Value;
 
 fn close(got: f64, expected: f64) {
@@ -145,16 +147,16 @@ fn figures_agree_with_numpy() {
 }
 
 /// The greatest difference from the error map of a case, over its pixels, and from its mean.
-fn from_expected(case: &Value, got: &flip::Flip) -> (f64, f64) {
+fn from_expected(case: &Value, got: &Flip) -> (f64, f64) {
     let expected = case["error"].as_array().unwrap();
     assert_eq!(expected.len(), got.error.len());
     let worst = got.error.iter().zip(expected).map(|(&got, expected)| (f64::from(got) - number(expected)).abs());
     (worst.fold(0.0, f64::max), (got.mean() - number(&case["mean"])).abs())
 }
 
-fn flip_of(case: &Value, test: &[[f32; 3]], reference: &[[f32; 3]]) -> flip::Flip {
-    let of = if case["dynamic_range"] == "HDR" { flip::hdr } else { flip::ldr };
-    of(test, reference, WIDTH, HEIGHT, number(&case["pixels_per_degree"]) as f32).unwrap()
+fn flip_of(case: &Value, test: &[[f32; 3]], reference: &[[f32; 3]]) -> Flip {
+    let of = if case["dynamic_range"] == "HDR" { Reference::hdr } else { Reference::ldr };
+    of(reference, WIDTH, HEIGHT, number(&case["pixels_per_degree"]) as f32).unwrap().flip(test).unwrap()
 }
 
 #[test]
@@ -192,32 +194,62 @@ fn flip_agrees_with_nv_flip() {
     let theirs = |bytes: &[u8]| nv_flip::FlipImageRgb8::with_data(WIDTH as u32, HEIGHT as u32, bytes);
     for pixels_per_degree in [67.0, 30.0] {
         let expected = nv_flip::flip(theirs(&reference), theirs(&test), pixels_per_degree).to_vec();
-        let got = flip::ldr(&back(&test), &back(&reference), WIDTH, HEIGHT, pixels_per_degree).unwrap();
+        let got = Reference::ldr(&back(&reference), WIDTH, HEIGHT, pixels_per_degree).unwrap();
+        let got = got.flip(&back(&test)).unwrap();
         let worst = got.error.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         assert!(worst < 1e-4, "a pixel is wrong by {worst}");
     }
+}
+
+type Way = fn(&[[f32; 3]], usize, usize, f32) -> Result<Reference, MetricError>;
+/// The ways to show images.
+const WAYS: [Way; 3] = [Reference::ldr, Reference::hdr, |reference, width, height, pixels_per_degree| {
+    Reference::displayed(reference, width, height, pixels_per_degree, CLIPPED)
+}];
+const CLIPPED: Display = Display { exposure: 0.0, curve: ToneCurve::Clip };
+
+/// What is displayed is what the picture's bytes say, by exposure and tone curve; and neither is without effect.
+#[test]
+fn flip_of_what_is_displayed_is_that_of_the_bytes() {
+    let (test, reference) = images("radiance");
+    let bytes = |image: &Image, display: Display| -> Image {
+        image.iter().map(|rgb| display.encode(*rgb).map(|byte| f32::from(byte) / 255.0)).collect()
+    };
+    let viewed = flip::DEFAULT_PIXELS_PER_DEGREE;
+    let displays = [CLIPPED, Display { exposure: -2.0, ..CLIPPED }, Display { curve: ToneCurve::Soft, ..CLIPPED }];
+    let means = displays.map(|display| {
+        let got = Reference::displayed(&reference, WIDTH, HEIGHT, viewed, display).unwrap().flip(&test).unwrap();
+        let expected = Reference::ldr(&bytes(&reference, display), WIDTH, HEIGHT, viewed).unwrap();
+        assert_eq!(got, expected.flip(&bytes(&test, display)).unwrap(), "{display:?}");
+        got.mean()
+    });
+    assert!((means[0] - means[1]).abs() > 1e-3 && (means[0] - means[2]).abs() > 1e-3, "{means:?}");
 }
 
 #[test]
 fn flip_of_equal_images_is_zero_and_of_opposite_ones_is_one() {
     for (width, height) in [(1, 1), (1, 7), (5, 1), (40, 3)] {
         let (black, white) = (vec![[0.0_f32; 3]; width * height], vec![[1.0_f32; 3]; width * height]);
-        for of in [flip::ldr, flip::hdr] {
+        for of in WAYS {
+            let against = |reference| of(reference, width, height, 67.0).unwrap();
             for same in [&black, &white] {
-                assert_eq!(of(same, same, width, height, 67.0).unwrap().error, vec![0.0; width * height]);
+                assert_eq!(against(same).flip(same).unwrap().error, vec![0.0; width * height]);
             }
-            let mean = of(&black, &white, width, height, 67.0).unwrap().mean();
+            let mean = against(&white).flip(&black).unwrap().mean();
             assert!((0.9..=1.0).contains(&mean), "{mean}");
+            // Against a black reference HDR has one exposure.
+            assert!(against(&black).flip(&white).unwrap().mean() > 0.8);
         }
-        // Against a black reference there is one exposure.
-        assert!(flip::hdr(&white, &black, width, height, 67.0).unwrap().mean() > 0.8);
     }
 }
 
 #[test]
 fn flip_refuses_what_it_cannot_compare() {
     let good = vec![[0.5_f32; 3]; 12];
-    for of in [flip::ldr, flip::hdr] {
+    for way in WAYS {
+        let of = |image: &[[f32; 3]], reference: &[[f32; 3]], width, height, pixels_per_degree| {
+            way(reference, width, height, pixels_per_degree)?.flip(image)
+        };
         for bad in [f32::NAN, f32::INFINITY] {
             let mut image = good.clone();
             image[7][2] = bad;

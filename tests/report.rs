@@ -495,6 +495,8 @@ fn json_is_complete_without_pixels() {
     assert!(json["origin"]["machine"]["cores"].as_u64().unwrap() >= 1);
     assert_eq!(json["scenes"][0]["pictures"]["rectified_png"], "");
     assert!(text.len() < 2_000_000);
+    let events = &json["scenes"][0]["pictures"]["rectified_events"];
+    assert!(events["crossings"].as_u64().unwrap() > 0 && events["mixed"].is_u64(), "{events}");
     let growth = MADE.table("growth.csv");
     let first = &json["growth"][0]["points"][0];
     assert_eq!(first["build_secs"].as_f64().unwrap(), field(&growth[0], "build_secs"));
@@ -536,6 +538,8 @@ fn an_interrupted_report_goes_on() {
     assert_eq!(other.origin.pieces_reused, 0);
     for (a, b) in report.scenes.iter().zip(&other.scenes) {
         assert_eq!(a.pictures, b.pictures);
+        // What is equal is something, also of the pieces that were kept.
+        assert!(a.pictures.as_ref().unwrap().rectified_events.crossings > 0);
     }
     // Times, too, are taken over to the last digit.
     let again = make(&request, &store, &quiet(&never)).unwrap().unwrap();

@@ -193,8 +193,9 @@ fn develop(content: PaneContent, source: &Source, recipe: &Recipe) -> Option<Pic
     let [a, b] = source.pair()?;
     if recipe.difference == DifferenceKind::Flip {
         let [width, height] = size.map(|side| side as usize);
-        let [image, reference] = [a, b].map(|rgb| displayed(rgb, &recipe.display));
-        let flip = flip::ldr(&image, &reference, width, height, flip::DEFAULT_PIXELS_PER_DEGREE).ok()?;
+        let viewed = flip::DEFAULT_PIXELS_PER_DEGREE;
+        let reference = flip::Reference::displayed(b, width, height, viewed, recipe.display).ok()?;
+        let flip = reference.flip(a).ok()?;
         let picture = finish(size, flip.error.iter().map(|x| flip_color(*x)).collect());
         return Some(Picture {
             mean_difference: Some((recipe.difference, flip.mean())),
@@ -208,11 +209,6 @@ fn develop(content: PaneContent, source: &Source, recipe: &Recipe) -> Option<Pic
     let mean = differences().map(|d| f64::from(d.abs())).sum::<f64>() / a.len().max(1) as f64;
     let picture = finish(size, differences().map(|d| difference_color(d * gain, is_signed)).collect());
     Some(Picture { mean_difference: Some((recipe.difference, mean)), ..picture })
-}
-
-/// Linear pixels as a screen shows them, each component in [0, 1].
-pub fn displayed(rgb: &[[f32; 3]], display: &Display) -> Vec<[f32; 3]> {
-    rgb.iter().map(|rgb| display.encode(*rgb).map(|byte| f32::from(byte) / 255.0)).collect()
 }
 
 /// The colour of a difference in luminance, full at ±1. Signed: blue where the first is darker, black where equal, orange where it is

@@ -11,7 +11,8 @@ use super::table::{Align, Table};
 use super::{Failure, print, print_json};
 use crate::export::words::{brief, duration, events_in_words};
 use crate::export::{self, Comparison, Format, LabelledPane, Picture};
-use crate::measure::{Difference, difference};
+use crate::measure::{Difference, MetricError, difference, flip};
+use crate::render::Display;
 use crate::tracking::Mode;
 
 #[derive(Serialize)]
@@ -28,6 +29,8 @@ struct PairDifference {
     b: Mode,
     #[serde(flatten)]
     figures: Difference,
+    /// Mean FLIP of the two as the picture shows them.
+    flip: f64,
 }
 
 pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
@@ -46,7 +49,8 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     let job = Job::new(image)?;
     let rendered = job.render(&arguments.modes);
     let pictures: Vec<Picture> = rendered.iter().map(|image| Picture::from(&image.film)).collect();
-    let differences = differences(&rendered, &pictures).map_err(|error| Failure::Failed(error.into()))?;
+    let differences = job.on_threads(|| differences(&rendered, &pictures, job.display()));
+    let differences = differences.map_err(|error| Failure::Failed(error.into()))?;
     if let Some(path) = &output {
         write_picture(path, &job, &rendered, &pictures, image.seed)?;
     }
@@ -75,14 +79,21 @@ fn most_trusted(rendered: &[Rendered]) -> Option<usize> {
 fn differences(
     rendered: &[Rendered],
     pictures: &[Picture],
-) -> Result<Vec<PairDifference>, crate::measure::MetricError> {
+    display: Display,
+) -> Result<Vec<PairDifference>, MetricError> {
     let mut pairs = Vec::new();
-    for b in 0..rendered.len() {
-        for a in 0..rendered.len() {
-            if rendered[a].mode < rendered[b].mode {
-                let figures = difference(&pictures[a].rgb, &pictures[b].rgb)?;
-                pairs.push(PairDifference { a: rendered[a].mode, b: rendered[b].mode, figures });
-            }
+    for (b, Picture { width, height, rgb: reference }) in pictures.iter().enumerate() {
+        let mut others = (0..rendered.len()).filter(|&a| rendered[a].mode < rendered[b].mode).peekable();
+        if others.peek().is_none() {
+            continue;
+        }
+        // One at a time: made ready, a picture takes nearly the memory of a film.
+        let (width, height) = (*width as usize, *height as usize);
+        let seen = flip::Reference::displayed(reference, width, height, flip::DEFAULT_PIXELS_PER_DEGREE, display)?;
+        for a in others {
+            let image = &pictures[a].rgb;
+            let (figures, flip) = (difference(image, reference)?, seen.flip(image)?.mean());
+            pairs.push(PairDifference { a: rendered[a].mode, b: rendered[b].mode, figures, flip });
         }
     }
     pairs.sort_by_key(|pair| (std::cmp::Reverse(pair.b), pair.a));
@@ -146,6 +157,7 @@ fn summary(job: &Job<'_>, rendered: &[Rendered], differences: &[PairDifference],
             ("MSE", Align::Right),
             ("relMSE", Align::Right),
             ("mean |Δ|", Align::Right),
+            ("FLIP", Align::Right),
         ]);
         for pair in differences {
             let figures = pair.figures;
@@ -154,6 +166,7 @@ fn summary(job: &Job<'_>, rendered: &[Rendered], differences: &[PairDifference],
                 brief(figures.mse),
                 brief(figures.relmse),
                 brief(figures.mean_abs),
+                brief(pair.flip),
             ]);
         }
         text += "\n";

@@ -107,6 +107,11 @@ impl<'a> Job<'a> {
         self.pool.current_num_threads()
     }
 
+    /// Does `work` on no more threads than were asked for.
+    pub fn on_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        self.pool.install(work)
+    }
+
     pub fn display(&self) -> Display {
         Display { exposure: self.arguments.exposure, curve: self.arguments.curve }
     }

@@ -20,5 +20,5 @@ pub use comparison::{Comparison, LabelledPane, comparison};
 pub use error::ExportError;
 pub use metadata::{metadata, metadata_for_media};
 pub use picture::{Format, Picture, exr, image_png, png, png_bytes, save};
-pub use sums::{AllEvents, Head, SumsError, read_sums, read_sums_head, write_sums};
+pub use sums::{Head, SumsError, read_sums, read_sums_head, write_sums};
 pub use surfaces::painted_surfaces;

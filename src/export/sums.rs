@@ -93,35 +93,8 @@ pub struct Head {
     pub recipe: Recipe,
     /// In ascending order, apart from each other.
     pub samples: Vec<SampleRange>,
-    pub events: AllEvents,
+    pub events: Events,
     checksum: Fingerprint,
-}
-
-/// [`Events`] with the counts that are not shown as such.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct AllEvents {
-    stack_underflow: u64,
-    stack_overflow: u64,
-    ambiguous: u64,
-    inconsistent: u64,
-    non_finite: u64,
-    crossings: u64,
-    mixed: u64,
-}
-
-impl From<Events> for AllEvents {
-    fn from(events: Events) -> Self {
-        let Events { stack_underflow, stack_overflow, ambiguous, inconsistent, non_finite, crossings, mixed } = events;
-        Self { stack_underflow, stack_overflow, ambiguous, inconsistent, non_finite, crossings, mixed }
-    }
-}
-
-impl From<AllEvents> for Events {
-    fn from(events: AllEvents) -> Self {
-        let AllEvents { stack_underflow, stack_overflow, ambiguous, inconsistent, non_finite, crossings, mixed } =
-            events;
-        Self { stack_underflow, stack_overflow, ambiguous, inconsistent, non_finite, crossings, mixed }
-    }
 }
 
 /// Writes a part of an image. The same part gives the same bytes.
@@ -153,7 +126,7 @@ fn encoded(partial: &Partial) -> Result<Vec<u8>, String> {
         format: FORMAT,
         recipe: partial.recipe.clone(),
         samples: partial.ranges.clone(),
-        events: partial.events.into(),
+        events: partial.events,
         checksum: Hasher::new("").finish(),
     };
     head.checksum = checksum(&head, partial)?;
@@ -274,7 +247,7 @@ pub fn read_sums(path: &Path) -> Result<Partial, SumsError> {
     }
     let partial = Partial {
         ranges: head.samples.clone(),
-        events: head.events.into(),
+        events: head.events,
         sums: ExactSums { unit_exponent: head.recipe.unit_exponent, sums },
         counts,
         recipe: head.recipe.clone(),

@@ -1,12 +1,12 @@
 //! FLIP: how much two images differ to someone who looks at one and then at the other, per pixel in [0, 1].
 //!
 //! P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild: "ꟻLIP: A Difference Evaluator for
-//! Alternating Images", HPG 2020 ([`ldr`]); P. Andersson, J. Nilsson, P. Shirley and T. Akenine-Möller: "Visualizing Errors in Rendered
+//! Alternating Images", HPG 2020 ([`Reference::ldr`]); P. Andersson, J. Nilsson, P. Shirley and T. Akenine-Möller: "Visualizing Errors in Rendered
 //! High Dynamic Range Images", Eurographics short papers 2021 ([`hdr`]). Filters are separated as in the authors' note
 //! "Separated convolutions" (Cz, a sum of two Gaussians, in two parts). Constants carry the papers' names.
 //!
 //! The figures are those of the authors' program, `flip-evaluator` 1.7, to 1e-4 in every pixel; the tests hold them against it. Bindings of
-//! an older version of that program (the crate `nv-flip`) take 8 bits a channel only, from which [`hdr`] cannot be built to that
+//! an older version of that program (the crate `nv-flip`) take 8 bits a channel only, from which HDR cannot be built to that
 //! accuracy, and need a C++ compiler, so they serve the tests alone.
 //!
 //! NaN would pass through the formulas as a large or a small error, so images that are not finite are refused.
@@ -17,6 +17,7 @@ use rayon::prelude::*;
 
 use self::appearance::{Appearance, Filters};
 use super::metrics::{MetricError, require_finite};
+use crate::render::Display;
 
 /// Pixels per degree of visual angle for a screen 0.7 m wide of 3840 pixels, seen from 0.7 m: the papers' viewing conditions.
 pub const DEFAULT_PIXELS_PER_DEGREE: f32 = 67.020_645;
@@ -46,84 +47,109 @@ impl Flip {
     }
 }
 
-/// FLIP of two images as a screen shows them: RGB with the sRGB transfer function applied, each component in [0, 1] (bytes / 255; what
-/// lies outside is cut off), row-major.
-///
-/// # Errors
-/// When sizes do not fit, there are no pixels, a component is not finite, or `pixels_per_degree` is not between 1 and 1000.
-pub fn ldr(
-    image: &[[f32; 3]],
-    reference: &[[f32; 3]],
-    width: usize,
-    height: usize,
-    pixels_per_degree: f32,
-) -> Result<Flip, MetricError> {
-    Reference::ldr(reference, width, height, pixels_per_degree)?.flip(image)
-}
-
-/// HDR-FLIP of two linear images (Rec. 709 primaries, any scale, negative components count as 0), row-major: of each pixel the greatest
-/// FLIP over a range of exposures, which the reference decides, tone-mapped by ACES.
-///
-/// # Errors
-/// As [`ldr`].
-pub fn hdr(
-    image: &[[f32; 3]],
-    reference: &[[f32; 3]],
-    width: usize,
-    height: usize,
-    pixels_per_degree: f32,
-) -> Result<Flip, MetricError> {
-    Reference::hdr(reference, width, height, pixels_per_degree)?.flip(image)
-}
-
 /// A reference made ready: half of the work, for those who hold several images against it. Takes 20 bytes a pixel for each exposure,
-/// of which HDR has as many as there are stops between the median and the maximum of its luminance, and two at least.
+/// of which HDR has as many as there are stops between the median and the maximum of its luminance, and two at least, and 40 more
+/// while an image is held against it.
+///
+/// All images are row-major.
 #[derive(Debug, Clone)]
 pub struct Reference {
     width: usize,
     height: usize,
     filters: Filters,
-    seen: Seen,
+    /// What is seen of it, for each way to show it.
+    seen: Vec<(Screen, Appearance)>,
 }
 
-#[derive(Debug, Clone)]
-enum Seen {
-    Ldr(Appearance),
-    /// With the stops of each exposure.
-    Hdr(Vec<(f32, Appearance)>),
+/// How a component becomes light in [0, 1].
+#[derive(Debug, Clone, Copy)]
+enum Screen {
+    /// It is encoded for an sRGB screen.
+    Encoded,
+    /// It is linear, and encoded first.
+    Displayed(Display),
+    /// It is linear, exposed by so many stops, and tone-mapped.
+    Exposed(f32),
+}
+
+impl Screen {
+    fn appearance(self, image: &[[f32; 3]], width: usize, filters: &Filters) -> Appearance {
+        match self {
+            Self::Encoded => Appearance::new(image, width, filters, linear_from_srgb),
+            Self::Displayed(display) => {
+                let shown = |rgb| display.encode(rgb).map(|byte| f32::from(byte) / 255.0);
+                Appearance::new(image, width, filters, |rgb| linear_from_srgb(shown(rgb)))
+            }
+            Self::Exposed(stops) => Appearance::new(image, width, filters, exposed(stops)),
+        }
+    }
 }
 
 impl Reference {
-    /// See [`ldr`].
+    /// FLIP of images as a screen shows them: RGB with the sRGB transfer function applied, each component in [0, 1] (bytes / 255; what
+    /// lies outside is cut off).
     ///
     /// # Errors
-    /// As [`ldr`].
+    /// When the size does not fit, there are no pixels, a component is not finite, or `pixels_per_degree` is not between 1 and 1000.
     pub fn ldr(
         reference: &[[f32; 3]],
         width: usize,
         height: usize,
         pixels_per_degree: f32,
     ) -> Result<Self, MetricError> {
-        let filters = checked(reference, width, height, pixels_per_degree)?;
-        let seen = Seen::Ldr(Appearance::new(reference, width, &filters, linear_from_srgb));
-        Ok(Self { width, height, filters, seen })
+        Self::new(reference, width, height, pixels_per_degree, || vec![Screen::Encoded])
     }
 
-    /// See [`hdr`].
+    /// The same of linear images, as `display` shows them in 8 bits a channel.
     ///
     /// # Errors
-    /// As [`ldr`].
+    /// As [`Self::ldr`].
+    pub fn displayed(
+        reference: &[[f32; 3]],
+        width: usize,
+        height: usize,
+        pixels_per_degree: f32,
+        display: Display,
+    ) -> Result<Self, MetricError> {
+        Self::new(reference, width, height, pixels_per_degree, || vec![Screen::Displayed(display)])
+    }
+
+    /// HDR-FLIP of linear images (Rec. 709 primaries, any scale, negative components count as 0): of each pixel the greatest FLIP over a
+    /// range of exposures, which the reference decides, tone-mapped by ACES.
+    ///
+    /// # Errors
+    /// As [`Self::ldr`].
     pub fn hdr(
         reference: &[[f32; 3]],
         width: usize,
         height: usize,
         pixels_per_degree: f32,
     ) -> Result<Self, MetricError> {
-        let filters = checked(reference, width, height, pixels_per_degree)?;
-        let exposures = exposures(reference).into_iter();
+        let screens = || exposures(reference).into_iter().map(Screen::Exposed).collect();
+        Self::new(reference, width, height, pixels_per_degree, screens)
+    }
+
+    fn new(
+        reference: &[[f32; 3]],
+        width: usize,
+        height: usize,
+        pixels_per_degree: f32,
+        screens: impl FnOnce() -> Vec<Screen>,
+    ) -> Result<Self, MetricError> {
+        if reference.is_empty() {
+            return Err(MetricError::Empty);
+        }
+        if width.checked_mul(height) != Some(reference.len()) {
+            return Err(MetricError::WrongShape { pixels: reference.len(), width, height });
+        }
+        require_finite(reference, "reference")?;
+        if !PIXELS_PER_DEGREE.contains(&pixels_per_degree) {
+            return Err(MetricError::PixelsPerDegree);
+        }
+        let filters = Filters::new(pixels_per_degree);
         let seen =
-            exposures.map(|stops| (stops, Appearance::new(reference, width, &filters, exposed(stops)))).collect();
-        Ok(Self { width, height, filters, seen: Seen::Hdr(seen) })
+            screens().into_iter().map(|screen| (screen, screen.appearance(reference, width, &filters))).collect();
+        Ok(Self { width, height, filters, seen })
     }
 
     /// The error of `image` against this reference.
@@ -137,39 +163,11 @@ impl Reference {
         }
         require_finite(image, "image")?;
         let mut error = vec![0.0_f32; pixels];
-        match &self.seen {
-            Seen::Ldr(reference) => {
-                let test = Appearance::new(image, self.width, &self.filters, linear_from_srgb);
-                raise(&mut error, &test, reference);
-            }
-            Seen::Hdr(exposures) => {
-                for (stops, reference) in exposures {
-                    let test = Appearance::new(image, self.width, &self.filters, exposed(*stops));
-                    raise(&mut error, &test, reference);
-                }
-            }
+        for (screen, reference) in &self.seen {
+            raise(&mut error, &screen.appearance(image, self.width, &self.filters), reference);
         }
         Ok(Flip { error })
     }
-}
-
-fn checked(
-    reference: &[[f32; 3]],
-    width: usize,
-    height: usize,
-    pixels_per_degree: f32,
-) -> Result<Filters, MetricError> {
-    if reference.is_empty() {
-        return Err(MetricError::Empty);
-    }
-    if width.checked_mul(height) != Some(reference.len()) {
-        return Err(MetricError::WrongShape { pixels: reference.len(), width, height });
-    }
-    require_finite(reference, "reference")?;
-    if !PIXELS_PER_DEGREE.contains(&pixels_per_degree) {
-        return Err(MetricError::PixelsPerDegree);
-    }
-    Ok(Filters::new(pixels_per_degree))
 }
 
 /// Puts the error of each pixel where it is greater than what is there.

@@ -16,10 +16,8 @@ pub struct Events {
     /// Samples that came out NaN or infinite; they are left out of the film's mean.
     pub non_finite: u64,
     /// Crossings of refractors' surfaces in all: no event, but what others are a share of.
-    #[serde(skip)]
     pub crossings: u64,
     /// Of these, crossings of faces whose surroundings differ from place to place; `rectified` counts them.
-    #[serde(skip)]
     pub mixed: u64,
 }
 

@@ -7,10 +7,9 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use sha2::{Digest, Sha256};
-
 use crate::export::{ExportError, write_atomically};
 use crate::render::Events;
+use crate::scene::Fingerprint;
 
 const CHECKSUM: usize = 32;
 
@@ -47,12 +46,16 @@ impl Writer {
     /// # Errors
     /// As [`write_atomically`].
     pub fn keep(self, path: &Path) -> Result<(), ExportError> {
-        let checksum = Sha256::digest(&self.0);
+        let checksum = checksum(&self.0);
         write_atomically(path, |file| {
             file.write_all(&checksum)?;
             file.write_all(&self.0)
         })
     }
+}
+
+fn checksum(bytes: &[u8]) -> [u8; CHECKSUM] {
+    Fingerprint::of_bytes(bytes).to_bytes()
 }
 
 /// Reads what a [`Writer`] wrote. Every read past the end is `None`.
@@ -65,7 +68,7 @@ impl Reader {
     /// `None` where there is no such file, or one that is damaged or cannot be read, which is logged: it is to be made again.
     pub fn open(path: &Path) -> Option<Self> {
         let problem = match fs::read(path) {
-            Ok(bytes) if bytes.len() < CHECKSUM || Sha256::digest(&bytes[CHECKSUM..])[..] != bytes[..CHECKSUM] => {
+            Ok(bytes) if bytes.len() < CHECKSUM || checksum(&bytes[CHECKSUM..]) != bytes[..CHECKSUM] => {
                 "is damaged: its contents are not those that were written".to_owned()
             }
             Ok(bytes) => return Some(Self { bytes, at: CHECKSUM }),

@@ -110,7 +110,7 @@ pub fn make(
             () => Sameness::Different,
         };
         let (relmse, mean_abs) = (figures.relmse, figures.mean_abs);
-        others.push(OtherMode { mode, sameness, relmse, mean_abs, events: named(film.events), difference: None });
+        others.push(OtherMode { mode, sameness, relmse, mean_abs, events: film.events, difference: None });
     }
     let is_different = |other: &OtherMode| other.sameness == Sameness::Different;
     let different: Vec<&Picture> = others
@@ -133,7 +133,7 @@ pub fn make(
         height: plan.height,
         samples: films[0].samples,
         rectified: base64(&png_bytes(&right.encode(&Display::default()), &[], title)?),
-        rectified_events: named(films[0].events),
+        rectified_events: films[0].events,
         scale,
         others,
     }))
@@ -187,11 +187,6 @@ fn render(
         left -= slice;
     }
     Some(films)
-}
-
-/// Those counts that have names, which are kept.
-fn named(events: Events) -> Events {
-    Events { crossings: 0, mixed: 0, ..events }
 }
 
 /// The difference in luminance that at most [`BEYOND_SCALE`] of the pixels of these pictures exceed.

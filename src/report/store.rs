@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use crate::export::{ExportError, write_atomically};
 use crate::scene::Fingerprint;
@@ -26,7 +25,7 @@ struct Kept {
     /// What decided the piece, for people who look.
     made_from: serde_json::Value,
     /// SHA-256 of `piece`.
-    sha256: String,
+    sha256: Fingerprint,
     /// The piece as JSON.
     piece: String,
 }
@@ -49,8 +48,8 @@ impl Store {
 
     /// Where something of this build is kept that is no JSON and has a format of its own.
     pub fn file(&self, name: &str, inputs: Fingerprint) -> PathBuf {
-        let key = sha256(format!("{} {inputs}", self.build).as_bytes());
-        self.folder.join(format!("{name}-{}", &key[..16]))
+        let key = Fingerprint::of_bytes(format!("{} {inputs}", self.build).as_bytes());
+        self.folder.join(format!("{name}-{}", key.short()))
     }
 
     /// The piece called `name` that follows from `inputs`: as it was kept, else made now and kept. `None` where `make` gives up, as it
@@ -65,7 +64,8 @@ impl Store {
         make: impl FnOnce() -> Result<Option<T>, E>,
     ) -> Result<Option<T>, E> {
         let made_from = serde_json::json!({ "name": name, "build": self.build, "inputs": inputs });
-        let path = self.folder.join(format!("{name}-{}.json", &sha256(made_from.to_string().as_bytes())[..16]));
+        let key = Fingerprint::of_bytes(made_from.to_string().as_bytes());
+        let path = self.folder.join(format!("{name}-{}.json", key.short()));
         match self.read(&path) {
             Ok(Some(piece)) => return Ok(Some(piece)),
             Ok(None) => {}
@@ -84,7 +84,7 @@ impl Store {
             Err(error) => return Err(format!("cannot be read ({error})")),
         };
         let kept: Kept = serde_json::from_str(&text).map_err(|error| format!("is damaged ({error})"))?;
-        if sha256(kept.piece.as_bytes()) != kept.sha256 {
+        if Fingerprint::of_bytes(kept.piece.as_bytes()) != kept.sha256 {
             return Err("is damaged (its contents are not those that were written)".to_owned());
         }
         serde_json::from_str(&kept.piece).map(Some).map_err(|error| format!("cannot be understood ({error})"))
@@ -93,14 +93,10 @@ impl Store {
     fn write(&self, path: &Path, made_from: serde_json::Value, piece: &impl Serialize) -> Result<(), ExportError> {
         let failed = |error: serde_json::Error| ExportError::Write { path: path.to_path_buf(), reason: error.into() };
         let piece = serde_json::to_string(piece).map_err(failed)?;
-        let kept = Kept { made_from, sha256: sha256(piece.as_bytes()), piece };
+        let kept = Kept { made_from, sha256: Fingerprint::of_bytes(piece.as_bytes()), piece };
         let text = serde_json::to_string(&kept).map_err(failed)?;
         write_atomically(path, |writer| writer.write_all(text.as_bytes()))
     }
-}
-
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// What tells one build of the program from another: times of one say nothing about the next.
@@ -116,6 +112,7 @@ fn build() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::Events;
 
     fn make(store: &Store, inputs: &str, value: f64) -> f64 {
         let made: Result<_, ExportError> = store.piece("piece", &inputs, || Ok(Some(value)));
@@ -133,6 +130,26 @@ mod tests {
         assert_eq!(make(&store, "y", 7.0), 7.0);
         let other_build = Store { build: "another".into(), ..store };
         assert_eq!(make(&other_build, "x", 8.0), 8.0);
+    }
+
+    /// Every count, those that are no events among them.
+    #[test]
+    fn a_kept_piece_comes_back_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let events = Events {
+            stack_underflow: 1,
+            stack_overflow: 2,
+            ambiguous: 3,
+            inconsistent: 4,
+            non_finite: 5,
+            crossings: u64::MAX,
+            mixed: 7,
+        };
+        for made_now in [events, Events::default()] {
+            let piece: Result<_, ExportError> = store.piece("piece", &"x", || Ok(Some(made_now)));
+            assert_eq!(piece.unwrap(), Some(events));
+        }
     }
 
     #[test]

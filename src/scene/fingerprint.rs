@@ -28,6 +28,15 @@ use crate::optics::medium::Medium;
 pub struct Fingerprint([u8; 32]);
 
 impl Fingerprint {
+    /// SHA-256 of bytes and nothing else, as other programs take it; see [`Hasher`] for several values in a row.
+    pub fn of_bytes(bytes: &[u8]) -> Self {
+        Self(Sha256::digest(bytes).into())
+    }
+
+    pub fn to_bytes(self) -> [u8; 32] {
+        self.0
+    }
+
     /// The first 16 digits: enough to tell files of one folder apart.
     pub fn short(&self) -> String {
         self.to_string()[..16].to_owned()
@@ -447,5 +456,8 @@ mod tests {
         // SHA-256 of eight zero bytes, the length of no text.
         let expected = "af5570f5a1810b7af78caf4bc70a660f0df51e42baf91d4de5b2328de0e83dfc";
         assert_eq!(fingerprint.to_string(), expected);
+        // FIPS 180-2, appendix B.1.
+        let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(Fingerprint::of_bytes(b"abc").to_string(), expected);
     }
 }

@@ -8,7 +8,6 @@ use std::time::{Duration, Instant};
 use super::ErrorMetric;
 use super::curve::{Curve, Point};
 use crate::app::background::{Background, Bell, Desk};
-use crate::app::develop::displayed;
 use crate::measure::{MetricError, difference, difference_from_two, flip};
 use crate::render::Display;
 use crate::render::worker::{Board, GroundTruth, Halves, Snapshot};
@@ -270,9 +269,10 @@ fn measured(
     let flip = match flip_display {
         None => None,
         Some(display) => {
-            let (image, reference) = (displayed(&film.rgb, display), displayed(&truth.mean, display));
             let [width, height] = film.size.map(|side| side as usize);
-            Some(flip::ldr(&image, &reference, width, height, flip::DEFAULT_PIXELS_PER_DEGREE)?.mean())
+            let viewed = flip::DEFAULT_PIXELS_PER_DEGREE;
+            let reference = flip::Reference::displayed(&truth.mean, width, height, viewed, *display)?;
+            Some(reference.flip(&film.rgb)?.mean())
         }
     };
     Ok(Point {

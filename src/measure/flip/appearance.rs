@@ -107,10 +107,13 @@ impl Appearance {
             let weights = &filters.sensitivity[index];
             along_columns(&along_rows(plane, width, weights), width, weights)
         };
-        let (y, cx) = (blurred(&y, 0), blurred(&cx, 1));
-        let (cz_narrow, cz_wide) = (blurred(&cz, 2), blurred(&cz, 3));
+        // Each plane makes room for the one that comes of it.
+        y = blurred(&y, 0);
+        cx = blurred(&cx, 1);
+        let cz_narrow = blurred(&cz, 2);
+        cz = blurred(&cz, 3);
         let color = |pixel: usize| {
-            let rgb = rgb_from_opponents([y[pixel], cx[pixel], cz_narrow[pixel] + cz_wide[pixel]]);
+            let rgb = rgb_from_opponents([y[pixel], cx[pixel], cz_narrow[pixel] + cz[pixel]]);
             lab(rgb.map(|component| component.clamp(0.0, 1.0)))
         };
         Self { lab: (0..rgb.len()).into_par_iter().map(color).collect(), edge, point }
