@@ -42,7 +42,7 @@ impl Effort {
     };
     /// All built-in scenes in two hours.
     pub const FULL: Self =
-        Self { size: [144, 96], seeds: 16, secs: 240.0, largest_spp: 1024, reference_factor: 8, ..Self::QUICK };
+        Self { size: [144, 96], seeds: 16, secs: 200.0, largest_spp: 1024, reference_factor: 8, ..Self::QUICK };
 }
 
 /// What is measured of one scene.
