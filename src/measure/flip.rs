@@ -2,7 +2,7 @@
 //!
 //! P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild: "ꟻLIP: A Difference Evaluator for
 //! Alternating Images", HPG 2020 ([`Reference::ldr`]); P. Andersson, J. Nilsson, P. Shirley and T. Akenine-Möller: "Visualizing Errors in Rendered
-//! High Dynamic Range Images", Eurographics short papers 2021 ([`hdr`]). Filters are separated as in the authors' note
+//! High Dynamic Range Images", Eurographics short papers 2021 ([`Reference::hdr`]). Filters are separated as in the authors' note
 //! "Separated convolutions" (Cz, a sum of two Gaussians, in two parts). Constants carry the papers' names.
 //!
 //! The figures are those of the authors' program, `flip-evaluator` 1.7, to 1e-4 in every pixel; the tests hold them against it. Bindings of
