@@ -527,7 +527,8 @@ fn an_interruption_leaves_nothing_half_written() {
         .unwrap();
     std::thread::sleep(Duration::from_millis(700));
     assert!(child.try_wait().unwrap().is_none(), "still rendering");
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    // Not -INT, which a shell has its background jobs ignore, and their children with them.
+    let sent = Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
     assert!(sent.success());
     assert!(!child.wait().unwrap().success());
     assert_eq!(desk.files(), ["nest.toml", "old.png"]);
