@@ -197,7 +197,7 @@ fn growth(report: &Report) -> Table {
             ("sample_secs", "seconds of one sample of one pixel, all threads working"),
             (
                 "memory_bytes",
-                "by how much the process's memory rose for the prepared scene; empty where it is too little to tell",
+                "by how much the process's memory rose for the prepared scene, what earlier scenes left behind not counted; empty where it is too little to tell",
             ),
             ("peak_bytes", "the same of the most that it had while the scene was being prepared"),
         ],
