@@ -8,7 +8,7 @@ use crate::app::state::State;
 use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
 use crate::app::viewport::{Viewport, content_menu_ui, event_meaning, event_name};
 use crate::app::widgets::{
-    duration, note, row_ui, section_first_ui, section_ui, segmented_ui, short_count, thousands, value,
+    note, row_ui, section_first_ui, section_ui, segmented_ui, short_count, short_seconds, thousands, value,
 };
 use crate::render::ToneCurve;
 use crate::tracking::Mode;
@@ -202,7 +202,7 @@ fn progress_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
         let texts = match film {
             Some(film) => {
                 let samples = if film.is_preview() { "…".to_owned() } else { film.samples.to_string() };
-                [samples, duration(film.seconds), short_count(film.samples_per_second())]
+                [samples, short_seconds(film.seconds), short_count(film.samples_per_second())]
             }
             None => ["…", "…", "…"].map(str::to_owned),
         };
