@@ -7,7 +7,7 @@
 //! numbers are never significant. What noise is, a pixel knows from its own runs and, as they are few, from all other pixels': two
 //! runs that happen to agree are no proof of a mean that is known well.
 
-use super::spread::Image;
+use super::spread::{Image, Sums};
 use super::truth::Truth;
 use crate::report::timing::median;
 
@@ -44,7 +44,7 @@ fn usual_noise(truth: &Truth, images: &[&Image]) -> f64 {
     }
     let of_component = |pixel: usize, c: usize| {
         let mean = truth.pixels[pixel].mean[c];
-        Moments::of(images, pixel, c, mean).squared_error() / squared_radiance(mean)
+        squared_error(Sums::of(images, pixel, c, mean), images.len() as f64) / squared_radiance(mean)
     };
     let mut all: Vec<f64> = (0..truth.pixels.len())
         .flat_map(|pixel| (0..3).map(move |c| (pixel, c)))
@@ -53,37 +53,14 @@ fn usual_noise(truth: &Truth, images: &[&Image]) -> f64 {
     median(&mut all)
 }
 
+/// Of the mean of `count` components; of two or more.
+fn squared_error(sums: Sums, count: f64) -> f64 {
+    (sums.variance(count) / count).max(0.0)
+}
+
 /// As in relMSE, never 0.
 fn squared_radiance(radiance: f64) -> f64 {
     radiance * radiance + 0.01
-}
-
-/// One component of some images, as differences from a reference.
-struct Moments {
-    count: f64,
-    sum: f64,
-    squares: f64,
-}
-
-impl Moments {
-    fn of(images: &[&Image], pixel: usize, channel: usize, reference: f64) -> Self {
-        let (mut sum, mut squares) = (0.0, 0.0);
-        for image in images {
-            let off = f64::from(image[pixel][channel]) - reference;
-            sum += off;
-            squares += off * off;
-        }
-        Self { count: images.len() as f64, sum, squares }
-    }
-
-    fn mean(&self) -> f64 {
-        self.sum / self.count
-    }
-
-    /// Of the mean; of two images or more.
-    fn squared_error(&self) -> f64 {
-        ((self.squares - self.sum * self.mean()) / (self.count - 1.0) / self.count).max(0.0)
-    }
 }
 
 /// One component of a mean image against its reference.
@@ -99,15 +76,15 @@ impl Half {
         if images.is_empty() {
             return Self::default();
         }
-        let moments = Moments::of(images, pixel, channel, reference);
-        let off = moments.mean();
+        let (sums, count) = (Sums::of(images, pixel, channel, reference), images.len() as f64);
+        let off = sums.values / count;
         if images.len() < 2 {
             return Self { off, direction: 0.0 };
         }
         // As many degrees of freedom as there are, and one more for what is usual.
-        let freedom = moments.count - 1.0;
+        let freedom = count - 1.0;
         let usual = usual_noise * squared_radiance(reference);
-        let squared_error = (freedom * moments.squared_error() + usual) / (freedom + 1.0);
+        let squared_error = (freedom * squared_error(sums, count) + usual) / (freedom + 1.0);
         let floor = FLOOR * squared_radiance(reference);
         Self { off, direction: off / (off * off + NOISE * NOISE * squared_error + floor) }
     }

@@ -16,20 +16,31 @@ pub struct Spread<'a> {
     sums: Vec<[Sums; 3]>,
 }
 
+/// Of one component of some images.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sums {
+pub(super) struct Sums {
     /// Of x − r: near the truth little is lost to cancellation.
-    values: f64,
+    pub(super) values: f64,
     squares: f64,
 }
 
 impl Sums {
+    pub(super) fn of(images: &[&Image], pixel: usize, channel: usize, reference: f64) -> Self {
+        let mut sums = Self::default();
+        for image in images {
+            let d = f64::from(image[pixel][channel]) - reference;
+            sums.values += d;
+            sums.squares += d * d;
+        }
+        sums
+    }
+
     fn without(self, x: f64) -> Self {
         Self { values: self.values - x, squares: self.squares - x * x }
     }
 
     /// Sample variance of `count` runs.
-    fn variance(self, count: f64) -> f64 {
+    pub(super) fn variance(self, count: f64) -> f64 {
         (self.squares - self.values * self.values / count) / (count - 1.0)
     }
 
