@@ -26,7 +26,6 @@ pub fn findings(report: &Report) -> Vec<Finding> {
         slopes(report),
         shipped(report),
         wrong_modes(report),
-        cost(report),
         stability(report),
         sweeps(report),
         left_out(report),
@@ -139,42 +138,6 @@ fn shipped(report: &Report) -> Option<Finding> {
             fixed(steepest.1, 2),
             steepest.0
         ),
-    })
-}
-
-/// `rectified` beside the modes that carry a list, by the runs that both made with the same seed.
-fn cost(report: &Report) -> Option<Finding> {
-    let secs = |found: &SceneErrors, mode: Mode| -> Option<Vec<(u64, f64)>> {
-        let runs = &plain(found, mode)?.points.last()?.runs;
-        Some(runs.iter().map(|run| (run.seed, run.render_secs)).collect())
-    };
-    let mut parts = Vec::new();
-    for mode in [Mode::Stack, Mode::Priority] {
-        let mut ratios: Vec<(f64, &str)> = errors(report)
-            .filter_map(|(scene, found)| {
-                let (ours, others) = (secs(found, Mode::Rectified)?, secs(found, mode)?);
-                let of_seed = |&(seed, secs): &(u64, f64)| Some(secs / others.iter().find(|other| other.0 == seed)?.1);
-                let mut ratios: Vec<f64> = ours.iter().filter_map(of_seed).collect();
-                (!ratios.is_empty()).then(|| (median(&mut ratios), scene.name.as_str()))
-            })
-            .collect();
-        ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
-        if let (Some(least), Some(most)) = (ratios.first(), ratios.last()) {
-            let middle = median(&mut ratios.iter().map(|ratio| ratio.0).collect::<Vec<_>>());
-            parts.push(format!(
-                "over {mode} {} in the median scene, from {} ({}) to {} ({})",
-                fixed(middle, 2),
-                fixed(least.0, 2),
-                least.1,
-                fixed(most.0, 2),
-                most.1
-            ));
-        }
-    }
-    (!parts.is_empty()).then(|| Finding {
-        is_good: None,
-        what: "Time of a sample in rectified".to_owned(),
-        details: parts.join("; "),
     })
 }
 

@@ -145,7 +145,10 @@ pub fn curves(report: &Report) -> Table {
         row
     });
     let columns = [
-        ("equal_to", "the mode whose images these equal, to the last bit; empty for none"),
+        (
+            "equal_to",
+            "the mode whose images these equal, to the last bit, and whose numbers these are, times too; empty for none",
+        ),
         ("slope", "relmse_steady ~ samples^slope, fitted to each seed of error-runs.csv for itself: mean"),
         ("slope_low", "lower end of its 95 % t-interval over the seeds"),
         ("slope_high", "its upper end"),

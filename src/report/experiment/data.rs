@@ -86,7 +86,8 @@ pub struct Curve {
     pub mode: Mode,
     pub technique: Technique,
     /// The mode whose images these were equal to, to the bit, with the first seed and at every sample count. Other seeds were not
-    /// rendered again: all below is that mode's, but for `secs_before` and the times.
+    /// rendered again: all below is that mode's, seconds of rendering too; only `secs_before`, which every time counts in, is its own. So
+    /// such curves say nothing of how fast one mode is beside the other.
     pub equal_to: Option<Mode>,
     /// Seconds that the mode needs before its first sample, counted in all its times: rectification where it is used, else 0.
     pub secs_before: f64,
