@@ -1,19 +1,24 @@
 //! What kind of surface a mesh is: its components, its boundary, whether it crosses itself, which way it looks; and its repair where the
 //! intent is plain.
 //!
-//! Vertices are the same only if their positions are bit-equal: any tolerance would collapse thin shells. Everything here is in object
-//! space and in f64, so a transform changes nothing.
+//! Vertices are the same if their positions are bit-equal; a tolerance would collapse thin shells. Only the rims of a surface, where it has
+//! an edge without a neighbour, are joined across a few roundings ([`seam`]). Everything here is in object space and in f64, so a
+//! transform changes nothing.
 //!
 //! The *boundary* is that of the surface as a chain of oriented faces: edges along which as many faces run one way as the other cancel. A
 //! surface without boundary winds around every point a whole number of times, whatever else is odd about it. Where there is a boundary,
-//! the *gap* decides: the area that would close its loops, as a share of the surface's own area (0.05 where 5 % of the triangles are missing,
-//! 0.2 for a cube without its lid, ½ for a hemisphere, 1 for a flat sheet).
+//! the *gap* decides: the least area found to close its loops ([`fill`]), as a share of the surface's own area (0.05 where 5 % of the
+//! triangles are missing, 0.2 for a cube without its lid, ½ for a hemisphere, 1 for a flat sheet).
 
 mod boundary;
 mod components;
 mod connect;
 mod crossing;
+mod fill;
 mod nesting;
+mod partners;
+mod repeats;
+mod seam;
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -25,6 +30,7 @@ use self::boundary::Loop;
 use self::components::{Components, run_the_same_way};
 use self::connect::Edges;
 use self::crossing::Crossings;
+use self::fill::{Filling, fill};
 use self::nesting::{Body, Verdict};
 use super::Mesh;
 use super::hierarchy::{Extent, Hierarchy};
@@ -160,9 +166,13 @@ impl Topology {
 /// A mesh on its way.
 struct Analysis<'a> {
     mesh: &'a Mesh,
+    /// As the mesh has them, but for vertices that were joined at seams.
+    positions: Cow<'a, [DVec3]>,
     /// The faces that are left, as the mesh has them.
     triangles: Cow<'a, [[u32; 3]]>,
-    /// The same by welded vertices.
+    /// For each vertex the one that stands for its place.
+    first_at: Vec<u32>,
+    /// The faces that are left, by those vertices.
     faces: Vec<[u32; 3]>,
     findings: Vec<Finding>,
 }
@@ -171,46 +181,59 @@ impl<'a> Analysis<'a> {
     fn new(mesh: &'a Mesh) -> Self {
         let first_at = connect::weld(&mesh.positions);
         let faces = mesh.triangles.iter().map(|t| t.map(|i| first_at[i as usize])).collect();
-        Self { mesh, triangles: Cow::Borrowed(&mesh.triangles), faces, findings: Vec::new() }
+        let (positions, triangles) = (Cow::Borrowed(&mesh.positions[..]), Cow::Borrowed(&mesh.triangles[..]));
+        Self { mesh, positions, triangles, first_at, faces, findings: Vec::new() }
     }
 
     fn run(mut self, is_repaired: bool) -> Topology {
-        let positions = &self.mesh.positions;
         self.drop_degenerate();
-        let mut edges = connect::connect(&self.faces, positions.len());
-        if is_repaired && edges.has_twins {
-            self.drop_twins();
-            edges = connect::connect(&self.faces, positions.len());
+        let mut edges = connect::connect(&self.faces, self.positions.len());
+        if is_repaired {
+            edges = self.join_seams(edges);
         }
+        if is_repaired && edges.has_twins {
+            self.drop_repeats();
+            edges = connect::connect(&self.faces, self.positions.len());
+        }
+        partners::find(&mut edges, &self.faces, &self.triangles, &self.positions);
         let components = components::components(&self.faces, &edges, |face| self.area_vector(face).length());
         let mixed = if is_repaired { &components.turned[..] } else { &[] };
         self.turn(&mut edges, |face| mixed.get(face).copied().unwrap_or_default());
 
         let mut half_edges = self.half_edges(&edges, &components);
-        let (parts, loops) = self.parts(&components, &mut half_edges);
+        let (parts, mut loops) = self.parts(&components, &mut half_edges);
+        let mut filling = fill(&loops, &self.positions, self.reference());
         let all = self.extent(|_| true);
-        let bodies: Vec<Option<Body>> = parts.iter().map(|part| part.body((all.max - all.min).length())).collect();
+        let size = (all.max - all.min).length();
+        let area: f64 = parts.iter().map(|part| part.area).sum();
+        let bodies: Vec<Option<Body>> = parts.iter().map(|part| part.body(size)).collect();
         let tree = is_repaired.then(|| Hierarchy::build(self.faces.len(), |face| self.corners(face as usize)));
-        let verdicts = match &tree {
-            Some(tree) => nesting::judge(&bodies, tree, &self.faces, &components.of_face, positions),
+        let mut verdicts = match &tree {
+            Some(tree) => nesting::judge(&bodies, tree, &self.faces, &components.of_face, &self.positions),
             None => vec![Verdict::default(); bodies.len()],
         };
+        // What encloses something only as a whole is turned as a whole.
+        let sum_of_volumes = || parts.iter().map(|part| part.volume).sum::<f64>();
+        if is_repaired && bodies.iter().all(Option::is_none) && filling.area <= GAP_OF_SHEET * area {
+            let is_turned = sum_of_volumes() + filling.volume < -rounding_of_volume(area, size);
+            verdicts.iter_mut().for_each(|verdict| verdict.is_turned = is_turned);
+        }
         self.turn(&mut edges, |face| verdicts[components.of_face[face] as usize].is_turned);
 
         // Where components share edges, the boundaries that they have alone may cancel.
-        let loops = if edges.crowded > 0 && components.count > 1 {
+        if !edges.crowds.is_empty() && components.count > 1 {
             half_edges = self.half_edges(&edges, &components);
-            boundary::loops(&boundary::uncancelled(&half_edges), positions, self.reference())
-        } else {
-            loops
-        };
-        let area: f64 = parts.iter().map(|part| part.area).sum();
-        let gap = if loops.is_empty() { 0.0 } else { loops.iter().map(|l| l.area).sum::<f64>() / area };
-        let crossings = tree.map(|tree| crossing::crossings(&tree, &self.faces, positions)).unwrap_or_default();
+            loops = boundary::loops(&boundary::uncancelled(&half_edges), &self.positions);
+            filling = fill(&loops, &self.positions, self.reference());
+        }
+        let gap = if loops.is_empty() { 0.0 } else { filling.area / area };
+        let crossings = tree
+            .map(|tree| crossing::crossings(&tree, &self.faces, &self.positions, &components.of_face))
+            .unwrap_or_default();
         let is_union = !crossings.pairs.is_empty()
             || crossings.touches
             || crossings.is_given_up
-            || edges.crowded > 0
+            || !edges.crowds.is_empty()
             || verdicts.iter().any(|v| v.winding.max(v.winding_outside) > 1);
         let enclosure = match gap {
             _ if self.faces.is_empty() => Enclosure::Sheet,
@@ -226,10 +249,9 @@ impl<'a> Analysis<'a> {
                 |(body, verdict): (&Body, &Verdict)| if verdict.is_turned { -body.volume } else { body.volume };
             (bodies.iter().zip(&verdicts)).filter_map(|(b, v)| Some(signed((b.as_ref()?, v)))).sum::<f64>().abs()
         } else {
-            let gap_volume: f64 = loops.iter().map(|l| l.volume).sum();
             // Rounding leaves something of what is flat.
-            let volume = (parts.iter().map(|part| part.volume).sum::<f64>() + gap_volume).abs();
-            if volume > rounding_of_volume(area, (all.max - all.min).length()) { volume } else { 0.0 }
+            let volume = (sum_of_volumes() + filling.volume).abs();
+            if volume > rounding_of_volume(area, size) { volume } else { 0.0 }
         };
 
         self.report_turned(mixed, &components, &verdicts);
@@ -257,7 +279,7 @@ impl<'a> Analysis<'a> {
     fn corners(&self, face: usize) -> [DVec3; 3] {
         // Written out: the compiler leaves `map` a function of its own here, which costs a tenth of everything.
         let [a, b, c] = self.faces[face];
-        let at = |v: u32| self.mesh.positions[v as usize];
+        let at = |v: u32| self.positions[v as usize];
         [at(a), at(b), at(c)]
     }
 
@@ -267,7 +289,7 @@ impl<'a> Analysis<'a> {
 
     /// The point that volumes are measured from: one of the mesh, so that a far mesh keeps its digits.
     fn reference(&self) -> DVec3 {
-        self.faces.first().map_or(DVec3::ZERO, |face| self.mesh.positions[face[0] as usize])
+        self.faces.first().map_or(DVec3::ZERO, |face| self.positions[face[0] as usize])
     }
 
     fn extent(&self, is_meant: impl Fn(usize) -> bool) -> Extent {
@@ -293,65 +315,78 @@ impl<'a> Analysis<'a> {
         self.triangles = Cow::Owned(keep(&self.triangles));
     }
 
-    /// Faces with two equal corners are none.
+    /// Leaves out the faces with two equal corners, and says so.
     fn drop_degenerate(&mut self) {
-        let is_face = |[a, b, c]: [u32; 3]| a != b && b != c && c != a;
-        if self.faces.iter().all(|&face| is_face(face)) {
-            return;
+        let lines: Vec<usize> = (0..self.faces.len()).filter(|&face| is_line(self.faces[face])).collect();
+        if !lines.is_empty() {
+            let extent = Extent::of(lines.iter().flat_map(|&face| self.corners(face)));
+            self.report(FindingKind::DegenerateTriangles, lines.len() as u64, extent);
+            self.drop_lines();
         }
-        let is_kept: Vec<bool> = self.faces.iter().map(|&face| is_face(face)).collect();
-        let count = is_kept.iter().filter(|kept| !**kept).count() as u64;
-        let extent = self.extent(|face| !is_kept[face]);
-        self.report(FindingKind::DegenerateTriangles, count, extent);
-        self.keep(&is_kept);
     }
 
-    /// Of faces over the same corners, those that look the same way are one, and two that look opposite ways enclose nothing.
-    fn drop_twins(&mut self) {
-        // (corners in ascending order, whether that is an odd permutation, face)
-        let mut keys: Vec<([u32; 3], bool, u32)> = (self.faces.iter().enumerate())
-            .map(|(index, &[a, b, c])| {
-                let mut sorted = [a, b, c];
-                sorted.sort_unstable();
-                let is_even = sorted == [a, b, c] || sorted == [b, c, a] || sorted == [c, a, b];
-                (sorted, !is_even, index as u32)
-            })
-            .collect();
-        keys.sort_unstable();
-        let same = |a: &([u32; 3], bool, u32), b: &([u32; 3], bool, u32)| a.0 == b.0;
-        // A mesh that is written twice, once for each side, is one surface.
-        let is_two_sided = keys.chunk_by(same).all(|twins| twins[0].1 != twins[twins.len() - 1].1);
-        let mut is_kept = vec![true; self.faces.len()];
-        let mut is_duplicate = vec![false; self.faces.len()];
-        let mut is_double = vec![false; self.faces.len()];
-        let mut pairs = 0;
-        for twins in keys.chunk_by(same).filter(|twins| twins.len() > 1) {
-            let odd = twins.partition_point(|twin| !twin.1);
-            for side in [&twins[..odd], &twins[odd..]] {
-                for &(_, _, face) in side.iter().skip(1) {
-                    is_duplicate[face as usize] = true;
-                    is_kept[face as usize] = false;
-                }
-            }
-            if odd > 0 && odd < twins.len() {
-                let (a, b) = (twins[0].2, twins[odd].2);
-                pairs += 1;
-                for face in [a, b] {
-                    is_double[face as usize] = true;
-                    is_kept[face as usize] = is_two_sided && face == a.min(b);
-                }
+    /// Leaves out the faces with two equal corners.
+    fn drop_lines(&mut self) {
+        let is_kept: Vec<bool> = self.faces.iter().map(|&face| !is_line(face)).collect();
+        if is_kept.contains(&false) {
+            self.keep(&is_kept);
+        }
+    }
+
+    /// Joins vertices that differ by rounding: the ends of edges without length, then the rims of seams, from the nearest to the farthest that
+    /// may be one. Faces that this makes lines are left out.
+    fn join_seams(&mut self, mut edges: Edges) -> Edges {
+        let extent = self.extent(|_| true);
+        let short = seam::short_edges(&self.faces, &self.positions, seam::rounding(extent));
+        if !short.is_empty() {
+            self.join(&short);
+            edges = connect::connect(&self.faces, self.positions.len());
+        }
+        if edges.neighbours.iter().all(|across| !across.contains(&NONE)) {
+            return edges;
+        }
+        for reach in seam::reaches(&self.positions, extent) {
+            let joints = seam::joints(&self.faces, &edges, &self.positions, reach);
+            if !joints.is_empty() {
+                self.join(&joints);
+                edges = connect::connect(&self.faces, self.positions.len());
             }
         }
-        let duplicates = is_duplicate.iter().filter(|d| **d).count() as u64;
-        if duplicates > 0 {
-            let extent = self.extent(|face| is_duplicate[face]);
-            self.report(FindingKind::DuplicateTriangles, duplicates, extent);
+        edges
+    }
+
+    /// Makes each vertex one with the vertex that stands for it.
+    fn join(&mut self, joints: &[(u32, u32)]) {
+        let mut stands_for: Vec<u32> = (0..self.positions.len() as u32).collect();
+        for &(vertex, first) in joints {
+            stands_for[vertex as usize] = first;
         }
-        if pairs > 0 {
-            let extent = self.extent(|face| is_double[face]);
-            self.report(FindingKind::DoubleFaces, pairs, extent);
+        let positions = self.positions.to_mut();
+        for (index, first) in self.first_at.iter_mut().enumerate() {
+            let joined = stands_for[*first as usize];
+            if joined != *first {
+                *first = joined;
+                positions[index] = positions[joined as usize];
+            }
         }
-        self.keep(&is_kept);
+        self.faces.iter_mut().for_each(|face| *face = face.map(|v| stands_for[v as usize]));
+        self.drop_lines();
+    }
+
+    /// Leaves out repeated faces that are none, and says so.
+    fn drop_repeats(&mut self) {
+        let repeats = repeats::decide(&self.faces);
+        if !repeats.duplicates.is_empty() {
+            let extent = Extent::of(repeats.duplicates.iter().flat_map(|&face| self.corners(face as usize)));
+            self.report(FindingKind::DuplicateTriangles, repeats.duplicates.len() as u64, extent);
+        }
+        if !repeats.doubles.is_empty() {
+            let extent = Extent::of(repeats.doubles.iter().flatten().flat_map(|&face| self.corners(face as usize)));
+            self.report(FindingKind::DoubleFaces, repeats.doubles.len() as u64, extent);
+        }
+        if repeats.is_kept.contains(&false) {
+            self.keep(&repeats.is_kept);
+        }
     }
 
     /// Turns faces over.
@@ -381,7 +416,7 @@ impl<'a> Analysis<'a> {
         found
     }
 
-    /// Sums over each component, with the loops that bound it alone, and all these loops.
+    /// Sums over each component, with what fills the loops that bound it alone, and all these loops.
     fn parts(&self, components: &Components, half_edges: &mut [HalfEdge]) -> (Vec<Part>, Vec<Loop>) {
         let reference = self.reference();
         let mut parts = vec![Part::NOTHING; components.count as usize];
@@ -403,10 +438,9 @@ impl<'a> Analysis<'a> {
         half_edges.sort_unstable();
         let mut all = Vec::new();
         for own in half_edges.chunk_by(|a, b| a.component == b.component) {
-            let loops = boundary::loops(&boundary::uncancelled(own), &self.mesh.positions, reference);
+            let loops = boundary::loops(&boundary::uncancelled(own), &self.positions);
             let part = &mut parts[own[0].component as usize];
-            part.gap_area = loops.iter().map(|l| l.area).sum();
-            part.gap_volume = loops.iter().map(|l| l.volume).sum();
+            part.filling = fill(&loops, &self.positions, reference);
             all.extend(loops);
         }
         (parts, all)
@@ -442,17 +476,18 @@ impl<'a> Analysis<'a> {
     }
 
     fn report_boundary(&mut self, loops: &[Loop], edges: &Edges, half_edges: &[HalfEdge]) {
-        // The place is that of the widest gap; of slits, which have no area, that of the first.
-        let widest = loops.iter().reduce(|a, b| if b.area > a.area { b } else { a });
+        // The place is that of the widest loop.
+        let width = |l: &Loop| (l.extent.max - l.extent.min).length();
+        let widest = loops.iter().reduce(|a, b| if width(b) > width(a) { b } else { a });
         if let Some(widest) = widest {
             self.report(FindingKind::OpenMesh, boundary::uncancelled(half_edges).len() as u64, widest.extent);
         }
-        if edges.crowded > 0 {
+        if !edges.crowds.is_empty() {
             let mut sides: Vec<(u32, u32)> = half_edges.iter().map(|h| (h.from.min(h.to), h.from.max(h.to))).collect();
             sides.sort_unstable();
             let first = sides.chunk_by(|a, b| a == b).find(|edge| edge.len() > 2).map_or((0, 0), |edge| edge[0]);
-            let place = Extent::of([first.0, first.1].map(|v| self.mesh.positions[v as usize]));
-            self.report(FindingKind::NonManifold, edges.crowded, place);
+            let place = Extent::of([first.0, first.1].map(|v| self.positions[v as usize]));
+            self.report(FindingKind::NonManifold, edges.crowds.len() as u64, place);
         }
     }
 
@@ -475,11 +510,13 @@ impl<'a> Analysis<'a> {
     }
 
     fn repaired_mesh(&self) -> Option<Arc<Mesh>> {
-        let Cow::Owned(triangles) = &self.triangles else { return None };
+        if matches!((&self.positions, &self.triangles), (Cow::Borrowed(_), Cow::Borrowed(_))) {
+            return None;
+        }
         let mut mesh = Mesh {
-            positions: self.mesh.positions.clone(),
+            positions: self.positions.to_vec(),
             normals: self.mesh.normals.clone(),
-            triangles: triangles.clone(),
+            triangles: self.triangles.to_vec(),
         };
         // Normals that were right for faces that have been turned are so no more.
         if !mesh.normals.is_empty() {
@@ -507,21 +544,30 @@ struct Part {
     /// The highest vertex along [`nesting::UP`].
     top: DVec3,
     height: f64,
-    /// Of the triangles that would close it.
-    gap_area: f64,
-    gap_volume: f64,
+    /// What would close it.
+    filling: Filling,
 }
 
 impl Part {
-    const NOTHING: Self =
-        Self { area: 0.0, volume: 0.0, top: DVec3::ZERO, height: f64::NEG_INFINITY, gap_area: 0.0, gap_volume: 0.0 };
+    const NOTHING: Self = Self {
+        area: 0.0,
+        volume: 0.0,
+        top: DVec3::ZERO,
+        height: f64::NEG_INFINITY,
+        filling: Filling { area: 0.0, volume: 0.0 },
+    };
 
     /// What it encloses, if anything; `size` is the mesh's diagonal.
     fn body(&self, size: f64) -> Option<Body> {
-        let volume = self.volume + self.gap_volume;
-        let encloses = self.gap_area <= GAP_OF_SHEET * self.area && volume.abs() > rounding_of_volume(self.area, size);
+        let volume = self.volume + self.filling.volume;
+        let encloses =
+            self.filling.area <= GAP_OF_SHEET * self.area && volume.abs() > rounding_of_volume(self.area, size);
         encloses.then_some(Body { volume, top: self.top, height: self.height })
     }
+}
+
+fn is_line([a, b, c]: [u32; 3]) -> bool {
+    a == b || b == c || c == a
 }
 
 /// Volumes are sums of products of an area vector and a distance: this much of them may be rounding.

@@ -7,9 +7,9 @@
 use glam::DVec3;
 
 use super::contact::{Contact, Cover, Face, Relation, is_refractor, least};
-use super::containment::{containment_beside, is_inside, is_inside_by_vote};
+use super::containment::{containment_beside, fills_beside, is_inside, is_inside_by_vote};
 use super::surroundings::{Answer, State, Surroundings};
-use crate::geometry::{PrimitiveId, SurfacePoint};
+use crate::geometry::{Enclosure, PrimitiveId, SurfacePoint};
 use crate::scene::World;
 use crate::scene::world::ObjectId;
 
@@ -105,6 +105,9 @@ impl Ask {
             let state = match member.coincident.iter().find(|(primitive, _)| covers(*primitive)) {
                 // Of twins, the first one stands for both.
                 Some((primitive, _)) if *primitive < point.primitive => return None,
+                Some(_) if is_union(world, member.refractor) => {
+                    state_of_union(world, member.refractor, self.base.subject, point)?
+                }
                 Some((_, same)) => State::of_coincident(*same),
                 None if is_inside(world, member.refractor, point) => State::In,
                 None => State::Out,
@@ -120,6 +123,17 @@ impl Member {
     fn states(&self) -> usize {
         if self.coincident.is_empty() { 2 } else { 4 }
     }
+}
+
+fn is_union(world: &World, refractor: ObjectId) -> bool {
+    world.object(refractor).enclosure == Enclosure::Union
+}
+
+/// How a union lies at a point of a surface that faces of its own coincide with: several of them may, of parts on either side. `None` where the
+/// union is the subject itself and its faces there enclose nothing between them.
+fn state_of_union(world: &World, union: ObjectId, subject: ObjectId, point: &SurfacePoint) -> Option<State> {
+    let [is_outer, is_inner] = [true, false].map(|is_outer| fills_beside(world, union, point, is_outer));
+    (is_inner || union != subject).then(|| State::of_sides(is_outer, is_inner))
 }
 
 /// A touched face, divided. Children come after their parents; a triangle has one root, a sphere one for each octant.
@@ -309,16 +323,21 @@ impl Divider<'_> {
         let reach = radius * (1.0 + 1e-9) + 4.0 * least;
         let mut remaining = Vec::with_capacity(actives.len());
         for mut active in actives {
-            let mut covering = None;
+            let is_union = is_union(self.world, active.object);
+            let mut covering: Option<u32> = None;
+            let mut has_parts = false;
             active.coincident.retain(|&index| match self.pool[index as usize].1.cover(&ends, least) {
                 Cover::Nothing => false,
-                Cover::Part => true,
+                Cover::Part => {
+                    has_parts = true;
+                    true
+                }
                 Cover::All => {
                     covering = covering.or(Some(index));
                     true
                 }
             });
-            if let Some(index) = covering {
+            if let Some(index) = covering.filter(|_| !is_union) {
                 let contact = self.pool[index as usize].0;
                 let Relation::Coincides { same } = contact.relation else { continue };
                 base.is_masked |= !active.is_refractor || contact.primitive < self.face;
@@ -326,7 +345,14 @@ impl Divider<'_> {
                 continue;
             }
             active.crossing.retain(|&index| self.pool[index as usize].1.distance(middle.position) <= reach);
-            if !active.crossing.is_empty() || !active.coincident.is_empty() {
+            if let Some(index) = covering.filter(|_| !has_parts && active.crossing.is_empty()) {
+                // Contacts are in the order of primitives, so this is the first of the union's faces here.
+                base.is_masked |= self.pool[index as usize].0.primitive < self.face;
+                match state_of_union(self.world, active.object, base.subject, &middle) {
+                    Some(state) => base.add(active.object, state),
+                    None => base.is_masked = true,
+                }
+            } else if !active.crossing.is_empty() || !active.coincident.is_empty() {
                 remaining.push(active);
             } else if active.is_refractor && is_inside_by_vote(self.world, active.object, &middle) {
                 base.add(active.object, State::In);

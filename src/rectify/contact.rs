@@ -146,10 +146,10 @@ impl Seeker<'_> {
                 return;
             }
             let other = Face::of(geometry, primitive);
-            if is_own && this.shares_a_corner(&other) {
+            let Some(relation) = this.relation(&other, least(geometry)) else { return };
+            if is_own && relation == Relation::Touches && !this.touches_beyond_corners(&other, margin.max_element()) {
                 return;
             }
-            let Some(relation) = this.relation(&other, least(geometry)) else { return };
             // Opaque surfaces contain nothing: only where they lie on a refractor do they matter.
             let matters = is_refractor(self.world, object)
                 || (self.is_refractor && matches!(relation, Relation::Coincides { .. }));
@@ -216,9 +216,21 @@ impl Face {
         min.abs().max(max.abs())
     }
 
-    fn shares_a_corner(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Triangle { corners: a, .. }, Self::Triangle { corners: b, .. }) => a.iter().any(|p| b.contains(p)),
+    /// Whether two faces of one object that touch do so at more than the corners and the edge that they share.
+    fn touches_beyond_corners(&self, other: &Self, margin: f64) -> bool {
+        let (Self::Triangle { corners: a, .. }, Self::Triangle { corners: b, .. }) = (self, other) else { return true };
+        let shared = |p: &DVec3| b.iter().position(|q| q == p);
+        let joints: [Option<usize>; 3] = std::array::from_fn(|i| shared(&a[i]));
+        match joints.iter().flatten().count() {
+            0 => true,
+            // An edge from the common corner that lies on the other face.
+            1 => (0..3).any(|i| {
+                let Some(j) = joints[i] else { return false };
+                let lies_on = |edges: &[DVec3; 3], k: usize, face: &[DVec3; 3], corner: usize| {
+                    [1, 2].into_iter().any(|step| is_along(edges[(k + step) % 3], face, corner, margin))
+                };
+                lies_on(a, i, b, j) || lies_on(b, j, a, i)
+            }),
             _ => false,
         }
     }
@@ -286,6 +298,17 @@ impl Face {
         }
         Cover::Part
     }
+}
+
+/// Whether the edge from corner `k` of a face to `end` lies on that face, some way from the corner on.
+fn is_along(end: DVec3, face: &[DVec3; 3], k: usize, margin: f64) -> bool {
+    let corner = face[k];
+    let (p, q) = (face[(k + 1) % 3] - corner, face[(k + 2) % 3] - corner);
+    // So far from the corner the third edge has not cut the face off.
+    let reach = (end - corner).length().min(p.cross(q).length() / p.distance(q)) / 2.0;
+    let point = corner + (end - corner).normalize_or_zero() * reach;
+    // What is nearer to the corner than that cannot be told from it.
+    reach > 4.0 * margin && closest_point(*face, point).distance(point) <= margin
 }
 
 /// How much of a cell a coincident face covers.

@@ -178,10 +178,15 @@ pub fn containment(world: &World, point: DVec3, except: Option<ObjectId>) -> Con
 /// union, and never on the inner.
 pub fn containment_beside(world: &World, point: &SurfacePoint, is_outer: bool) -> Containment {
     let own = ObjectId(world.geometry.object_of(point.primitive));
-    let side = SurfacePoint { normal: if is_outer { point.normal } else { -point.normal }, ..*point };
-    let votes = poll(world, point.position, |random| outward_ray(&side, random), |hit| is_at_start(world, point, hit));
+    let votes = votes_beside(world, point, is_outer);
     let may_contain_itself = is_outer && world.object(own).enclosure == Enclosure::Union;
     settle(world, point.position, votes, (!may_contain_itself).then_some(own))
+}
+
+/// The votes of rays that leave a surface on one side. Faces that coincide with it there are no hits.
+fn votes_beside(world: &World, point: &SurfacePoint, is_outer: bool) -> Vec<Vote> {
+    let side = SurfacePoint { normal: if is_outer { point.normal } else { -point.normal }, ..*point };
+    poll(world, point.position, |random| outward_ray(&side, random), |hit| is_at_start(world, point, hit))
 }
 
 /// Whether a hit of a ray that leaves `point` is of a face that coincides with that of the point.
@@ -284,6 +289,13 @@ pub fn is_inside_by_vote(world: &World, refractor: ObjectId, point: &SurfacePoin
             votes.iter().any(|vote| vote.refractor == refractor && vote.is_inside())
         }
     }
+}
+
+/// Whether `refractor`, a union, fills the outer side of a surface, or the inner side, next to a point where faces of its own may coincide with
+/// that surface: rays that leave on that side tell, and those faces are no hits.
+pub(super) fn fills_beside(world: &World, refractor: ObjectId, point: &SurfacePoint, is_outer: bool) -> bool {
+    let votes = votes_beside(world, point, is_outer);
+    votes.iter().any(|vote| vote.refractor == refractor && vote.is_inside())
 }
 
 /// A ray from a surface into its outer side.

@@ -414,8 +414,12 @@ impl Splitter<'_> {
                 let settled = (contacts.iter())
                     .filter(|contact| matches!(contact.relation, contact::Relation::Coincides { .. }))
                     .map(|contact| ObjectId(self.world.geometry.object_of(contact.primitive)))
-                    // Those that coincide next to it and do not reach it lie on both sides or on neither.
-                    .filter(|object| surroundings.outer.contains(object) != surroundings.inner.contains(object));
+                    // Those that coincide next to it and do not reach it lie on both sides or on neither. So may a union's parts on either side
+                    // of it, which rays that start on it cannot tell.
+                    .filter(|object| {
+                        let is_union = self.world.object(*object).enclosure == Enclosure::Union;
+                        is_union || surroundings.outer.contains(object) != surroundings.inner.contains(object)
+                    });
                 let mut settled: Vec<ObjectId> = settled.collect();
                 settled.sort_unstable();
                 settled.dedup();
@@ -491,8 +495,9 @@ impl Splitter<'_> {
                 if let Fate::Known(surroundings, settled) = &fates[first as usize] {
                     site.fixed.is_masked = surroundings.is_masked;
                     for &refractor in settled {
-                        let same = surroundings.inner.contains(&refractor);
-                        site.fixed.add(refractor, State::of_coincident(same));
+                        let contains = |side: &[ObjectId]| side.contains(&refractor);
+                        let state = State::of_sides(contains(&surroundings.outer), contains(&surroundings.inner));
+                        site.fixed.add(refractor, state);
                     }
                     site.settled = settled.clone();
                 }

@@ -24,6 +24,15 @@ impl State {
         if same { Self::InnerOnly } else { Self::OuterOnly }
     }
 
+    pub fn of_sides(is_outer: bool, is_inner: bool) -> Self {
+        match (is_outer, is_inner) {
+            (false, false) => Self::Out,
+            (true, true) => Self::In,
+            (false, true) => Self::InnerOnly,
+            (true, false) => Self::OuterOnly,
+        }
+    }
+
     pub fn is_outer(self) -> bool {
         matches!(self, Self::In | Self::OuterOnly)
     }

@@ -17,11 +17,9 @@ pub(super) struct HalfEdge {
 /// A closed way along the boundary.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Loop {
+    /// In the order in which the boundary runs.
+    pub vertices: Vec<u32>,
     pub extent: Extent,
-    /// Of the fan of triangles from the loop's middle that would close it: exact for flat convex loops, else an estimate from above.
-    pub area: f64,
-    /// What that fan adds to the volume that is measured from the same reference point.
-    pub volume: f64,
 }
 
 /// The boundary of a chain of faces: what is left of `half_edges` when opposite ones cancel. As the boundary of any chain, it enters every
@@ -41,8 +39,8 @@ pub(super) fn uncancelled(half_edges: &[HalfEdge]) -> Vec<(u32, u32)> {
     left
 }
 
-/// Takes `edges`, sorted by their starts, apart into loops that meet no vertex twice. `volume` is relative to `reference`.
-pub(super) fn loops(edges: &[(u32, u32)], positions: &[DVec3], reference: DVec3) -> Vec<Loop> {
+/// Takes `edges`, sorted by their starts, apart into loops that meet no vertex twice.
+pub(super) fn loops(edges: &[(u32, u32)], positions: &[DVec3]) -> Vec<Loop> {
     let mut used = vec![false; edges.len()];
     // Where the search for an unused edge from a vertex goes on.
     let mut next_of: HashMap<u32, usize> = HashMap::with_capacity(edges.len());
@@ -61,10 +59,12 @@ pub(super) fn loops(edges: &[(u32, u32)], positions: &[DVec3], reference: DVec3)
         let mut at = edges[first].0;
         loop {
             if let Some(&place) = place_on_way.get(&at) {
-                found.push(close(&way[place..], positions, reference));
-                for vertex in way.drain(place..) {
-                    place_on_way.remove(&vertex);
+                let vertices = way.split_off(place);
+                for vertex in &vertices {
+                    place_on_way.remove(vertex);
                 }
+                let extent = Extent::of(vertices.iter().map(|&vertex| positions[vertex as usize]));
+                found.push(Loop { vertices, extent });
             }
             let Some(next) = next_of.get_mut(&at) else { break };
             while *next < edges.len() && edges[*next].0 == at && used[*next] {
@@ -83,20 +83,6 @@ pub(super) fn loops(edges: &[(u32, u32)], positions: &[DVec3], reference: DVec3)
     found
 }
 
-fn close(way: &[u32], positions: &[DVec3], reference: DVec3) -> Loop {
-    let points = || way.iter().map(|&vertex| positions[vertex as usize]);
-    let extent = Extent::of(points());
-    let middle = points().map(|p| p - reference).sum::<DVec3>() / way.len() as f64;
-    let (mut area, mut volume) = (0.0, 0.0);
-    for (a, b) in points().zip(points().cycle().skip(1)) {
-        let (a, b) = (a - reference, b - reference);
-        area += (a - middle).cross(b - middle).length() / 2.0;
-        // The face runs from a to b, so the closing triangle runs from b to a.
-        volume += b.dot(a.cross(middle)) / 6.0;
-    }
-    Loop { extent, area, volume }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -111,24 +97,15 @@ mod tests {
         assert_eq!(uncancelled(&half_edges(&[(1, 2), (1, 2)])), [(1, 2), (1, 2)]);
     }
 
-    #[test]
-    fn a_square_is_closed_by_its_area() {
-        let positions = [DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y];
-        let edges = uncancelled(&half_edges(&[(2, 3), (0, 1), (3, 0), (1, 2)]));
-        let found = loops(&edges, &positions, DVec3::new(0.3, 0.2, 1.5));
-        assert_eq!(found.len(), 1);
-        assert!((found[0].area - 1.0).abs() < 1e-15);
-        // The lid looks down, away from the reference above it: a pyramid of height 1.5.
-        assert!((found[0].volume - 0.5).abs() < 1e-15, "{}", found[0].volume);
-    }
-
     /// Two triangles that touch in a corner are two loops, whatever the order in which they are walked.
     #[test]
     fn loops_that_touch_are_taken_apart() {
         let positions = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y];
         let edges = uncancelled(&half_edges(&[(0, 1), (1, 2), (2, 0), (0, 3), (3, 4), (4, 0)]));
-        let found = loops(&edges, &positions, DVec3::ZERO);
-        assert_eq!(found.len(), 2);
-        assert!(found.iter().all(|l| (l.area - 0.5).abs() < 1e-15));
+        let found = loops(&edges, &positions);
+        let mut sets: Vec<Vec<u32>> = found.into_iter().map(|l| l.vertices).collect();
+        sets.iter_mut().for_each(|vertices| vertices.sort_unstable());
+        sets.sort_unstable();
+        assert_eq!(sets, [[0, 1, 2], [0, 3, 4]]);
     }
 }

@@ -13,7 +13,7 @@ pub(super) struct Components {
     pub one_sided: Vec<bool>,
 }
 
-/// Components are joined by edges that exactly two faces share, and numbered in the order of their first faces.
+/// Components are joined by edges that exactly two faces share, and by partners on crowded edges, and numbered in the order of their first faces.
 pub(super) fn components(faces: &[[u32; 3]], edges: &Edges, area: impl Fn(usize) -> f64) -> Components {
     let mut found =
         Components { count: 0, of_face: vec![NONE; faces.len()], turned: Vec::new(), one_sided: Vec::new() };
@@ -37,7 +37,8 @@ pub(super) fn components(faces: &[[u32; 3]], edges: &Edges, area: impl Fn(usize)
             if edges.is_mixed {
                 members.push(face as u32);
             }
-            for (k, &other) in edges.neighbours[face].iter().enumerate() {
+            for k in 0..3 {
+                let other = edges.across(face, k);
                 if other == NONE {
                     continue;
                 }

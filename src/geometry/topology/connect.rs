@@ -1,5 +1,7 @@
 //! Which vertices are the same and which faces meet at which edges.
 
+use std::collections::{HashMap, HashSet};
+
 use glam::DVec3;
 
 use super::NONE;
@@ -41,6 +43,7 @@ fn mix(bits: [u64; 3]) -> u64 {
 }
 
 /// What meets at the edges.
+#[derive(Default)]
 pub(super) struct Edges {
     /// Face across each edge; [`NONE`] where it is not shared by exactly two faces.
     pub neighbours: Vec<[u32; 3]>,
@@ -48,8 +51,12 @@ pub(super) struct Edges {
     pub is_mixed: bool,
     /// Whether two faces have the same three corners.
     pub has_twins: bool,
-    /// Edges of three or more faces.
-    pub crowded: u64,
+    /// The half-edges of each edge of three or more faces, as 3 · face + corner.
+    pub crowds: Vec<Vec<u32>>,
+    /// Half-edges on crowded edges that belong together: two faces of one part.
+    pub partners: HashMap<u32, u32>,
+    /// All half-edges on crowded edges.
+    crowded: HashSet<u32>,
 }
 
 /// Finds the neighbours of `faces`, three different vertices each, all below `vertices`.
@@ -75,7 +82,7 @@ pub(super) fn connect(faces: &[[u32; 3]], vertices: usize) -> Edges {
         }
     }
 
-    let mut edges = Edges { neighbours: vec![[NONE; 3]; faces.len()], is_mixed: false, has_twins: false, crowded: 0 };
+    let mut edges = Edges { neighbours: vec![[NONE; 3]; faces.len()], ..Edges::default() };
     let mut start = 0;
     for &end in &ends[..vertices] {
         let around = &mut half_edges[start..end as usize];
@@ -89,6 +96,21 @@ pub(super) fn connect(faces: &[[u32; 3]], vertices: usize) -> Edges {
 }
 
 impl Edges {
+    /// Whether edge `k` of a face is shared by three or more.
+    pub fn is_crowded(&self, face: usize, k: usize) -> bool {
+        !self.crowded.is_empty() && self.crowded.contains(&((3 * face + k) as u32))
+    }
+
+    /// The face across edge `k` of a face: its neighbour, or on a crowded edge its partner; [`NONE`] if there is none.
+    pub fn across(&self, face: usize, k: usize) -> u32 {
+        match self.neighbours[face][k] {
+            NONE if !self.partners.is_empty() => {
+                self.partners.get(&((3 * face + k) as u32)).map_or(NONE, |partner| partner / 3)
+            }
+            neighbour => neighbour,
+        }
+    }
+
     /// The half-edges of one edge.
     fn add(&mut self, faces: &[[u32; 3]], edge: &[u64]) {
         let place = |half_edge: u64| {
@@ -109,7 +131,9 @@ impl Edges {
                 self.has_twins |= opposite(a) == opposite(b);
             }
             _ => {
-                self.crowded += 1;
+                let crowd: Vec<u32> = edge.iter().map(|&half_edge| half_edge as u32).collect();
+                self.crowded.extend(&crowd);
+                self.crowds.push(crowd);
                 let mut opposites: Vec<u32> = edge.iter().map(|&half_edge| opposite(half_edge)).collect();
                 opposites.sort_unstable();
                 self.has_twins |= opposites.windows(2).any(|pair| pair[0] == pair[1]);
@@ -141,11 +165,11 @@ mod tests {
     fn neighbours_open_mixed_and_crowded() {
         let edges = connect(&[[0, 1, 2], [2, 1, 3]], 4);
         assert_eq!(edges.neighbours, [[NONE, 1, NONE], [0, NONE, NONE]]);
-        assert!(!edges.is_mixed && !edges.has_twins && edges.crowded == 0);
+        assert!(!edges.is_mixed && !edges.has_twins && edges.crowds.is_empty());
         let turned = connect(&[[0, 1, 2], [1, 2, 3]], 4);
         assert!(turned.is_mixed && turned.neighbours[0][1] == 1);
         let fan = connect(&[[0, 1, 2], [1, 0, 3], [0, 1, 4]], 5);
-        assert_eq!((fan.crowded, fan.neighbours[0][0], fan.has_twins), (1, NONE, false));
+        assert_eq!((fan.crowds.len(), fan.neighbours[0][0], fan.has_twins), (1, NONE, false));
         assert!(connect(&[[0, 1, 2], [1, 2, 0]], 3).has_twins);
         assert!(connect(&[[0, 1, 2], [1, 0, 2], [0, 1, 3]], 4).has_twins);
     }

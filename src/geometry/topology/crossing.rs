@@ -1,7 +1,8 @@
-//! Whether a surface crosses itself: pairs of triangles that are not neighbours.
+//! Whether a surface crosses or touches itself: pairs of triangles, beyond the corners and edges that they share.
 //!
-//! Signs of volumes are trusted only beyond their rounding error (Shewchuk 1997, the static bound of `orient3d`), so a crossing that is
-//! reported is one, and touching neighbours are none.
+//! Within one component signs of volumes are trusted only beyond their rounding error (Shewchuk 1997, the static bound of `orient3d`), so a
+//! crossing that is reported is one. Different components touch if they are no farther apart than the rounding of vertices to single
+//! precision, which would let rays miss what is between them.
 
 use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
@@ -26,13 +27,27 @@ const MOST_PAIRS: usize = 64;
 /// Pairs of nodes that each part looks at: so many, and so many for each leaf of the tree over all parts.
 const PATIENCE: (usize, usize) = (5_000, 100);
 
+/// Gaps smaller than this share of the largest coordinate may be rounding.
+const ROUNDING: f64 = 1e-14;
+/// Share of the mesh's size by which the rounding of vertices to f32 may move a surface: eight units in the last place.
+const ROUNDING_32: f64 = 8.0 / (1u32 << 24) as f64;
+
 /// Searches the faces in `tree`. `faces` are welded corners.
-pub(super) fn crossings(tree: &Hierarchy, faces: &[[u32; 3]], positions: &[DVec3]) -> Crossings {
+pub(super) fn crossings(
+    tree: &Hierarchy,
+    faces: &[[u32; 3]],
+    positions: &[DVec3],
+    component_of_face: &[u32],
+) -> Crossings {
     let Some(leaves) = tree.levels.first().map(Vec::len) else { return Crossings::default() };
     let level = tree.levels.iter().position(|level| level.len() <= PARTS).unwrap_or(0);
     let parts = tree.levels[level].len();
     let (faces, positions) = along_the_curve(tree, faces, positions);
-    let boxes = Boxes::new(tree, &faces, &positions);
+    let components: Vec<u32> = tree.order.iter().map(|&face| component_of_face[face as usize]).collect();
+    let is_one = components.windows(2).all(|pair| pair[0] == pair[1]);
+    let boxes = Boxes::new(tree, &faces, &positions, if is_one { 0.0 } else { 2.0 * ROUNDING_32 as f32 });
+    let all = tree.levels.last().and_then(|level| level.first()).copied().unwrap_or(Extent::EMPTY);
+    let size = (all.max - all.min).max_element();
     let patience = PATIENCE.0 + PATIENCE.1 * leaves / parts;
     let found: Vec<Crossings> = (0..parts)
         .into_par_iter()
@@ -42,6 +57,8 @@ pub(super) fn crossings(tree: &Hierarchy, faces: &[[u32; 3]], positions: &[DVec3
                 boxes: &boxes,
                 faces: &faces,
                 positions: &positions,
+                components: &components,
+                size,
                 found: Crossings::default(),
                 patience,
             };
@@ -104,15 +121,16 @@ struct Boxes {
 }
 
 impl Boxes {
-    fn new(tree: &Hierarchy, faces: &[[u32; 3]], positions: &[DVec3]) -> Self {
+    /// Each grown by `room`.
+    fn new(tree: &Hierarchy, faces: &[[u32; 3]], positions: &[DVec3], room: f32) -> Self {
         let all = tree.levels.last().and_then(|level| level.first()).copied().unwrap_or(Extent::EMPTY);
         let center = (all.min + all.max) / 2.0;
         let size = ((all.max - all.min) / 2.0).max_element();
         let rounded = |e: Extent| {
             let (min, max) = ((e.min - center) / size, (e.max - center) / size);
             Box32 {
-                min: Vec3A::from_array(min.to_array().map(|x| (x as f32).next_down())),
-                max: Vec3A::from_array(max.to_array().map(|x| (x as f32).next_up())),
+                min: Vec3A::from_array(min.to_array().map(|x| (x as f32 - room).next_down())),
+                max: Vec3A::from_array(max.to_array().map(|x| (x as f32 + room).next_up())),
             }
         };
         Self {
@@ -128,6 +146,10 @@ struct Search<'a> {
     /// Corners and positions, in the tree's order.
     faces: &'a [[u32; 3]],
     positions: &'a [DVec3],
+    /// Of each face, in the tree's order.
+    components: &'a [u32],
+    /// The mesh's largest extent.
+    size: f64,
     found: Crossings,
     patience: usize,
 }
@@ -205,12 +227,20 @@ impl Search<'_> {
         let [a, b] = places.map(|place| self.faces[place]);
         let corner = |v: u32| &self.positions[v as usize];
         let corners = |[i, j, k]: [u32; 3]| [corner(i), corner(j), corner(k)];
-        let mut joints = (0..3).filter_map(|i| Some((i, b.iter().position(|&v| v == a[i])?)));
-        let contact = match (joints.next(), joints.next()) {
-            (None, _) => meet(corners(a), corners(b)),
-            (Some((i, j)), None) => meet_at_a_vertex(corners(a), i, corners(b), j),
-            // Neighbours meet along their edge and, both being flat, nowhere else, unless one is folded onto the other.
-            (Some(_), Some(_)) => Contact::None,
+        let joints: [Option<usize>; 3] = std::array::from_fn(|i| b.iter().position(|&v| v == a[i]));
+        let (a, b) = (corners(a), corners(b));
+        let is_one_part = self.components[places[0]] == self.components[places[1]];
+        let room = self.size * if is_one_part { ROUNDING } else { ROUNDING_32 };
+        let contact = match joints {
+            [None, None, None] if is_one_part => meet(a, b),
+            [None, None, None] => meet_within(a, b, room),
+            [Some(j), None, None] => meet_at_a_vertex(a, 0, b, j, room),
+            [None, Some(j), None] => meet_at_a_vertex(a, 1, b, j, room),
+            [None, None, Some(j)] => meet_at_a_vertex(a, 2, b, j, room),
+            [Some(i), Some(j), None] => meet_at_an_edge(a, 0, b, 3 - i - j, room),
+            [None, Some(i), Some(j)] => meet_at_an_edge(a, 1, b, 3 - i - j, room),
+            [Some(i), None, Some(j)] => meet_at_an_edge(a, 2, b, 3 - i - j, room),
+            [Some(_), Some(_), Some(_)] => Contact::Touch,
         };
         match contact {
             Contact::None => {}
@@ -263,25 +293,83 @@ fn meet(a: Triangle<'_>, b: Triangle<'_>) -> Contact {
     if is_clear || are_apart(a.map(|p| *p), b.map(|p| *p)) { Contact::None } else { Contact::Touch }
 }
 
-/// Two triangles that share corner `i` of `a`, which is corner `j` of `b`: whether they meet elsewhere too. Flat on one another is not
-/// looked for.
-fn meet_at_a_vertex(a: Triangle<'_>, i: usize, b: Triangle<'_>, j: usize) -> Contact {
-    if is_pierced(b, a[i], a[(i + 1) % 3], a[(i + 2) % 3]) || is_pierced(a, a[i], b[(j + 1) % 3], b[(j + 2) % 3]) {
-        Contact::Cross
-    } else {
-        Contact::None
+/// Two triangles of different parts: they touch if they are no farther apart than `room`, or reach no farther into each other.
+fn meet_within(a: Triangle<'_>, b: Triangle<'_>, room: f64) -> Contact {
+    let is_beyond = |triangle: Triangle<'_>, other: Triangle<'_>| {
+        let normal = normal(triangle);
+        let least = room * normal.length();
+        let heights = other.map(|p| normal.dot(*p - *triangle[0]));
+        heights.iter().all(|h| *h > least) || heights.iter().all(|h| *h < -least)
+    };
+    if is_beyond(a, b) || is_beyond(b, a) {
+        return Contact::None;
+    }
+    match gap(a.map(|p| *p), b.map(|p| *p)) {
+        gap if gap > room => Contact::None,
+        gap if gap >= -room => Contact::Touch,
+        _ => meet(a, b),
     }
 }
 
-/// Whether the edge from `p` to `q` certainly goes through the inside of a triangle, one corner of which is `shared`.
-fn is_pierced(triangle: Triangle<'_>, shared: &DVec3, p: &DVec3, q: &DVec3) -> bool {
-    let [a, b, c] = triangle;
-    // A first look, which need not be exact: what is a matter of rounding is no certain crossing.
-    let normal = (*b - *a).cross(*c - *a);
-    if normal.dot(*p - *shared) * normal.dot(*q - *shared) >= 0.0 {
-        return false;
+/// Two triangles that share corner `i` of `a`, which is corner `j` of `b`: whether they meet elsewhere too.
+fn meet_at_a_vertex(a: Triangle<'_>, i: usize, b: Triangle<'_>, j: usize, room: f64) -> Contact {
+    let others = |t: Triangle<'_>, k: usize| [*t[(k + 1) % 3] - *t[k], *t[(k + 2) % 3] - *t[k]];
+    let (of_a, of_b) = (others(a, i), others(b, j));
+    let (heights_of_b, heights_of_a) = (heights_of(of_b, of_a), heights_of(of_a, of_b));
+    let goes_through = |[p, q]: [f64; 2]| p * q < 0.0 && p.abs().min(q.abs()) > room;
+    if goes_through(heights_of_b) && is_pierced(a, b[(j + 1) % 3], b[(j + 2) % 3])
+        || goes_through(heights_of_a) && is_pierced(b, a[(i + 1) % 3], a[(i + 2) % 3])
+    {
+        return Contact::Cross;
     }
+    // With one of its edges, or, where both lie along the other's, with what is between them.
+    let lies_in = |heights: [f64; 2], edges: [DVec3; 2], triangle: [DVec3; 2]| {
+        let is_flat = heights.map(|h| h.abs() <= room);
+        (0..2).any(|k| is_flat[k] && is_inside_along(edges[k], triangle, room))
+            || (is_flat == [true; 2] && is_inside_along(edges[0].normalize() + edges[1].normalize(), triangle, room))
+    };
+    if lies_in(heights_of_b, of_b, of_a) || lies_in(heights_of_a, of_a, of_b) { Contact::Touch } else { Contact::None }
+}
+
+/// Heights of two points over the plane through the origin and a triangle's two other corners.
+#[inline]
+fn heights_of(points: [DVec3; 2], triangle: [DVec3; 2]) -> [f64; 2] {
+    let normal = triangle[0].cross(triangle[1]);
+    let length = normal.length();
+    points.map(|p| normal.dot(p) / length)
+}
+
+/// Whether a direction from the origin runs inside the triangle of the origin and two other corners, some way from the origin on.
+fn is_inside_along(direction: DVec3, [p, q]: [DVec3; 2], room: f64) -> bool {
+    // So far from the corner the third edge has not cut the triangle off.
+    let reach = direction.length().min(p.cross(q).length() / p.distance(q)) / 2.0;
+    let point = direction.normalize_or_zero() * reach;
+    let normal = p.cross(q).normalize_or_zero();
+    // Distances from the two edges at the origin, and from the plane. What is nearer to the origin than a few of `room` cannot be told from it.
+    let from_edges = normal.cross(p).normalize_or_zero().dot(point).min(q.cross(normal).normalize_or_zero().dot(point));
+    reach > 4.0 * room && from_edges > room && normal.dot(point).abs() <= room
+}
+
+/// Two triangles that share edge `edge` of `a`: whether one is folded onto the other. `third_of_b` is the corner of `b` that is not shared.
+fn meet_at_an_edge(a: Triangle<'_>, edge: usize, b: Triangle<'_>, third_of_b: usize, room: f64) -> Contact {
+    let (start, end) = (*a[edge], *a[(edge + 1) % 3]);
+    let along = (end - start).normalize_or_zero();
+    let away = |p: DVec3| (p - start) - along * along.dot(p - start);
+    let (u, v) = (away(*a[(edge + 2) % 3]), away(*b[third_of_b]));
+    // A face without width lies on nothing.
+    let has_width = u.length().min(v.length()) > 4.0 * room;
+    let is_folded = has_width && u.dot(v) > 0.0 && u.cross(v).length() <= room * u.length().max(v.length());
+    if is_folded { Contact::Touch } else { Contact::None }
+}
+
+/// Whether the edge from `p` to `q` certainly goes through the inside of a triangle.
+fn is_pierced(triangle: Triangle<'_>, p: &DVec3, q: &DVec3) -> bool {
+    let [a, b, c] = triangle;
     orientation(a, b, c, p) * orientation(a, b, c, q) < 0 && goes_through(p, q, triangle) == Contact::Cross
+}
+
+fn normal([a, b, c]: Triangle<'_>) -> DVec3 {
+    (*b - *a).cross(*c - *a)
 }
 
 /// On which side of a triangle's plane the corners of another lie.
@@ -328,28 +416,46 @@ fn orientation(a: &DVec3, b: &DVec3, c: &DVec3, d: &DVec3) -> i32 {
     }
 }
 
-/// Whether some axis certainly separates two triangles: their normals, the products of their edges, and, for triangles of one plane, the
-/// normals of their edges in it (the separating axis theorem).
+/// Whether some axis certainly separates two triangles.
 fn are_apart(a: [DVec3; 3], b: [DVec3; 3]) -> bool {
-    /// Gaps smaller than this share of the largest projection may be rounding.
-    const ROUNDING: f64 = 1e-14;
     // Relative to one corner, so that far triangles keep their digits.
+    let size = a.iter().chain(&b).map(|p| (*p - a[0]).length_squared()).fold(0.0, f64::max).sqrt();
+    gap(a, b) > ROUNDING * size
+}
+
+/// The widest gap between the shadows of two triangles on any of the axes that can separate them: their normals, the products of their
+/// edges, and, for triangles of one plane, the normals of their edges in it (the separating axis theorem). Negative where they meet.
+fn gap(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
     let origin = a[0];
     let (a, b) = (a.map(|p| p - origin), b.map(|p| p - origin));
     let edges = |t: [DVec3; 3]| [t[1] - t[0], t[2] - t[1], t[0] - t[2]];
     let (edges_a, edges_b) = (edges(a), edges(b));
     let normals = [edges_a[0].cross(edges_a[1]), edges_b[0].cross(edges_b[1])];
-    let is_axis = |axis: DVec3| {
+    // `size` is the length that the axis would have if it were well known.
+    let along = |axis: DVec3, size: f64| {
+        let length = axis.length();
+        if length <= 1e-12 * size || length == 0.0 {
+            return f64::NEG_INFINITY;
+        }
         let (a, b) = (a.map(|p| p.dot(axis)), b.map(|p| p.dot(axis)));
         let low = |v: [f64; 3]| v[0].min(v[1]).min(v[2]);
         let high = |v: [f64; 3]| v[0].max(v[1]).max(v[2]);
-        let size = high(a).abs().max(high(b).abs()).max(low(a).abs()).max(low(b).abs());
-        (low(b) - high(a)).max(low(a) - high(b)) > ROUNDING * size
+        (low(b) - high(a)).max(low(a) - high(b)) / length
     };
-    normals.into_iter().any(is_axis)
-        || edges_a.iter().any(|&u| edges_b.iter().any(|&v| is_axis(u.cross(v))))
-        || edges_a.iter().any(|&u| is_axis(normals[0].cross(u)))
-        || edges_b.iter().any(|&v| is_axis(normals[1].cross(v)))
+    let mut widest = f64::NEG_INFINITY;
+    for (normal, edges) in [(normals[0], edges_a), (normals[1], edges_b)] {
+        let size = edges[0].length() * edges[1].length();
+        widest = widest.max(along(normal, size));
+        for edge in edges {
+            widest = widest.max(along(normal.cross(edge), size * edge.length()));
+        }
+    }
+    for u in edges_a {
+        for v in edges_b {
+            widest = widest.max(along(u.cross(v), u.length() * v.length()));
+        }
+    }
+    widest
 }
 
 #[cfg(test)]
@@ -365,7 +471,7 @@ mod tests {
     }
 
     fn meet_at_a_vertex(a: [DVec3; 3], i: usize, b: [DVec3; 3], j: usize) -> Contact {
-        super::meet_at_a_vertex(a.each_ref(), i, b.each_ref(), j)
+        super::meet_at_a_vertex(a.each_ref(), i, b.each_ref(), j, 1e-12)
     }
 
     fn p(x: f64, y: f64, z: f64) -> DVec3 {
@@ -411,5 +517,45 @@ mod tests {
         let away = [DVec3::ZERO, p(-1.0, -1.0, -1.0), p(-1.0, -1.0, 1.0)];
         assert_eq!(meet_at_a_vertex(FLAT, 0, away, 0), Contact::None);
         assert_eq!(meet_at_a_vertex(FLAT, 0, [DVec3::ZERO, p(1.0, 1.0, 0.1), p(0.0, 1.0, 1.0)], 0), Contact::None);
+    }
+
+    #[test]
+    fn parts_touch_within_the_rounding_of_vertices() {
+        let at = |z: f64| super::meet_within(FLAT.each_ref(), FLAT.map(|p| p + DVec3::Z * z).each_ref(), 1e-6);
+        assert_eq!([1e-5, 1e-7, 0.0, -1e-7].map(at), [Contact::None, Contact::Touch, Contact::Touch, Contact::Touch]);
+        let through = |depth: f64| {
+            let post = [p(0.2, 0.2, -depth), p(0.25, 0.2, 1.0), p(0.2, 0.25, 1.0)];
+            super::meet_within(FLAT.each_ref(), post.each_ref(), 1e-6)
+        };
+        assert_eq!([1e-7, 1e-3].map(through), [Contact::Touch, Contact::Cross]);
+    }
+
+    #[test]
+    fn neighbours_touch_beyond_what_they_share() {
+        // Flat on it, with an edge along it, in its corner.
+        for other in [
+            [DVec3::ZERO, p(0.5, 0.1, 0.0), p(0.1, 0.5, 0.0)],
+            [DVec3::ZERO, p(0.3, 0.3, 0.0), p(0.1, 0.2, 1.0)],
+            [DVec3::ZERO, p(0.5, 0.0, 0.0), p(0.0, 0.5, 0.0)],
+            [DVec3::ZERO, p(2.0, 0.0, 0.0), p(0.0, 0.5, 0.0)],
+        ] {
+            assert_eq!(meet_at_a_vertex(FLAT, 0, other, 0), Contact::Touch, "{other:?}");
+            assert_eq!(meet_at_a_vertex(other, 0, FLAT, 0), Contact::Touch, "{other:?}");
+        }
+        // Beside it, and edge to edge.
+        for other in [
+            [DVec3::ZERO, p(1.0, -0.001, 0.0), p(1.0, -0.1, 0.0)],
+            [DVec3::ZERO, p(0.5, 0.0, 0.0), p(0.5, 0.0, 1.0)],
+            [DVec3::ZERO, p(2.0, 0.0, 0.0), p(0.5, -0.1, 0.0)],
+        ] {
+            assert_eq!(meet_at_a_vertex(FLAT, 0, other, 0), Contact::None, "{other:?}");
+        }
+        let at_an_edge = |third: DVec3| {
+            let other = [DVec3::X, DVec3::ZERO, third];
+            super::meet_at_an_edge(FLAT.each_ref(), 0, other.each_ref(), 2, 1e-12)
+        };
+        assert_eq!(at_an_edge(p(0.3, -0.5, 0.0)), Contact::None, "unfolded");
+        assert_eq!(at_an_edge(p(0.3, 0.5, 1e-3)), Contact::None, "a thin wedge");
+        assert_eq!(at_an_edge(p(0.3, 0.2, 0.0)), Contact::Touch, "folded");
     }
 }
