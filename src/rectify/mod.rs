@@ -12,13 +12,17 @@ mod adjacency;
 pub mod cells;
 pub mod contact;
 pub mod containment;
+pub mod copies;
 pub mod encounters;
 pub mod layout;
 pub mod object;
 pub mod pretrace;
+pub mod progress;
 mod random;
 pub mod start;
 pub mod surroundings;
 pub mod table;
+pub mod tolerance;
 
+pub use progress::{Cancelled, Progress};
 pub use table::{InterfaceTable, Patch, PatchKind};
