@@ -1,6 +1,7 @@
 //! What is wrong or doubtful in a scene, with advice.
 
 mod mesh;
+mod notes;
 mod overlap;
 
 use std::collections::HashSet;
@@ -71,6 +72,7 @@ const LEAST_CONFIDENCE: f64 = 0.9;
 /// where meshes have a million triangles.
 pub fn check(prepared: &Prepared) -> Vec<Problem> {
     let mut problems = mesh::problems(prepared);
+    problems.extend(notes::problems(prepared));
     problems.extend(overlap::problems(prepared));
     problems.extend(confidence(prepared));
     problems.extend(media(prepared));

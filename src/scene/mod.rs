@@ -6,6 +6,7 @@ pub mod compile;
 pub mod description;
 pub mod environment;
 pub mod error;
+pub mod files;
 pub mod fingerprint;
 pub mod light;
 pub mod load;

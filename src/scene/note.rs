@@ -3,7 +3,7 @@
 /// One kind of thing in a file that loading passed over, and how often.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadNote {
-    /// A stable word, such as `unknown-statement`.
+    /// A stable word, such as `unknown_statement`.
     pub kind: &'static str,
     pub count: u64,
     /// The line of the first, counted from 1, in text formats.
