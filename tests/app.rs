@@ -164,7 +164,7 @@ fn a_scene_that_can_be_read_but_not_shown_gives_way_to_the_last_one() {
     std::fs::write(&path, "name = \"Blind\"\n[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 1]\n").unwrap();
     let mut harness = window("nested-spheres");
     until(&mut harness, "there are images", every_pane_has_an_image);
-    apply(&mut harness, Command::Open(path.display().to_string()));
+    apply(&mut harness, Command::Open(path.clone()));
     until(&mut harness, "the notice is there", |app| app.state().notices.iter().any(|n| n.text.contains("direction")));
     until(&mut harness, "the old scene is shown", |app| {
         app.state().document.description().name == "Nested spheres" && every_pane_has_an_image(app)

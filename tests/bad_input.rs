@@ -396,7 +396,7 @@ fn only_open_meshes() {
             Shape::Mesh {
                 path: "fan.obj".into(),
                 mesh: Arc::new(Mesh { positions: corners, normals: Vec::new(), triangles }),
-                dropped: 0,
+                notes: Vec::new(),
             }
         };
         add(&mut description, shape, 1.2 + 0.002 * f64::from(k), 0.0);
@@ -417,7 +417,7 @@ fn objects_without_volume() {
     description.camera.position = DVec3::new(0.0, 2.0, 6.0);
     let positions = [DVec3::ZERO, DVec3::X, DVec3::Z].map(|p| p + DVec3::Y * 1.2).to_vec();
     let mesh = Mesh { positions, normals: Vec::new(), triangles: vec![[0, 1, 2], [0, 2, 1]] };
-    add(&mut description, Shape::Mesh { path: "flat.obj".into(), mesh: Arc::new(mesh), dropped: 0 }, 1.5, 0.0);
+    add(&mut description, Shape::Mesh { path: "flat.obj".into(), mesh: Arc::new(mesh), notes: Vec::new() }, 1.5, 0.0);
     add(&mut description, Shape::Icosphere { center: DVec3::ZERO, radius: 1.0, subdivisions: 3 }, 1.4, 0.0);
     description.refractors[1].transform.scale.y = 1e-12;
     add(&mut description, sphere(DVec3::ZERO, 2.0), 1.33, 0.0);

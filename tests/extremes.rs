@@ -22,7 +22,7 @@ fn icosphere(radius: f64, subdivisions: u32) -> Shape {
 }
 
 fn mesh(mesh: Mesh) -> Shape {
-    Shape::Mesh { path: "made.ply".into(), mesh: Arc::new(mesh), dropped: 0 }
+    Shape::Mesh { path: "made.ply".into(), mesh: Arc::new(mesh), notes: Vec::new() }
 }
 
 fn mesh_of(shape: &Shape) -> Mesh {

@@ -129,12 +129,13 @@ fn every_key_reaches_the_description() {
     assert_eq!(ball.transform, transform);
     assert!(scene.refractors[1].smooth);
     assert_eq!(scene.refractors[1].transform.scale, DVec3::new(1.0, -2.0, 3.0));
-    let [Shape::Mesh { mesh, dropped, .. }, Shape::Mesh { mesh: other, .. }] =
+    let [Shape::Mesh { mesh, notes, .. }, Shape::Mesh { mesh: other, .. }] =
         [&scene.refractors[2].shape, &scene.refractors[3].shape]
     else {
         panic!("the stones are not meshes");
     };
-    assert_eq!((mesh.triangles.len(), *dropped), (4, 1));
+    assert_eq!((mesh.triangles.len(), notes.len()), (4, 1));
+    assert_eq!((notes[0].kind, notes[0].count, notes[0].first_line), ("degenerate_triangles", 1, Some(9)));
     assert!(Arc::ptr_eq(mesh, other), "one file is read once");
 
     assert_eq!(scene.solids[0].paint, Paint::Checker { a: [0.1, 0.2, 0.3], b: [1.0; 3], size: 0.5 });
@@ -214,7 +215,8 @@ fn computed_assets_are_what_their_command_makes() {
 fn the_brilliant_is_convex_and_closed() {
     let scene = load::open("diamond-in-water").unwrap();
     let shape = &scene.refractors.iter().find(|r| r.name == "wet diamond").unwrap().shape;
-    let Shape::Mesh { mesh, dropped: 0, .. } = shape else { panic!("no mesh, or flat triangles: {shape:?}") };
+    let Shape::Mesh { mesh, notes, .. } = shape else { panic!("no mesh: {shape:?}") };
+    assert_eq!(notes, &[]);
     // A closed surface of genus 0: V − E + F = 2, with three half-edges to a face.
     assert_eq!(mesh.positions.len() * 2, mesh.triangles.len() + 4);
     assert!(mesh.signed_volume() > 0.0);

@@ -442,7 +442,7 @@ mod against_another_renderer {
         }
         let volume = water.signed_volume();
         assert!((volume - 2.63).abs() < 0.05, "closed, and outward: {volume}");
-        let shape = Shape::Mesh { path: "water.ply".into(), mesh: Arc::new(water), dropped: 0 };
+        let shape = Shape::Mesh { path: "water.ply".into(), mesh: Arc::new(water), notes: Vec::new() };
         description.refractors.iter_mut().find(|r| r.name == "water").expect("s2 has water").shape = shape;
         description
     }

@@ -109,9 +109,9 @@ pub enum Command {
     // Files.
     AskOpen,
     /// A path or the name of a built-in scene.
-    Open(String),
+    Open(PathBuf),
     /// [`Self::Open`] even though there are unsaved changes.
-    OpenAnyway(String),
+    OpenAnyway(PathBuf),
     Save,
     AskSaveAs,
     SaveAs(PathBuf),

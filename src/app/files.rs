@@ -134,7 +134,7 @@ impl Files {
     }
 
     /// Reads a scene by path or built-in name.
-    pub fn open(&self, name_or_path: String) {
+    pub fn open(&self, name_or_path: PathBuf) {
         self.spawn(move || {
             Some(match scene::load::open(&name_or_path) {
                 Ok(description) => Outcome::Opened(Box::new(description)),

@@ -67,7 +67,7 @@ pub enum RunError {
 #[derive(Debug, Clone, Default)]
 pub struct Launch {
     /// A path or the name of a built-in scene; `None`: the default one.
-    pub scene: Option<String>,
+    pub scene: Option<PathBuf>,
     /// Size of the window in pixels.
     pub size: Option<[u32; 2]>,
     /// Takes a picture of the window and quits.
@@ -91,7 +91,7 @@ pub struct Screenshot {
 ///
 /// # Errors
 /// When there is no display or no way to draw on it, or when `scene` cannot be read.
-pub fn run(scene: Option<String>) -> Result<(), RunError> {
+pub fn run(scene: Option<PathBuf>) -> Result<(), RunError> {
     run_with(Launch { scene, ..Launch::default() })
 }
 
@@ -100,7 +100,7 @@ pub fn run(scene: Option<String>) -> Result<(), RunError> {
 /// # Errors
 /// As [`run`], and when a screenshot was asked for and cannot be written.
 pub fn run_with(launch: Launch) -> Result<(), RunError> {
-    let description = scene::load::open(launch.scene.as_deref().unwrap_or(scene::builtin::DEFAULT))?;
+    let description = scene::load::open(launch.scene.as_deref().unwrap_or(Path::new(scene::builtin::DEFAULT)))?;
     let is_scripted = launch.settings.is_some() || launch.screenshot.is_some();
     let size = launch.size.map_or([1600.0, 960.0], |size| size.map(|side| side as f32));
     let mut viewport = egui::ViewportBuilder::default()
@@ -366,7 +366,7 @@ impl App {
                 }
                 Outcome::Saved(path, description) => {
                     self.state.document.mark_saved(path.clone(), &description);
-                    self.state.settings.remember(&path.display().to_string());
+                    self.state.settings.remember(&path);
                     self.state.notify(format!("Saved {}", path.display()));
                 }
                 Outcome::Exported(path) => self.state.notify(format!("Exported {}", path.display())),
@@ -379,7 +379,7 @@ impl App {
     fn dropped(&self, ctx: &egui::Context) -> Option<Command> {
         ctx.input(|input| {
             let file = input.raw.dropped_files.first()?;
-            Some(Command::Open(file.path().display().to_string()))
+            Some(Command::Open(file.path().to_owned()))
         })
     }
 
@@ -431,7 +431,7 @@ impl App {
 /// What is to be done with a chosen path.
 fn command_for(purpose: Purpose, path: PathBuf) -> Command {
     match purpose {
-        Purpose::Open => Command::Open(path.display().to_string()),
+        Purpose::Open => Command::Open(path),
         Purpose::SaveAs => Command::SaveAs(path),
         Purpose::Export(kind) => Command::Export(kind, path),
     }

@@ -248,7 +248,7 @@ mod tests {
         let mesh = |x: f64| Shape::Mesh {
             path: "m.obj".into(),
             mesh: Arc::new(Mesh { positions: vec![DVec3::ZERO, DVec3::X * x, DVec3::Y], ..Mesh::default() }),
-            dropped: 0,
+            notes: Vec::new(),
         };
         let (a, b) = (mesh(2.0), mesh(3.0));
         for shape in [&a, &a, &b, &b, &a] {

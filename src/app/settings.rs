@@ -1,6 +1,7 @@
 //! What is remembered from one session to the next.
 
 use std::fmt;
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
@@ -310,8 +311,9 @@ impl Settings {
         SurfaceQuantity::ALL.into_iter().filter(|quantity| is_shown(*quantity)).collect()
     }
 
-    /// Puts a file at the head of the recent ones.
-    pub fn remember(&mut self, path: &str) {
+    /// Puts a file at the head of the recent ones. Settings are text: a path that is none is not remembered.
+    pub fn remember(&mut self, path: &Path) {
+        let Some(path) = path.to_str() else { return };
         self.recent.retain(|known| known != path);
         self.recent.insert(0, path.to_owned());
         self.recent.truncate(MAX_RECENT);
@@ -338,8 +340,8 @@ mod tests {
     #[test]
     fn recent_files_are_distinct_and_few() {
         let mut settings = Settings::default();
-        (0..20).for_each(|i| settings.remember(&format!("{i}.toml")));
-        settings.remember("15.toml");
+        (0..20).for_each(|i| settings.remember(Path::new(&format!("{i}.toml"))));
+        settings.remember(Path::new("15.toml"));
         assert_eq!(settings.recent.len(), MAX_RECENT);
         assert_eq!(&settings.recent[..2], ["15.toml", "19.toml"]);
         assert_eq!(settings.recent.iter().filter(|path| *path == "15.toml").count(), 1);

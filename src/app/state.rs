@@ -168,7 +168,7 @@ impl State {
         if let Some(source) = &description.source
             && !source.is_builtin
         {
-            self.settings.remember(&source.path.display().to_string());
+            self.settings.remember(&source.path);
         }
         self.view = View {
             camera: description.camera,

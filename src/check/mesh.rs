@@ -24,17 +24,6 @@ pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
             _ => {}
         }
     }
-    let solids = description.solids.iter().map(|s| (&s.name, &s.shape));
-    let lights = description.lights.iter().map(|l| (&l.name, &l.shape));
-    for (name, shape) in description.refractors.iter().map(|r| (&r.name, &r.shape)).chain(solids).chain(lights) {
-        if let Shape::Mesh { path, dropped: dropped @ 1.., .. } = shape {
-            problems.push(Problem::advice(
-                name,
-                "degenerate_triangles",
-                format!("{dropped} triangles of {} have no area and were left out", path.display()),
-            ));
-        }
-    }
     problems
 }
 

@@ -2,6 +2,7 @@
 
 mod crowded;
 mod mesh;
+mod notes;
 mod overlap;
 
 use std::collections::HashSet;
@@ -72,6 +73,7 @@ const LEAST_CONFIDENCE: f64 = 0.9;
 /// where meshes have a million triangles.
 pub fn check(prepared: &Prepared) -> Vec<Problem> {
     let mut problems = mesh::problems(prepared);
+    problems.extend(notes::problems(prepared));
     problems.extend(overlap::problems(prepared));
     problems.extend(crowded::problems(prepared));
     problems.extend(confidence(prepared));

@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::geometry::Mesh;
 use crate::render::prepare;
 use crate::scene::description::{Description, Shape};
-use crate::scene::{builtin, load};
+use crate::scene::{LoadNote, builtin, load};
 
 const HEAD: &str = r#"
 [camera]
@@ -57,9 +57,9 @@ fn tetrahedron() -> Mesh {
     }
 }
 
-fn with_mesh(mesh: Mesh, dropped: usize) -> Description {
+fn with_mesh(mesh: Mesh, notes: &[LoadNote]) -> Description {
     let mut scene = scene(&(sphere("a", "glass", 0.0, 1.0) + &sphere("b", "water", 5.0, 1.0)));
-    scene.refractors[0].shape = Shape::Mesh { path: "m.obj".into(), mesh: Arc::new(mesh), dropped };
+    scene.refractors[0].shape = Shape::Mesh { path: "m.obj".into(), mesh: Arc::new(mesh), notes: notes.to_vec() };
     scene
 }
 
@@ -67,7 +67,7 @@ fn with_mesh(mesh: Mesh, dropped: usize) -> Description {
 fn a_sound_scene_has_no_problems() {
     assert_eq!(found(scene(&(sphere("ball", "glass", 0.0, 1.0) + &sphere("core", "water", 0.1, 0.5)))), []);
     assert_eq!(found(scene(&(sphere("left", "glass", -1.5, 1.0) + &sphere("right", "water", 1.5, 1.0)))), []);
-    assert_eq!(found(with_mesh(tetrahedron(), 0)), []);
+    assert_eq!(found(with_mesh(tetrahedron(), &[])), []);
 }
 
 #[test]
@@ -145,14 +145,14 @@ fn copies_and_objects_of_their_containers_medium() {
 }
 
 #[test]
-fn meshes_open_inside_out_or_with_flat_triangles() {
+fn meshes_open_or_inside_out() {
     let mut open = tetrahedron();
     open.triangles.pop();
-    let problems = problems_of(with_mesh(open.clone(), 0));
+    let problems = problems_of(with_mesh(open.clone(), &[]));
     assert_eq!((problems[0].kind, problems[0].place.as_str()), ("open_mesh", "a"));
     assert!(problems[0].message.contains("3 of its edges"), "{}", problems[0].message);
     // The place is on the hole's rim, in scene coordinates, and the region shows more than the edge.
-    let mut moved = with_mesh(open, 0);
+    let mut moved = with_mesh(open, &[]);
     moved.refractors[0].transform.translate = DVec3::new(0.0, 40.0, 0.0);
     moved.refractors[0].transform.scale = DVec3::splat(2.0);
     let spots = [problems[0].spot, problems_of(moved)[0].spot].map(|spot| spot.expect("it has a place"));
@@ -163,18 +163,38 @@ fn meshes_open_inside_out_or_with_flat_triangles() {
 
     let mut turned = tetrahedron();
     turned.triangles[0].swap(0, 1);
-    assert_eq!(found(with_mesh(turned, 0)), pairs(&[("mixed_orientation", "a")]));
+    assert_eq!(found(with_mesh(turned, &[])), pairs(&[("mixed_orientation", "a")]));
 
     let mut inward = tetrahedron();
     inward.reverse();
-    assert_eq!(found(with_mesh(inward, 0)), pairs(&[("inside_out", "a")]));
+    assert_eq!(found(with_mesh(inward, &[])), pairs(&[("inside_out", "a")]));
 
-    assert_eq!(found(with_mesh(tetrahedron(), 4)), pairs(&[("degenerate_triangles", "a")]));
     let sheet = scene(
         &(object("sheet", "glass", "quad = { center = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }")
             + &sphere("b", "water", 5.0, 1.0)),
     );
     assert!(found(sheet).contains(&("open_mesh", "sheet".into())));
+}
+
+#[test]
+fn what_was_passed_over_in_a_file_is_said_once_with_its_line() {
+    let note = |kind, first_line| LoadNote { kind, count: 2, first_line, message: "2 of something".into() };
+    let mut scene = with_mesh(tetrahedron(), &[note("degenerate_triangles", None), note("unknown_statement", Some(7))]);
+    let problems = problems_of(scene.clone());
+    let facts: Vec<_> = problems.iter().map(|p| (p.severity, p.kind, p.place.as_str(), p.message.as_str())).collect();
+    let expected = [
+        (Severity::Warning, "unknown_statement", "a", "m.obj:7: 2 of something"),
+        (Severity::Advice, "degenerate_triangles", "a", "m.obj: 2 of something"),
+    ];
+    assert_eq!(facts, expected);
+    // Another object of the same file, and one of another.
+    let copy = scene.refractors[0].clone();
+    scene.refractors.push(crate::scene::description::Refractor { name: "c".into(), ..copy });
+    scene.refractors[2].transform.translate.x = 20.0;
+    assert_eq!(found(scene.clone()), pairs(&[("unknown_statement", "a, c"), ("degenerate_triangles", "a, c")]));
+    let Shape::Mesh { path, .. } = &mut scene.refractors[2].shape else { panic!("no mesh") };
+    *path = "n.obj".into();
+    assert_eq!(found(scene).len(), 4);
 }
 
 #[test]

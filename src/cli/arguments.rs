@@ -71,7 +71,7 @@ pub enum Command {
 pub struct WindowArguments {
     /// Scene to open: a file or a built-in scene's name [default: iced-water]
     #[arg(value_name = "SCENE")]
-    pub scene: Option<String>,
+    pub scene: Option<PathBuf>,
     /// Take a picture of the window and quit
     #[arg(long, hide = true, value_name = "FILE.png")]
     pub screenshot: Option<PathBuf>,
@@ -99,7 +99,7 @@ pub struct WindowArguments {
 #[derive(Debug, Args)]
 pub struct ImageArguments {
     /// A scene file or a built-in scene's name
-    pub scene: String,
+    pub scene: PathBuf,
     /// Samples per pixel [default: 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24), allow_negative_numbers = true, conflicts_with = "time")]
     pub spp: Option<u32>,
@@ -281,7 +281,7 @@ Examples:
 pub struct ReportArguments {
     /// Scene files or built-in scenes' names [default: all built-in scenes]
     #[arg(value_name = "SCENE")]
-    pub scenes: Vec<String>,
+    pub scenes: Vec<PathBuf>,
     /// Folder to write into; it is made where it is missing
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
@@ -308,7 +308,7 @@ pub struct ReportArguments {
 #[derive(Debug, Args)]
 pub struct SceneArguments {
     /// A scene file or a built-in scene's name
-    pub scene: String,
+    pub scene: PathBuf,
     /// Print JSON instead of a table
     #[arg(long)]
     pub json: bool,

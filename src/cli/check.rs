@@ -1,5 +1,6 @@
 //! `iorect check`: what is wrong or doubtful in a scene.
 
+use std::borrow::Cow;
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -14,7 +15,7 @@ use crate::scene::{self, SceneError};
 
 #[derive(Serialize)]
 struct Report<'a> {
-    scene: &'a str,
+    scene: Cow<'a, str>,
     problems: Vec<Problem>,
 }
 
@@ -23,10 +24,10 @@ pub fn run(arguments: &SceneArguments) -> Result<ExitCode, Failure> {
     let prepared = scene::load::open(&arguments.scene).and_then(|description| prepare_shown(Arc::new(description)));
     let problems = match &prepared {
         Ok(prepared) => check(prepared),
-        Err(error) => vec![unusable(&arguments.scene, error)],
+        Err(error) => vec![unusable(&arguments.scene.to_string_lossy(), error)],
     };
     let is_usable = problems.iter().all(|problem| problem.severity != Severity::Error);
-    let report = Report { scene: &arguments.scene, problems };
+    let report = Report { scene: arguments.scene.to_string_lossy(), problems };
     if arguments.json {
         print_json(&report)?;
     } else {

@@ -1,5 +1,6 @@
 //! `iorect compare`: several modes of one scene in one picture, and their differences in figures.
 
+use std::borrow::Cow;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -17,7 +18,7 @@ use crate::tracking::Mode;
 
 #[derive(Serialize)]
 struct Report<'a> {
-    scene: &'a str,
+    scene: Cow<'a, str>,
     panes: Vec<ImageReport<'a>>,
     differences: Vec<PairDifference>,
 }
@@ -56,7 +57,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     }
     if image.json {
         let panes = rendered.iter().map(|image| job.report(image, output.as_deref())).collect();
-        print_json(&Report { scene: &image.scene, panes, differences })?;
+        print_json(&Report { scene: image.scene.to_string_lossy(), panes, differences })?;
     } else {
         print(&summary(&job, &rendered, &differences, output.as_deref()))?;
     }

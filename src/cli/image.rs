@@ -1,5 +1,6 @@
 //! What `render` and `compare` share: from a scene's name to films, with progress.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -39,7 +40,7 @@ pub struct Seconds {
 /// What is said about one rendered image: `render --json`, and each pane of `compare --json`.
 #[derive(Debug, Serialize)]
 pub struct ImageReport<'a> {
-    pub scene: &'a str,
+    pub scene: Cow<'a, str>,
     pub mode: Mode,
     pub backend: &'static str,
     pub estimator: &'static str,
@@ -231,7 +232,7 @@ impl<'a> Job<'a> {
     pub fn report<'b>(&'b self, image: &Rendered, output: Option<&'b Path>) -> ImageReport<'b> {
         let is_part = image.film.exact.is_some();
         ImageReport {
-            scene: &self.arguments.scene,
+            scene: self.arguments.scene.to_string_lossy(),
             mode: image.mode,
             backend: self.arguments.backend,
             estimator: self.arguments.estimator,
@@ -278,12 +279,12 @@ fn next_slice(until: Until, done: u32, elapsed: Duration, per_sample: Duration) 
 }
 
 /// Where a picture goes: as asked for, else into the current folder under the scene's name, else, with `--json`, nowhere.
-pub fn output_path(asked: Option<&PathBuf>, is_json: bool, scene: &str, ending: &str) -> Option<PathBuf> {
+pub fn output_path(asked: Option<&PathBuf>, is_json: bool, scene: &Path, ending: &str) -> Option<PathBuf> {
     match asked {
         Some(path) => Some(path.clone()),
         None if is_json => None,
         None => {
-            let stem = Path::new(scene).file_stem().map_or("scene".into(), |stem| stem.to_string_lossy());
+            let stem = scene.file_stem().map_or("scene".into(), |stem| stem.to_string_lossy());
             Some(PathBuf::from(format!("{stem}-{ending}")))
         }
     }

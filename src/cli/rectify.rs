@@ -1,5 +1,6 @@
 //! `iorect rectify`: the interface table.
 
+use std::borrow::Cow;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
@@ -21,7 +22,7 @@ use crate::scene::world::{MediumId, ObjectId, WorldMedium};
 
 #[derive(Serialize)]
 struct Report<'a> {
-    scene: &'a str,
+    scene: Cow<'a, str>,
     granularity: Granularity,
     seconds: RectifySeconds,
     patches: Vec<PatchReport<'a>>,
@@ -68,7 +69,7 @@ pub fn run(arguments: &RectifyArguments) -> Result<ExitCode, Failure> {
         }
     };
     let report = Report {
-        scene: &arguments.scene.scene,
+        scene: arguments.scene.scene.to_string_lossy(),
         granularity: arguments.granularity,
         seconds,
         patches: patches.iter().map(|patch| patch_report(&prepared, patch)).collect(),

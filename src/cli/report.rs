@@ -1,7 +1,7 @@
 //! `iorect report`: measurements of scenes as a page, tables and JSON.
 
 use std::collections::HashSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -69,14 +69,14 @@ fn failure(error: ReportError) -> Failure {
 }
 
 /// The scenes that are asked for, under names that tell them apart.
-fn subjects(names: &[String]) -> Result<Vec<Subject>, Failure> {
-    let all: Vec<String> = builtin::all().iter().map(|scene| scene.name.to_owned()).collect();
+fn subjects(names: &[PathBuf]) -> Result<Vec<Subject>, Failure> {
+    let all: Vec<PathBuf> = builtin::all().iter().map(|scene| scene.name.into()).collect();
     let mut taken = HashSet::new();
     (if names.is_empty() { &all } else { names })
         .iter()
         .map(|name| {
             let description = Arc::new(load::open(name)?);
-            let stem = Path::new(name).file_stem().map_or(name.clone(), |stem| stem.to_string_lossy().into_owned());
+            let stem = name.file_stem().unwrap_or(name.as_os_str()).to_string_lossy().into_owned();
             if !taken.insert(stem.clone()) {
                 return Err(Failure::Wrong(anyhow::anyhow!(
                     "two of the scenes are called `{stem}`; give each once, or copy one under another name"

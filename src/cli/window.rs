@@ -1,7 +1,8 @@
 //! `iorect [SCENE]`: the window, or, where none can be opened, a comparison as a file.
 
+use std::ffi::OsStr;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -17,7 +18,7 @@ const FALLBACK_PICTURE: &str = "iorect-comparison.png";
 #[derive(Debug, Clone, PartialEq)]
 pub struct WindowRequest {
     /// A file or a built-in scene's name; `None`: the default scene.
-    pub scene: Option<String>,
+    pub scene: Option<PathBuf>,
     /// Size in pixels; `None`: as remembered.
     pub size: Option<[u32; 2]>,
     /// Take a picture of the window and quit.
@@ -75,7 +76,7 @@ pub fn run(
         Ok(()) => Ok(ExitCode::SUCCESS),
         Err(WindowError::Scene(error)) => Err(error.into()),
         Err(error @ WindowError::NoWindow(_)) if arguments.screenshot.is_none() => {
-            compare_instead(arguments.scene.as_deref().unwrap_or(builtin::DEFAULT), &error)
+            compare_instead(arguments.scene.as_deref().unwrap_or(Path::new(builtin::DEFAULT)), &error)
         }
         Err(error) => Err(Failure::Failed(error.into())),
     }
@@ -91,7 +92,7 @@ fn without_source_place(message: &str) -> String {
     }
 }
 
-fn compare_instead(scene: &str, error: &WindowError) -> Result<ExitCode, Failure> {
+fn compare_instead(scene: &Path, error: &WindowError) -> Result<ExitCode, Failure> {
     let error = without_source_place(&error.to_string());
     // What cannot be said to a closed standard error is not worth stopping for.
     let _ = writeln!(
@@ -99,7 +100,8 @@ fn compare_instead(scene: &str, error: &WindowError) -> Result<ExitCode, Failure
         "{error}\nThe comparison is written to {FALLBACK_PICTURE} instead; `iorect --help` lists commands that need no display."
     );
     // `--` keeps a scene whose name begins with a dash a scene.
-    let words = ["iorect", "compare", "-o", FALLBACK_PICTURE, "--", scene];
+    let words = ["iorect", "compare", "-o", FALLBACK_PICTURE, "--"].map(OsStr::new);
+    let words = words.into_iter().chain([scene.as_os_str()]);
     match Arguments::try_parse_from(words).map(|arguments| arguments.command) {
         Ok(Some(Command::Compare(arguments))) => compare::run(&arguments),
         other => Err(Failure::Failed(anyhow::anyhow!("the comparison could not be started: {other:?}"))),

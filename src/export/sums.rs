@@ -13,7 +13,7 @@
 
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::{self, BufReader, Cursor};
+use std::io::{BufReader, Cursor};
 use std::path::{Path, PathBuf};
 
 use exr::meta::MetaData;
@@ -29,6 +29,7 @@ use super::{ExportError, write_atomically};
 use crate::render::exact::{ExactSums, MOST_BITS};
 use crate::render::{Events, Partial, Recipe, SampleRange};
 use crate::scene::Fingerprint;
+use crate::scene::files::{self, FileError};
 use crate::scene::fingerprint::Hasher;
 
 /// Where the text stands in the file.
@@ -45,13 +46,13 @@ const COUNT: &str = "count.N";
 /// A file that is no part of an image.
 #[derive(Debug, thiserror::Error)]
 pub enum SumsError {
-    /// The system refused.
-    #[error("{}: cannot be read: {reason}", path.display())]
+    /// No file, or the system refused.
+    #[error("{}: {reason}", path.display())]
     Read {
         /// As asked for.
         path: PathBuf,
-        /// The system's reason.
-        reason: io::Error,
+        /// What it is, or the system's reason.
+        reason: FileError,
     },
     /// Not OpenEXR, or cut off.
     #[error("{}: is no OpenEXR file, or not a whole one: {message}", path.display())]
@@ -295,7 +296,7 @@ fn require_plausible(partial: &Partial) -> Result<(), String> {
 }
 
 fn open(path: &Path) -> Result<File, SumsError> {
-    File::open(path).map_err(|reason| SumsError::Read { path: path.to_path_buf(), reason })
+    files::open(path).map_err(|reason| SumsError::Read { path: path.to_path_buf(), reason })
 }
 
 fn not_exr(path: &Path, error: &exr::error::Error) -> SumsError {

@@ -3,13 +3,12 @@
 //! A file is the SHA-256 of all that follows, then numbers in little-endian order. What they mean is the business of who wrote them; the key in
 //! the file's name is of everything that decided them.
 
-use std::fs;
-use std::io;
 use std::path::Path;
 
 use crate::export::{ExportError, write_atomically};
 use crate::render::Events;
 use crate::scene::Fingerprint;
+use crate::scene::files::{self, FileError, MAX_DATA_BYTES};
 
 const CHECKSUM: usize = 32;
 
@@ -67,13 +66,13 @@ pub struct Reader {
 impl Reader {
     /// `None` where there is no such file, or one that is damaged or cannot be read, which is logged: it is to be made again.
     pub fn open(path: &Path) -> Option<Self> {
-        let problem = match fs::read(path) {
+        let problem = match files::read(path, MAX_DATA_BYTES) {
             Ok(bytes) if bytes.len() < CHECKSUM || checksum(&bytes[CHECKSUM..]) != bytes[..CHECKSUM] => {
                 "is damaged: its contents are not those that were written".to_owned()
             }
             Ok(bytes) => return Some(Self { bytes, at: CHECKSUM }),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return None,
-            Err(error) => format!("cannot be read ({error})"),
+            Err(FileError::NotFound) => return None,
+            Err(error) => error.to_string(),
         };
         log::warn!("{}: {problem}; it is made again", path.display());
         None
@@ -122,6 +121,7 @@ impl Reader {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn what_is_written_is_read_and_what_is_damaged_is_not() {

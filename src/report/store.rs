@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::export::{ExportError, write_atomically};
 use crate::scene::Fingerprint;
+use crate::scene::files::{self, FileError, MAX_DATA_BYTES};
 
 /// A folder of finished pieces.
 #[derive(Debug, Clone)]
@@ -78,12 +79,12 @@ impl Store {
 
     /// `Ok(None)` where nothing is kept.
     fn read<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, String> {
-        let text = match fs::read_to_string(path) {
+        let text = match files::read(path, MAX_DATA_BYTES) {
             Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(format!("cannot be read ({error})")),
+            Err(FileError::NotFound) => return Ok(None),
+            Err(error) => return Err(error.to_string()),
         };
-        let kept: Kept = serde_json::from_str(&text).map_err(|error| format!("is damaged ({error})"))?;
+        let kept: Kept = serde_json::from_slice(&text).map_err(|error| format!("is damaged ({error})"))?;
         if Fingerprint::of_bytes(kept.piece.as_bytes()) != kept.sha256 {
             return Err("is damaged (its contents are not those that were written)".to_owned());
         }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::LoadNote;
 use super::environment::EnvironmentImage;
 use super::shapes::MAX_LENGTH;
 use crate::geometry::Mesh;
@@ -231,8 +232,8 @@ pub enum Shape {
         /// As written in the file.
         path: PathBuf,
         mesh: Arc<Mesh>,
-        /// How many triangles of the file were left out because they have no area.
-        dropped: usize,
+        /// What of the file was passed over.
+        notes: Vec<LoadNote>,
     },
 }
 

@@ -336,7 +336,7 @@ impl Shapes {
                 hasher.text("quad");
                 [center, edge_u, edge_v].into_iter().for_each(|vector| hasher.vector(*vector));
             }
-            Shape::Mesh { path: _, mesh, dropped: _ } => {
+            Shape::Mesh { path: _, mesh, notes: _ } => {
                 hasher.text("mesh");
                 let of_mesh = self.meshes.entry(Arc::as_ptr(mesh)).or_insert_with(|| of_mesh(mesh));
                 hasher.fingerprint(*of_mesh);
@@ -359,7 +359,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::scene::{builtin, load};
+    use crate::scene::{LoadNote, builtin, load};
 
     fn described(name: &str) -> Description {
         load::open(name).unwrap()
@@ -401,7 +401,7 @@ mod tests {
             })
         };
         let mut scene = described("iced-water");
-        scene.refractors[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(1.0), dropped: 0 };
+        scene.refractors[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(1.0), notes: Vec::new() };
         let image = |blue: f32| EnvironmentImage { width: 1, height: 1, pixels: vec![[1.0, 1.0, blue]], clipped: 0 };
         let with_image = |blue: f32| Environment::Image {
             path: "e.hdr".into(),
@@ -418,7 +418,9 @@ mod tests {
             Box::new(|d| d.media[0].ior = IorModel::Cauchy([1.5, 0.0, 0.0])),
             Box::new(|d| d.media[0].ior = IorModel::Sellmeier(vec![[1.5, 0.0]])),
             Box::new(|d| d.refractors[0].medium = d.refractors[1].medium.clone()),
-            Box::new(|d| d.refractors[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(2.0), dropped: 0 }),
+            Box::new(|d| {
+                d.refractors[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(2.0), notes: Vec::new() }
+            }),
             Box::new(|d| d.refractors[0].priority -= 7),
             Box::new(|d| d.refractors[0].smooth ^= true),
             Box::new(|d| d.refractors[0].visible ^= true),
@@ -441,7 +443,8 @@ mod tests {
         assert_eq!(all.len(), edits.len());
         // The same contents from another file.
         let mut moved = scene.clone();
-        moved.refractors[0].shape = Shape::Mesh { path: "b.obj".into(), mesh: mesh(1.0), dropped: 3 };
+        let note = LoadNote { kind: "short_faces", count: 1, first_line: None, message: String::new() };
+        moved.refractors[0].shape = Shape::Mesh { path: "b.obj".into(), mesh: mesh(1.0), notes: vec![note] };
         assert_eq!(moved.fingerprint(), scene.fingerprint());
     }
 

@@ -21,7 +21,7 @@ pub struct Dialogs {
 pub enum Leaving {
     Quit,
     /// Opens another scene, by path or name.
-    Open(String),
+    Open(PathBuf),
 }
 
 /// Asks for a path.
@@ -56,7 +56,7 @@ impl Dialogs {
             match answer.inner {
                 Some(Answer::Path(path)) => {
                     let command = match prompt.purpose {
-                        Purpose::Open => Command::Open(path.display().to_string()),
+                        Purpose::Open => Command::Open(path),
                         Purpose::SaveAs => Command::SaveAs(path),
                         Purpose::Export(kind) => Command::Export(kind, path),
                     };

@@ -42,7 +42,7 @@ pub fn show(ctx: &Context, state: &State, commands: &mut Vec<Command>) {
             });
         });
     if let Some(name) = chosen {
-        commands.push(Command::Open(name.to_owned()));
+        commands.push(Command::Open(name.into()));
         commands.push(Command::ShowGallery(false));
     } else if state.windows.gallery && !is_open {
         commands.push(Command::ShowGallery(false));

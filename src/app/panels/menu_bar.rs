@@ -105,7 +105,7 @@ fn file_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         }
         for path in &state.settings.recent {
             if ui.add(Button::new(shortened(path)).truncate()).on_hover_text(path).clicked() {
-                commands.push(Command::Open(path.clone()));
+                commands.push(Command::Open(path.into()));
                 ui.close();
             }
         }

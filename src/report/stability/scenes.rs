@@ -61,7 +61,7 @@ pub fn icosphere(radius: f64, subdivisions: u32) -> Shape {
 }
 
 pub fn mesh_shape(mesh: Mesh) -> Shape {
-    Shape::Mesh { path: "made.ply".into(), mesh: Arc::new(mesh), dropped: 0 }
+    Shape::Mesh { path: "made.ply".into(), mesh: Arc::new(mesh), notes: Vec::new() }
 }
 
 /// The triangles of a shape.

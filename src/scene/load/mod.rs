@@ -3,13 +3,17 @@
 //! Every error names file, line and column where it has them. Nothing that a file asks for is ignored: an unknown key is an error
 //! that lists the valid ones, a feature that is not built yet is refused as such.
 
+mod corners;
+mod encoding;
 mod environment;
 mod files;
 mod image;
+mod lines;
 mod mesh;
 mod node;
 mod obj;
 mod objects;
+mod passed_over;
 mod ply;
 mod polygon;
 mod shape;
@@ -20,6 +24,7 @@ use std::sync::Arc;
 
 use toml_edit::Document;
 
+use self::encoding::Utf16;
 use self::files::Files;
 pub(super) use self::files::normal;
 use self::node::{Node, Table, Text};
@@ -28,6 +33,7 @@ use super::SceneError;
 use super::builtin;
 use super::camera::Camera;
 use super::description::{CameraDescription, Description, Source, WorldMedium};
+use super::files::{MAX_SCENE_BYTES, read_or_receive};
 use crate::optics::dispersion::IOR_RANGE;
 use crate::optics::{IorModel, Medium, catalog, medium};
 
@@ -38,17 +44,18 @@ pub const DEFAULT_VERTICAL_FOV: f64 = 40.0;
 ///
 /// # Errors
 /// When there is no such scene, or it cannot be used.
-pub fn open(name_or_path: &str) -> Result<Description, SceneError> {
-    if let Some(builtin) = builtin::find(name_or_path) {
+pub fn open(name_or_path: impl AsRef<Path>) -> Result<Description, SceneError> {
+    let path = name_or_path.as_ref();
+    let name = path.to_string_lossy();
+    if let Some(builtin) = builtin::find(&name) {
         return builtin::description(builtin);
     }
-    let path = Path::new(name_or_path);
     let looks_like_a_name = path.extension().is_none() && path.components().count() == 1;
     if looks_like_a_name && !path.exists() {
         let names = || builtin::all().iter().map(|scene| scene.name);
         return Err(SceneError::new(format!(
-            "there is no file and no built-in scene `{name_or_path}`{}; built-in scenes: {}",
-            suggestion(name_or_path, names()),
+            "there is no file and no built-in scene `{name}`{}; built-in scenes: {}",
+            suggestion(&name, names()),
             names().collect::<Vec<_>>().join(", ")
         )));
     }
@@ -60,7 +67,10 @@ pub fn open(name_or_path: &str) -> Result<Description, SceneError> {
 /// # Errors
 /// When the file or one that it names cannot be read or used.
 pub fn file(path: &Path) -> Result<Description, SceneError> {
-    let bytes = files::read_file(path).map_err(|message| SceneError::in_file(path, message))?;
+    let bytes = read_or_receive(path, MAX_SCENE_BYTES).map_err(|error| SceneError::in_file(path, error.to_string()))?;
+    if Utf16::of(&bytes).is_some() {
+        return Err(SceneError::in_file(path, "is text in UTF-16: scene files are TOML in UTF-8, so save it in that"));
+    }
     let text = String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let valid = String::from_utf8_lossy(valid);

@@ -13,15 +13,22 @@ pub(super) fn too_many_corners(corners: usize) -> String {
 /// Polygons of more corners than this are cut ear by ear as they come, without choosing the best: that takes the cube of their number.
 const MOST_TO_CHOOSE_FROM: usize = 48;
 
-/// Corners that are looked at, at the most, in search of the ears of one such polygon: about a second's work.
-const PATIENCE: usize = 1 << 29;
+/// How many corners may still be looked at in search of ears of such polygons: a few seconds' work for one mesh.
+#[derive(Debug)]
+pub(super) struct Patience(usize);
+
+impl Default for Patience {
+    fn default() -> Self {
+        Self(1 << 30)
+    }
+}
 
 /// Triangles over the corners of a simple polygon of three or more corners, flat or nearly so, that keep its orientation. A polygon
-/// that crosses itself still gives n − 2 triangles.
-pub(super) fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
+/// that crosses itself still gives n − 2 triangles. `None` when patience ends.
+pub(super) fn triangulate(points: &[DVec3], patience: &mut Patience) -> Option<Vec<[usize; 3]>> {
     let flat = flatten(points);
     if points.len() > MOST_TO_CHOOSE_FROM {
-        return clip_any(&flat);
+        return clip_any(&flat, patience);
     }
     let mut remaining: Vec<usize> = (0..points.len()).collect();
     let mut triangles = Vec::with_capacity(points.len().saturating_sub(2));
@@ -40,12 +47,12 @@ pub(super) fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
     if let [a, b, c] = remaining[..] {
         triangles.push([a, b, c]);
     }
-    triangles
+    Some(triangles)
 }
 
 /// Clips one ear after the other around the polygon, leaving out every second corner, so that a round polygon gives no fan of needles. Only
 /// reflex corners can lie in an ear (and corners that are clipped never become reflex), so convex polygons take linear time.
-fn clip_any(flat: &[DVec2]) -> Vec<[usize; 3]> {
+fn clip_any(flat: &[DVec2], patience: &mut Patience) -> Option<Vec<[usize; 3]>> {
     let n = flat.len();
     let mut next: Vec<usize> = (1..=n).map(|i| i % n).collect();
     let mut previous: Vec<usize> = (0..n).map(|i| (i + n - 1) % n).collect();
@@ -53,16 +60,17 @@ fn clip_any(flat: &[DVec2]) -> Vec<[usize; 3]> {
         let [p, q, r] = corner.map(|i| flat[i]);
         turn(p, q, r) <= 0.0
     };
-    let mut reflex: Vec<usize> = (0..n).filter(|&i| is_reflex([previous[i], i, next[i]])).collect();
+    let mut reflex = Set::new(n, |i| is_reflex([previous[i], i, next[i]]));
     let mut triangles = Vec::with_capacity(n - 2);
-    let (mut left, mut at, mut failures, mut patience) = (n, 0, 0, PATIENCE);
+    let (mut left, mut at, mut failures) = (n, 0, 0);
     while left > 3 {
         let corner = [previous[at], at, next[at]];
-        // A polygon that crosses itself may have no ear, and one that winds without end hides its ears well: then any corner goes.
-        if failures < left && patience > 0 {
+        // A polygon that crosses itself may have no ear: then any corner goes.
+        if failures < left {
             let is_ear = !is_reflex(corner) && {
-                patience = patience.saturating_sub(reflex.len());
-                is_ear(flat, corner, &reflex)
+                let within = reflex.members.iter().position(|&i| is_in_ear(flat, corner, i));
+                patience.0 = patience.0.checked_sub(within.unwrap_or(reflex.members.len()))?;
+                within.is_none()
             };
             if !is_ear {
                 at = next[at];
@@ -75,13 +83,44 @@ fn clip_any(flat: &[DVec2]) -> Vec<[usize; 3]> {
         next[before] = after;
         previous[after] = before;
         left -= 1;
-        reflex.retain(|&i| i != at && is_reflex([previous[i], i, next[i]]));
+        reflex.remove(at);
+        for neighbour in [before, after] {
+            if !is_reflex([previous[neighbour], neighbour, next[neighbour]]) {
+                reflex.remove(neighbour);
+            }
+        }
         // Where ears are rare, the next is likely to be beside this one.
         at = if failures == 0 { next[after] } else { before };
         failures = 0;
     }
     triangles.push([previous[at], at, next[at]]);
-    triangles
+    Some(triangles)
+}
+
+/// Some of the numbers below n, in any order.
+struct Set {
+    members: Vec<usize>,
+    /// Where each stands in `members`; `usize::MAX`: nowhere.
+    places: Vec<usize>,
+}
+
+impl Set {
+    fn new(n: usize, is_member: impl Fn(usize) -> bool) -> Self {
+        let members: Vec<usize> = (0..n).filter(|&i| is_member(i)).collect();
+        let mut places = vec![usize::MAX; n];
+        members.iter().enumerate().for_each(|(place, &i)| places[i] = place);
+        Self { members, places }
+    }
+
+    fn remove(&mut self, i: usize) {
+        let place = std::mem::replace(&mut self.places[i], usize::MAX);
+        if place != usize::MAX {
+            self.members.swap_remove(place);
+            if let Some(&moved) = self.members.get(place) {
+                self.places[moved] = place;
+            }
+        }
+    }
 }
 
 /// The polygon seen along its normal (Newell's), from where it runs counter-clockwise.
@@ -96,14 +135,18 @@ fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - a)
 }
 
-fn is_ear(flat: &[DVec2], [a, b, c]: [usize; 3], remaining: &[usize]) -> bool {
-    let [p, q, r] = [a, b, c].map(|i| flat[i]);
-    turn(p, q, r) > 0.0
-        && remaining.iter().filter(|i| ![a, b, c].contains(i)).all(|&i| {
-            let x = flat[i];
-            // On the new edge counts as inside, unless it is one of its ends met again, as where a hole is bridged.
-            x == p || x == r || turn(p, q, x) < 0.0 || turn(q, r, x) < 0.0 || turn(r, p, x) < 0.0
-        })
+fn is_ear(flat: &[DVec2], corner: [usize; 3], remaining: &[usize]) -> bool {
+    let [p, q, r] = corner.map(|i| flat[i]);
+    turn(p, q, r) > 0.0 && !remaining.iter().any(|&i| is_in_ear(flat, corner, i))
+}
+
+/// Whether corner `i` is another than those of a triangle, and lies in it.
+fn is_in_ear(flat: &[DVec2], corner: [usize; 3], i: usize) -> bool {
+    let [p, q, r] = corner.map(|i| flat[i]);
+    let x = flat[i];
+    // On the new edge counts as inside, unless it is one of its ends met again, as where a hole is bridged.
+    let is_outside = x == p || x == r || turn(p, q, x) < 0.0 || turn(q, r, x) < 0.0 || turn(r, p, x) < 0.0;
+    !is_outside && !corner.contains(&i)
 }
 
 /// Area over the square of the longest edge.
@@ -116,6 +159,10 @@ fn quality(flat: &[DVec2], corners: [usize; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
+        super::triangulate(points, &mut Patience::default()).unwrap()
+    }
 
     fn area(points: &[DVec3], triangles: &[[usize; 3]]) -> DVec3 {
         triangles.iter().map(|t| t.map(|i| points[i])).map(|[a, b, c]| (b - a).cross(c - a) / 2.0).sum()

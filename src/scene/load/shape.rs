@@ -8,14 +8,14 @@ use super::files::Files;
 use super::mesh;
 use super::node::{Node, Table};
 use crate::geometry::Mesh;
-use crate::scene::SceneError;
 use crate::scene::description::Shape;
 use crate::scene::shapes::{self, DEFAULT_RINGS, DEFAULT_SEGMENTS};
+use crate::scene::{LoadNote, SceneError};
 
 const SHAPES: [&str; 8] = ["sphere", "icosphere", "box", "cylinder", "torus", "lathe", "quad", "mesh"];
 
-/// Meshes read so far, with the number of triangles dropped: objects that name one file share it.
-pub(super) type MeshCache = HashMap<PathBuf, (Arc<Mesh>, usize)>;
+/// Meshes read so far, with what was passed over in their files: objects that name one file share it.
+pub(super) type MeshCache = HashMap<PathBuf, (Arc<Mesh>, Vec<LoadNote>)>;
 
 pub(super) fn shape(node: &Node<'_>, files: Files<'_>, cache: &mut MeshCache) -> Result<Shape, SceneError> {
     let table = node.table()?;
@@ -98,26 +98,26 @@ fn read_mesh(node: &Node<'_>, files: Files<'_>, cache: &mut MeshCache) -> Result
         Some(found) => found.clone(),
         None => {
             let read = if matches!(files, Files::Nowhere) {
-                (Arc::default(), 0)
+                (Arc::default(), Vec::new())
             } else {
                 let bytes = files
                     .read(&path)
                     .map_err(|message| node.error(format!("the mesh {} {message}", files.locate(&path).display())))?;
-                let (mesh, dropped) = mesh::read(&bytes, format).map_err(|fault| {
+                let (mesh, notes) = mesh::read(&bytes, format).map_err(|fault| {
                     let file = files.locate(&path);
                     match fault.line {
                         Some(line) => SceneError::at(file, line, 1, fault.message),
                         None => SceneError::in_file(file, fault.message),
                     }
                 })?;
-                (Arc::new(mesh), dropped)
+                (Arc::new(mesh), notes)
             };
             cache.insert(path.clone(), read.clone());
             read
         }
     };
-    let (mesh, dropped) = found;
-    let shape = Shape::Mesh { path, mesh, dropped };
+    let (mesh, notes) = found;
+    let shape = Shape::Mesh { path, mesh, notes };
     if !matches!(files, Files::Nowhere) {
         shapes::validate(&shape).map_err(|fault| node.error(fault.message))?;
     }

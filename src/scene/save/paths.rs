@@ -6,6 +6,7 @@ use super::write_atomically;
 use crate::scene::SceneError;
 use crate::scene::builtin;
 use crate::scene::description::{Description, Environment, Shape};
+use crate::scene::files::{self, FileError};
 use crate::scene::load::normal;
 
 /// Makes the scene's relative paths right for a scene file at `target`.
@@ -26,6 +27,14 @@ pub(super) fn relocate(description: &mut Description, target: &Path) -> Result<(
             }
             relative(&new, &normal(&old.join(&*path)))
         };
+        // Scene files are text.
+        if path.to_str().is_none() {
+            let message = format!(
+                "names {}, which a scene file cannot: it is not UTF-8. Rename that folder, or save the scene beside its files",
+                path.display()
+            );
+            return Err(SceneError::in_file(target, message));
+        }
         Ok(())
     };
     let shapes = (description.refractors.iter_mut().map(|r| &mut r.shape))
@@ -52,9 +61,9 @@ fn copy_asset(asset: &Path, folder: &Path) -> Result<PathBuf, SceneError> {
     for number in 1_u32.. {
         let name = if number == 1 { format!("{stem}.{ending}") } else { format!("{stem}-{number}.{ending}") };
         let path = folder.join(&name);
-        match std::fs::read(&path) {
+        match files::read(&path, bytes.len() as u64) {
             Ok(there) if there == bytes => return Ok(name.into()),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            Err(FileError::NotFound) => {
                 write_atomically(&path, bytes)?;
                 return Ok(name.into());
             }

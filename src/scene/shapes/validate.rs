@@ -244,7 +244,7 @@ mod tests {
             (Shape::Torus { center: o, major: 1.0, minor: 0.5, segments: 8000, rings: 8000 }, "segments"),
             (Shape::Quad { center: o, edge_u: DVec3::X, edge_v: DVec3::X * 3.0 }, "edge_v"),
             (Shape::Quad { center: o, edge_u: o, edge_v: DVec3::X }, "edge_u"),
-            (Shape::Mesh { path: PathBuf::new(), mesh: Arc::new(Mesh::default()), dropped: 0 }, ""),
+            (Shape::Mesh { path: PathBuf::new(), mesh: Arc::new(Mesh::default()), notes: Vec::new() }, ""),
         ] {
             assert_eq!(validate(&shape).unwrap_err().key, key, "{shape:?}");
         }
