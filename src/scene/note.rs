@@ -1,0 +1,13 @@
+//! What loading a file passed over without harm to what it says.
+
+/// One kind of thing in a file that loading passed over, and how often.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadNote {
+    /// A stable word, such as `unknown-statement`.
+    pub kind: &'static str,
+    pub count: u64,
+    /// The line of the first, counted from 1, in text formats.
+    pub first_line: Option<usize>,
+    /// What was passed over, in words for people.
+    pub message: String,
+}
