@@ -5,7 +5,7 @@
 
 mod environment;
 mod files;
-mod image;
+pub(crate) mod image;
 mod mesh;
 mod node;
 mod obj;
