@@ -37,9 +37,10 @@ const CRATES: &[(&[&str], &[&str])] = &[
     (&["clap", "indicatif", "env_logger"], &["cli"]),
     (&["anyhow"], &["cli", "app"]),
     (&["toml_edit", "tobj", "ply_rs_bw", "gltf"], &["scene"]),
-    (&["ab_glyph", "epaint_default_fonts", "png"], &["export", "app"]),
+    (&["ab_glyph", "epaint_default_fonts"], &["export", "app"]),
+    (&["png"], &["export", "app", "scene::load::image"]),
     (&["sha2"], &["scene::fingerprint"]),
-    (&["exr"], &["export"]),
+    (&["exr"], &["export", "scene::load::image"]),
     (&["statrs"], &["measure"]),
     (&["maud"], &["report"]),
 ];

@@ -178,7 +178,9 @@ fn an_environment_image_beside_its_scene() {
     let scene = load::file(&folder.path().join("s.toml")).unwrap();
     let Environment::Image { path, image, rotation, scale } = scene.environment else { panic!("no image") };
     assert_eq!((path.as_path(), rotation, scale), (Path::new("sky.exr"), 90.0, 2.0));
-    assert_eq!((image.width, image.height, image.clipped), (4, 2, 8));
+    assert_eq!((image.width, image.height), (4, 2));
+    let notes: Vec<_> = image.notes.iter().map(|note| (note.kind, note.count)).collect();
+    assert_eq!(notes, [("clipped_pixels", 8)]);
     assert_eq!(image.pixels[7], [3.0, 1.0, 0.0]);
 }
 

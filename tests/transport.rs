@@ -142,7 +142,7 @@ fn image_environments_are_sampled_without_bias() {
     let pixels = (0..32 * 16)
         .map(|i| if i == 4 * 32 + 11 { [60.0, 50.0, 40.0] } else { [0.2 + 0.05 * (i % 7) as f32; 3] })
         .collect();
-    let image = Arc::new(EnvironmentImage { width: 32, height: 16, pixels, clipped: 0 });
+    let image = Arc::new(EnvironmentImage { width: 32, height: 16, pixels, notes: vec![] });
     let mut description = floor();
     description.environment = Environment::Image { path: "sky".into(), image, rotation: 40.0, scale: 1.5 };
     let scene = ready(description);

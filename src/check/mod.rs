@@ -12,6 +12,7 @@ use glam::DVec3;
 use crate::optics::IorModel;
 use crate::rectify::containment::containment;
 use crate::render::Prepared;
+use crate::scene::LoadNote;
 use crate::scene::description::{Environment, Refractor};
 
 /// How bad a problem is.
@@ -138,14 +139,8 @@ fn media(prepared: &Prepared) -> Vec<Problem> {
 fn light(prepared: &Prepared) -> Vec<Problem> {
     let description = &*prepared.description;
     let mut problems = Vec::new();
-    if let Environment::Image { path, image, .. } = &description.environment
-        && image.clipped > 0
-    {
-        problems.push(Problem::warning(
-            path.to_string_lossy(),
-            "clipped_pixels",
-            format!("{} components of the environment image were negative and have been set to 0", image.clipped),
-        ));
+    if let Environment::Image { path, image, .. } = &description.environment {
+        problems.extend(image.notes.iter().map(|note| image_note(&path.to_string_lossy(), note)));
     }
     let is_dark_around = match &description.environment {
         Environment::Color(color) => *color == [0.0; 3],
@@ -160,6 +155,14 @@ fn light(prepared: &Prepared) -> Vec<Problem> {
         ));
     }
     problems
+}
+
+/// What reading an image replaced is doubtful; what it converted or passed over may not have been meant.
+fn image_note(path: &str, note: &LoadNote) -> Problem {
+    match note.kind {
+        "clipped_pixels" | "replaced_pixels" => Problem::warning(path, note.kind, &note.message),
+        kind => Problem::advice(path, kind, &note.message),
+    }
 }
 
 fn camera(prepared: &Prepared) -> Vec<Problem> {

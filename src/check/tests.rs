@@ -93,13 +93,18 @@ fn light_and_camera() {
 }
 
 #[test]
-fn clipped_pixels_are_said() {
+fn what_reading_an_image_changed_is_said() {
     let mut scene = builtin::description(builtin::find("plain-glass").unwrap()).unwrap();
+    assert_eq!(found(scene.clone()), []);
     let Environment::Image { image, .. } = &mut scene.environment else { panic!("no image") };
-    Arc::make_mut(image).clipped = 7;
+    let note = |kind| LoadNote { kind, count: 7, first_line: None, message: format!("{kind}, with advice") };
+    Arc::make_mut(image).notes = ["unusual_aspect", "clipped_pixels", "replaced_pixels"].map(note).to_vec();
     let problems = problems_of(scene);
-    assert_eq!((problems[0].kind, problems[0].severity), ("clipped_pixels", Severity::Warning));
-    assert!(problems[0].message.starts_with("7 components"));
+    let found: Vec<_> = problems.iter().map(|problem| (problem.kind, problem.severity)).collect();
+    let (warning, advice) = (Severity::Warning, Severity::Advice);
+    assert_eq!(found, [("clipped_pixels", warning), ("replaced_pixels", warning), ("unusual_aspect", advice)]);
+    assert_eq!(problems[0].message, "clipped_pixels, with advice");
+    assert!(problems[0].place.ends_with(".exr"), "{}", problems[0].place);
 }
 
 #[test]

@@ -31,6 +31,7 @@ use crate::render::{Events, Partial, Recipe, SampleRange};
 use crate::scene::Fingerprint;
 use crate::scene::files::{self, FileError};
 use crate::scene::fingerprint::Hasher;
+use crate::scene::load::image::limits;
 
 /// Where the text stands in the file.
 const ATTRIBUTE: &str = "iorectSums";
@@ -42,6 +43,8 @@ const MOST_PIXELS: u64 = 1 << 26;
 const MOST_EVENTS: u64 = 1 << 56;
 const COLORS: [&str; 3] = ["R", "G", "B"];
 const COUNT: &str = "count.N";
+/// The counts, and of each colour the mean and four parts of the sum.
+const CHANNELS: usize = 1 + COLORS.len() * 5;
 
 /// A file that is no part of an image.
 #[derive(Debug, thiserror::Error)]
@@ -204,6 +207,12 @@ pub fn read_sums_head(path: &Path) -> Result<Head, SumsError> {
     }
     let head: Head =
         serde_json::from_value(value).map_err(|error| damaged(format!("its attribute `{ATTRIBUTE}`: {error}")))?;
+    // Before anything is decoded: pixels, and channels of them, are allocated as the header says.
+    limits::check_exr(&meta.headers).map_err(|what| damaged(format!("its image {what}")))?;
+    let channels = header.channels.list.len();
+    if channels != CHANNELS {
+        return Err(damaged(format!("it has {channels} channels instead of {CHANNELS}")));
+    }
     let size = (header.layer_size.width() as u64, header.layer_size.height() as u64);
     if size != (u64::from(head.recipe.width), u64::from(head.recipe.height)) || size.0 * size.1 > MOST_PIXELS {
         return Err(damaged(format!("its size is {}×{}", size.0, size.1)));

@@ -4,7 +4,9 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
+use super::LoadNote;
 use super::description::Environment;
 
 /// A latitude–longitude image, linear Rec. 709, every component finite and ≥ 0.
@@ -14,8 +16,8 @@ pub struct EnvironmentImage {
     pub height: usize,
     /// Row-major, row 0 at +y.
     pub pixels: Vec<[f32; 3]>,
-    /// How many components were negative in the file and set to 0.
-    pub clipped: usize,
+    /// What the file held otherwise, and was replaced, converted or passed over.
+    pub notes: Vec<LoadNote>,
 }
 
 /// The environment, ready to be looked up and sampled.
@@ -104,19 +106,26 @@ impl ImageLight {
     /// `None` when the image is black or `scale` is 0: there is nothing to look up.
     fn new(image: Arc<EnvironmentImage>, rotation: f64, scale: f64) -> Option<Self> {
         let (width, height) = (image.width, image.height);
-        let mut columns = Vec::with_capacity(width * height);
+        let mut columns = vec![0.0; width * height];
+        let weights: Vec<f64> = (columns.par_chunks_mut(width).enumerate())
+            .map(|(row, columns)| {
+                let mut sum = 0.0;
+                let sums: Vec<f64> = (0..width)
+                    .map(|column| {
+                        sum += mean_luminance(&image, row, column);
+                        sum
+                    })
+                    .collect();
+                if sum > 0.0 {
+                    columns.iter_mut().zip(sums).for_each(|(column, s)| *column = (s / sum) as f32);
+                }
+                sum
+            })
+            .collect();
         let mut rows = Vec::with_capacity(height);
         let mut total = 0.0;
-        for row in 0..height {
-            let sine = (PI * (row as f64 + 0.5) / height as f64).sin();
-            let mut sums = Vec::with_capacity(width);
-            let mut sum = 0.0;
-            for column in 0..width {
-                sum += mean_luminance(&image, row, column);
-                sums.push(sum);
-            }
-            columns.extend(sums.iter().map(|s| if sum > 0.0 { (s / sum) as f32 } else { 0.0 }));
-            total += sum * sine;
+        for (row, weight) in weights.into_iter().enumerate() {
+            total += weight * (PI * (row as f64 + 0.5) / height as f64).sin();
             rows.push(total);
         }
         if total.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) || scale == 0.0 {
@@ -222,7 +231,7 @@ mod tests {
     fn light(rotation_degrees: f64) -> ImageLight {
         // 8×4: one bright texel on a dim, uneven ground.
         let pixels = (0..32).map(|i| if i == 11 { [50.0, 40.0, 30.0] } else { [0.1 * (i % 5) as f32; 3] }).collect();
-        let image = EnvironmentImage { width: 8, height: 4, pixels, clipped: 0 };
+        let image = EnvironmentImage { width: 8, height: 4, pixels, notes: Vec::new() };
         ImageLight::new(Arc::new(image), rotation_degrees.to_radians(), 2.0).unwrap()
     }
 

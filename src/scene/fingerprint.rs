@@ -274,7 +274,7 @@ fn hash_environment(hasher: &mut Hasher, environment: &Environment) {
             [zenith, horizon, nadir].into_iter().for_each(|color| hasher.numbers(*color));
         }
         Environment::Image { path: _, image, rotation, scale } => {
-            let EnvironmentImage { width, height, pixels, clipped: _ } = &**image;
+            let EnvironmentImage { width, height, pixels, notes: _ } = &**image;
             hasher.text("image");
             hasher.integer(*width as u64);
             hasher.integer(*height as u64);
@@ -402,7 +402,7 @@ mod tests {
         };
         let mut scene = described("iced-water");
         scene.refractors[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(1.0), notes: Vec::new() };
-        let image = |blue: f32| EnvironmentImage { width: 1, height: 1, pixels: vec![[1.0, 1.0, blue]], clipped: 0 };
+        let image = |blue: f32| EnvironmentImage { width: 1, height: 1, pixels: vec![[1.0, 1.0, blue]], notes: vec![] };
         let with_image = |blue: f32| Environment::Image {
             path: "e.hdr".into(),
             image: Arc::new(image(blue)),

@@ -48,7 +48,7 @@ pub(super) fn environment(root: &Table<'_>, files: Files<'_>) -> Result<Environm
 
 fn read(node: &Node<'_>, path: &std::path::Path, files: Files<'_>) -> Result<EnvironmentImage, SceneError> {
     if matches!(files, Files::Nowhere) {
-        return Ok(EnvironmentImage { width: 1, height: 1, pixels: vec![[0.0; 3]], clipped: 0 });
+        return Ok(EnvironmentImage { width: 1, height: 1, pixels: vec![[0.0; 3]], notes: Vec::new() });
     }
     let format = image::format_of(path).map_err(|message| node.error(message))?;
     let located = files.locate(path);

@@ -7,7 +7,7 @@ mod corners;
 mod encoding;
 mod environment;
 mod files;
-mod image;
+pub(crate) mod image;
 mod lines;
 mod mesh;
 mod node;

@@ -1,0 +1,160 @@
+//! OpenEXR: scan lines and tiles, one part or several, half, float and integer channels, RGB, XYZ, luminance with or without chroma.
+//!
+//! "Technical Introduction to OpenEXR" and "OpenEXR File Layout" (Academy Software Foundation). The `exr` crate parses headers and
+//! decompresses blocks; its readers of whole images know neither subsampled channels nor limits, so blocks are put together here.
+
+mod blocks;
+mod chroma;
+mod layer;
+
+use std::io::Cursor;
+
+use exr::meta::MetaData;
+use exr::meta::attribute::EnvironmentMap;
+use exr::meta::header::Header;
+
+use self::blocks::Samples;
+use self::layer::{Colors, Layer};
+use super::color::{self, Chromaticities};
+use super::limits::{self, black, pixel_count};
+use crate::scene::LoadNote;
+use crate::scene::environment::EnvironmentImage;
+
+/// # Errors
+/// When the file is too large, damaged, cut off, or of a kind that is not read.
+pub(super) fn read(bytes: &[u8]) -> Result<EnvironmentImage, String> {
+    let mut rest = Cursor::new(bytes);
+    let meta = MetaData::read_from_buffered(&mut rest, false).map_err(decoding)?;
+    if meta.requirements.has_deep_data || meta.headers.iter().any(|header| header.deep) {
+        return Err("holds deep data (several samples a pixel), which is not read: flatten it first".into());
+    }
+    limits::check_exr(&meta.headers)?;
+    let (layer, note) = Layer::choose(&meta.headers)?;
+    let header = &meta.headers[layer.part];
+    if header.own_attributes.environment_map == Some(EnvironmentMap::Cube) {
+        return Err(
+            "is a cube map, which is not read: convert it to latitude–longitude, for example with `exrenvmap -latlong`"
+                .into(),
+        );
+    }
+    let mut notes: Vec<LoadNote> = note.into_iter().collect();
+    let windows = Windows::of(header)?;
+    notes.extend(windows.note());
+
+    let count = pixel_count(windows.width as u64, windows.height as u64)?;
+    let mut samples = Samples { windows, pixels: black(count)?, chroma: chroma::planes(header, &layer)? };
+    blocks::read(&meta, &layer, &mut rest, &mut samples)?;
+    let Samples { windows, mut pixels, chroma } = samples;
+
+    let chromaticities = header.shared_attributes.chromaticities.map(|c| {
+        let points = [c.red, c.green, c.blue, c.white].map(|point| [f64::from(point.0), f64::from(point.1)]);
+        Chromaticities { red: points[0], green: points[1], blue: points[2], white: points[3] }
+    });
+    match (&layer.colors, chroma) {
+        (Colors::Luminance(_), _) => pixels.iter_mut().for_each(|pixel| *pixel = [pixel[1]; 3]),
+        (Colors::LuminanceChroma { .. }, Some(chroma)) => {
+            let weights = chromaticities.unwrap_or(color::REC_709).luminance_weights();
+            chroma.add_to(&mut pixels, &windows, weights);
+        }
+        _ => {}
+    }
+    let matrix = match (&layer.colors, chromaticities.map(Chromaticities::to_rec_709)) {
+        (Colors::Xyz(_), _) => Some((color::rec_709_from_xyz(), "CIE XYZ")),
+        // Grey has the colour of white, whichever that is.
+        (Colors::Luminance(_), _) | (_, None | Some(Ok(None))) => None,
+        (_, Some(Ok(Some(matrix)))) => Some((matrix, "its chromaticities")),
+        (_, Some(Err(fault))) => {
+            let message = format!("its chromaticities {fault} and were ignored: it was read as Rec. 709");
+            notes.push(LoadNote { kind: "ignored_header", count: 1, first_line: None, message });
+            None
+        }
+    };
+    if let Some((matrix, from)) = matrix {
+        color::convert(&mut pixels, matrix);
+        notes.push(color::note(from));
+    }
+    Ok(EnvironmentImage { width: windows.width, height: windows.height, pixels, notes })
+}
+
+fn decoding(error: exr::error::Error) -> String {
+    format!("cannot be decoded: {error}")
+}
+
+/// The window that the image fills, and where the file's data lie in it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Windows {
+    /// Of the display window: the size of the image.
+    width: usize,
+    height: usize,
+    /// Top left corner of the data window, from that of the display window.
+    left: i64,
+    top: i64,
+    data_width: usize,
+    data_height: usize,
+}
+
+impl Windows {
+    fn of(header: &Header) -> Result<Self, String> {
+        let (display, data) = (header.shared_attributes.display_window, header.data_window());
+        let windows = Self {
+            width: display.size.0,
+            height: display.size.1,
+            left: i64::from(data.position.0) - i64::from(display.position.0),
+            top: i64::from(data.position.1) - i64::from(display.position.1),
+            data_width: data.size.0,
+            data_height: data.size.1,
+        };
+        if windows.columns().is_empty() || (0..windows.data_height).all(|row| windows.row(row).is_none()) {
+            return Err("has no data within its display window: its windows must overlap".into());
+        }
+        Ok(windows)
+    }
+
+    /// Columns of the data that are within the display window.
+    fn columns(&self) -> std::ops::Range<usize> {
+        let first = (-self.left).clamp(0, self.data_width as i64);
+        let end = (self.width as i64 - self.left).clamp(first, self.data_width as i64);
+        first as usize..end as usize
+    }
+
+    /// The row of the image that a row of the data is, if it is within the display window.
+    fn row(&self, data_row: usize) -> Option<usize> {
+        usize::try_from(self.top + data_row as i64).ok().filter(|row| *row < self.height)
+    }
+
+    /// Of the data's column 0; negative when it is left of the image.
+    fn column(&self, data_column: usize) -> usize {
+        (self.left + data_column as i64) as usize
+    }
+
+    fn note(&self) -> Option<LoadNote> {
+        let rows = (0..self.data_height).filter(|row| self.row(*row).is_some()).count();
+        let seen = self.columns().len() * rows;
+        let (empty, cropped) = (self.width * self.height - seen, self.data_width * self.data_height - seen);
+        let what = match (empty, cropped) {
+            (0, 0) => return None,
+            (_, 0) => format!("{empty} pixels have no data and are black"),
+            (0, _) => format!("{cropped} pixels outside it were cropped"),
+            _ => format!("{empty} pixels have no data and are black, and {cropped} outside it were cropped"),
+        };
+        Some(LoadNote {
+            kind: "data_window",
+            count: (empty + cropped) as u64,
+            first_line: None,
+            message: format!("the data of the environment image do not fill its display window: {what}"),
+        })
+    }
+}
+
+/// Names from files, such as may be shown.
+fn shown<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    /// Names that are listed; the rest is counted.
+    const MOST: usize = 12;
+    let names: Vec<&str> = names.into_iter().collect();
+    let short = |name: &&str| format!("`{}`", name.chars().take(40).collect::<String>().escape_debug());
+    let mut list = names.iter().take(MOST).map(short).collect::<Vec<_>>().join(", ");
+    if names.len() > MOST {
+        list += &format!(" and {} more", names.len() - MOST);
+    }
+    list
+}
