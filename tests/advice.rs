@@ -218,15 +218,23 @@ fn what_is_seen_is_no_copy() {
 fn what_is_said_not_to_be_seen_is_not_missed() {
     let mut numbers = Numbers(7);
     let mut said = 0;
-    for round in 0..150 {
+    for round in 0..60 {
         let mut description = air();
-        for _ in 0..4 {
+        for index in 0..4 {
             let mut end = || {
                 let a = numbers.index(3) as f64;
-                (a, a + 1.0 + numbers.index(2) as f64)
+                [a, a + 1.0 + numbers.index(2) as f64]
             };
-            let (x, y, z) = (end(), end(), end());
-            add(&mut description, block([x.0, y.0, z.0], [x.1, y.1, z.1]), 1.5, 0.0);
+            let [x, y, z] = [end(), end(), end()];
+            let mut shape = block([x[0], y[0], z[0]], [x[1], y[1], z[1]]);
+            // Some are one of the earlier ones once more, or lie in one.
+            if index > 0 && numbers.index(2) == 0 {
+                let earlier = numbers.index(index);
+                let Shape::Box { min, max } = description.refractors[earlier].shape else { panic!("a box") };
+                let inset = 0.1 * numbers.index(2) as f64;
+                shape = Shape::Box { min: min + inset, max: max - inset };
+            }
+            add(&mut description, shape, 1.5, 0.0);
             let medium = format!("object {}", numbers.index(description.media.len()));
             let refractor = description.refractors.last_mut().unwrap();
             refractor.priority = numbers.index(3) as i32;
@@ -302,7 +310,7 @@ fn media_that_are_not_used_are_removed() {
     let mut before = nest(1.0, &[(1.0, 1.5)]);
     for k in 0..20 {
         add(&mut before, sphere(DVec3::ZERO, 0.1), 1.3, 0.0);
-        remove(&mut before, &[&format!("object {}", k + 1)]);
+        before.refractors.pop();
         before.media.last_mut().unwrap().name = format!("spare {k}");
     }
     follow("unused_medium", &before, &before, Effect::Keeps, |problem, after| {
@@ -612,7 +620,7 @@ fn what_lies_in_a_solid_is_moved_out() {
     follow("light_in_solid", &before, &meant, Effect::Mends, |_, after| {
         after.lights[0].transform.translate = meant.lights[0].transform.translate;
     });
-    let mut meant = meant;
+    meant.environment = air().environment;
     add(&mut meant, sphere(DVec3::new(0.0, 0.0, 2.0), 0.4), 1.5, 0.0);
     add(&mut meant, sphere(DVec3::new(0.0, 0.0, 2.0), 0.2), 1.2, 0.0);
     assert_eq!(kinds(&meant), Vec::<&str>::new());
@@ -727,28 +735,27 @@ fn gaps_and_overlaps_that_are_meant() {
 /// The mode `priority` sees a film where glass and water are flush, and does not once they overlap; `rectified` is right all the time.
 #[test]
 fn flush_faces_and_the_mode_priority() {
-    let mut before = air();
-    add(&mut before, block([-1.0, -1.0, -1.0], [0.0, 1.0, 1.0]), 1.5, 0.1);
-    add(&mut before, block([0.0, -1.0, -1.0], [1.0, 1.0, 1.0]), 1.33, 0.0);
+    let before = tumbler(0.8, 0.2, 64);
     follow("flush_in_priority", &before, &before, Effect::Keeps, |problem, after| {
         assert_eq!((problem.place.as_str(), problem.severity), ("object 0, object 1", Severity::Advice));
-        after.refractors[1].shape = block([-0.1, -1.0, -1.0], [1.0, 1.0, 1.0]);
+        *after = tumbler(0.82, 0.18, 64);
         after.refractors[0].priority = 1;
-        let media = |scene: &Description| {
+        // The media entered on the way through, in both directions.
+        let media = |scene: &Description, mode: Mode| {
             let (scene, mut all) = (ready(scene.clone()), Vec::new());
             for direction in [DVec3::X, DVec3::NEG_X] {
-                let ray = Ray::new(DVec3::new(0.0, 0.3, 0.2) - direction * 5.0, direction);
-                let path = trace(&scene, Mode::Priority, ray, Follow::Transmit, 0, None);
+                let ray = Ray::new(DVec3::new(0.0, 1.0, 0.2) - direction * 5.0, direction);
+                let path = trace(&scene, mode, ray, Follow::Transmit, 0, None);
                 all.push(path.vertices.into_iter().filter_map(|v| v.to).collect::<Vec<_>>());
             }
             all
         };
-        // In one direction or the other.
-        assert!(media(&before).iter().any(|media| media.len() == 4), "{:?}", media(&before));
-        assert!(media(after).iter().all(|media| media.len() == 3), "{:?}", media(after));
+        let right = media(&before, Mode::Rectified);
+        assert_ne!(media(&before, Mode::Priority), right);
+        assert_eq!(media(after, Mode::Priority), right);
         let right = picture(after, Mode::Rectified);
         let [was, is] = [&before, &*after].map(|scene| error(&picture(scene, Mode::Priority), &right));
-        assert!(was > 1e-4 && is < 1e-9, "{was} {is}");
+        assert!(was > 1e-3 && is < 0.01 * was, "{was} {is}");
     });
     // One in the other and apart, nothing is flush.
     assert_eq!(kinds(&nest(1.0, &[(1.0, 1.5), (0.5, 1.33)])), Vec::<&str>::new());

@@ -57,7 +57,8 @@ fn doubt(prepared: &Prepared, all: usize, doubtful: &[&Patch]) -> Doubt {
             format!("what lies outside one of its {all} patches, {}, is doubtful: {votes}", names::near(spot.center))
         }
         (count, Some(spot)) => format!(
-            "what lies outside {count} of its {all} patches is doubtful, most so {}, where {votes}",
+            "what lies outside {} of its {all} patches is doubtful, most so {}, where {votes}",
+            if count == all { "all".to_owned() } else { count.to_string() },
             names::near(spot.center)
         ),
     };

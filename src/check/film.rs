@@ -27,8 +27,8 @@ const ALL_ROUND: f64 = 0.7;
 /// Share that facets which nearly coincide cover at the least, and how near those are.
 const FACETS: f64 = 0.2;
 const FACETS_NEAR: f64 = 0.01;
-/// Share of these facets that lie on the rarer side.
-const RARER: f64 = 0.15;
+/// Share of them that lie on the rarer side, gap or overlap: where there is less, it is a film.
+const RARER: f64 = 0.05;
 
 pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
     let world = &*prepared.world;
@@ -117,7 +117,10 @@ fn film(prepared: &Prepared, inner: ObjectId, outer: ObjectId, near: &[Beside]) 
     let gaps: Vec<&Beside> = near.iter().filter(|b| b.distance > 0.0).collect();
     let overlaps = near.len() - gaps.len();
     let mean_normal = gaps.iter().map(|b| b.point.normal).sum::<DVec3>() / gaps.len().max(1) as f64;
-    if (gaps.len() as f64) < FILM * f64::from(ALL) || overlaps * 10 > gaps.len() || mean_normal.length() > ALL_ROUND {
+    if (gaps.len() as f64) < FILM * f64::from(ALL)
+        || overlaps as f64 >= RARER * near.len() as f64
+        || mean_normal.length() > ALL_ROUND
+    {
         return None;
     }
     // What it is of; surfaces that others cross say nothing.

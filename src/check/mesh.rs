@@ -1,7 +1,8 @@
 //! Surfaces that are not what an enclosure should be, and what was made of them.
 
 use super::confidence::{Doubt, Doubts};
-use super::{Problem, Severity, Spot, names, nested, rims};
+use super::rims::Rims;
+use super::{Problem, Severity, Spot, names, nested};
 use crate::geometry::topology::{Finding, FindingKind};
 use crate::geometry::{Enclosure, Topology};
 use crate::render::Prepared;
@@ -9,10 +10,9 @@ use crate::scene::description::{Refractor, Shape};
 use crate::scene::world::ObjectId;
 
 /// Takes from `doubts` what is said here, with its reason: the surface is not closed.
-pub(super) fn problems(prepared: &Prepared, doubts: &mut Doubts) -> Vec<Problem> {
+pub(super) fn problems(prepared: &Prepared, rims: &Rims, doubts: &mut Doubts) -> Vec<Problem> {
     let description = &*prepared.description;
     let world = &*prepared.world;
-    let rims = rims::joined(prepared);
     let mut problems = Vec::new();
     // Refractors are the first objects.
     for (index, (refractor, object)) in description.refractors.iter().zip(&world.objects).enumerate() {
@@ -28,7 +28,12 @@ pub(super) fn problems(prepared: &Prepared, doubts: &mut Doubts) -> Vec<Problem>
                 problems.push(and_doubt(problem, doubts.remove(&id)));
             }
             (_, Some(topology)) => {
-                for finding in &topology.findings {
+                // An interface is not to be turned over or mended, but replaced.
+                let is_moot = |finding: &&Finding| {
+                    rims.contains_key(&id)
+                        && matches!(finding.kind, FindingKind::InsideOut | FindingKind::MixedOrientation)
+                };
+                for finding in topology.findings.iter().filter(|finding| !is_moot(finding)) {
                     let (count, spot) = match finding.kind {
                         // Parts of which something is to be seen are no reason for advice.
                         FindingKind::NestedComponents => match nested::hidden(prepared, id) {

@@ -76,13 +76,15 @@ impl Problem {
 /// where meshes have a million triangles.
 pub fn check(prepared: &Prepared) -> Vec<Problem> {
     let mut doubts = confidence::doubts(prepared);
-    let mut problems = mesh::problems(prepared, &mut doubts);
-    problems.extend(overlap::problems(prepared));
+    let rims = rims::joined(prepared);
+    let mut problems = mesh::problems(prepared, &rims, &mut doubts);
+    let encounters = prepared.table.encounters(&prepared.world);
+    problems.extend(overlap::problems(prepared, &encounters, &rims));
     problems.extend(confidence::problems(prepared, &doubts));
     problems.extend(film::problems(prepared));
     problems.extend(enclosed::problems(prepared));
     problems.extend(index::problems(prepared));
-    problems.extend(flush::problems(prepared));
+    problems.extend(flush::problems(prepared, &encounters));
     problems.extend(media::problems(prepared));
     problems.extend(light(prepared));
     problems.extend(lamp::problems(prepared));

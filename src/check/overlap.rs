@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use super::rims::Rims;
 use super::{Problem, names, samples};
 use crate::rectify::PatchKind;
 use crate::rectify::containment::{containment_beside, medium_of, priority, top};
-use crate::rectify::encounters::Meeting;
+use crate::rectify::encounters::{Encounter, Meeting};
 use crate::render::Prepared;
 use crate::scene::World;
 use crate::scene::world::ObjectId;
@@ -16,11 +17,13 @@ const MOST_PAIRS: usize = 4;
 /// Points at which it is made sure that one object fills another.
 const POINTS: u32 = 32;
 
-pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
+pub(super) fn problems(prepared: &Prepared, encounters: &[Encounter], rims: &Rims) -> Vec<Problem> {
     let world = &*prepared.world;
-    let encounters = prepared.table.encounters(world);
     let pairs_of = |meeting| encounters.iter().filter(move |e| e.meeting == meeting).map(|e| (e.a, e.b));
-    let ties: Vec<_> = pairs_of(Meeting::Overlap).filter(|&(a, b)| is_undecided(world, a, b)).collect();
+    // Interfaces of one body have no volumes that could overlap.
+    let are_joined = |a: ObjectId, b: ObjectId| rims.get(&a).is_some_and(|others| others.contains(&b));
+    let ties: Vec<_> =
+        pairs_of(Meeting::Overlap).filter(|&(a, b)| is_undecided(world, a, b) && !are_joined(a, b)).collect();
     let copies: Vec<_> = pairs_of(Meeting::Copy).filter(|&(a, b)| is_filled(world, a, b)).collect();
     let mut problems = Vec::new();
     for group in groups(&ties) {
@@ -120,16 +123,13 @@ fn copy(world: &World, pairs: &[(ObjectId, ObjectId)]) -> Problem {
     let winner = top(world, objects.iter().copied());
     let others: Vec<ObjectId> = objects.iter().copied().filter(|id| Some(*id) != winner).collect();
     let (winner, list) = (winner.map_or("", |id| &world.object(id).name), names::list_of(world, &others));
-    let (cannot, it, a_priority) = match others.len() {
-        1 => ("cannot be seen", "it", "it should be the one that is seen"),
-        _ => ("cannot be seen", "them", "one of them should be seen"),
-    };
+    let (it, who) = if others.len() == 1 { ("it", "it") } else { ("them", "one of them") };
     Problem::warning(
         names::place_of(world, &objects),
         "coincident",
         format!(
-            "{} have the same surface at the same place: `{winner}` fills all of it, and {list} {cannot}; remove {it}, or set a priority if \
-             {a_priority} (higher wins)",
+            "{} have the same surface at the same place: `{winner}` fills all of it, and {list} cannot be seen; remove {it}, or give a \
+             higher priority to {who} and remove `{winner}`",
             names::list_of(world, &objects),
         ),
     )

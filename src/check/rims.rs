@@ -13,8 +13,11 @@ use crate::scene::world::ObjectId;
 /// Share of a rim's vertices that others must have.
 const JOINED: f64 = 0.5;
 
+/// By object, the others that its rim is joined to.
+pub(super) type Rims = BTreeMap<ObjectId, Vec<ObjectId>>;
+
 /// For each refractor that is not closed and whose rim is for the most part that of others: those others, in ascending order.
-pub(super) fn joined(prepared: &Prepared) -> BTreeMap<ObjectId, Vec<ObjectId>> {
+pub(super) fn joined(prepared: &Prepared) -> Rims {
     let world = &*prepared.world;
     let is_open = |id: &ObjectId| matches!(world.object(*id).enclosure, Enclosure::Sheet | Enclosure::Holed);
     let open: Vec<ObjectId> = world.refractors().map(|(id, _)| id).filter(is_open).collect();
