@@ -1,25 +1,55 @@
 //! Surfaces that are not what an enclosure should be, and what was made of them.
 
-use super::{Problem, Severity};
+use super::confidence::{Doubt, Doubts};
+use super::rims::Rims;
+use super::{Problem, Severity, Spot, names, nested};
 use crate::geometry::topology::{Finding, FindingKind};
 use crate::geometry::{Enclosure, Topology};
 use crate::render::Prepared;
 use crate::scene::description::{Refractor, Shape};
+use crate::scene::world::ObjectId;
 
-pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
+/// Takes from `doubts` what is said here, with its reason: the surface is not closed.
+pub(super) fn problems(prepared: &Prepared, rims: &Rims, doubts: &mut Doubts) -> Vec<Problem> {
     let description = &*prepared.description;
+    let world = &*prepared.world;
     let mut problems = Vec::new();
     // Refractors are the first objects.
-    for (refractor, object) in description.refractors.iter().zip(&prepared.world.objects) {
+    for (index, (refractor, object)) in description.refractors.iter().zip(&world.objects).enumerate() {
+        let id = ObjectId(index as u32);
         match (&refractor.shape, &object.topology) {
-            (Shape::Quad { .. }, _) => problems.push(Problem::warning(
-                &refractor.name,
-                "open_mesh",
-                "a quad encloses nothing, so a refractor of that shape has no inside: what lies behind it counts as such, as far as the \
-                 next surface",
-            )),
+            (Shape::Quad { .. }, _) => {
+                let problem = Problem::warning(
+                    &refractor.name,
+                    "open_mesh",
+                    "a quad encloses nothing, so a refractor of that shape has no inside: what lies behind it counts as such, as far as \
+                     the next surface",
+                );
+                problems.push(and_doubt(problem, doubts.remove(&id)));
+            }
             (_, Some(topology)) => {
-                problems.extend(topology.findings.iter().map(|finding| problem(refractor, topology, finding)));
+                // An interface is not to be turned over or mended, but replaced.
+                let is_moot = |finding: &&Finding| {
+                    rims.contains_key(&id)
+                        && matches!(finding.kind, FindingKind::InsideOut | FindingKind::MixedOrientation)
+                };
+                for finding in topology.findings.iter().filter(|finding| !is_moot(finding)) {
+                    let (count, spot) = match finding.kind {
+                        // Parts of which something is to be seen are no reason for advice.
+                        FindingKind::NestedComponents => match nested::hidden(prepared, id) {
+                            Some(hidden) => hidden,
+                            None => continue,
+                        },
+                        _ => (finding.count, spot(refractor, finding)),
+                    };
+                    let others = rims.get(&id).map(|others| names::list_of(world, others));
+                    let problem = problem(refractor, topology, finding.kind, count, spot, others.as_deref());
+                    let is_open = matches!(topology.enclosure, Enclosure::Holed | Enclosure::Sheet);
+                    problems.push(match finding.kind {
+                        FindingKind::OpenMesh if is_open => and_doubt(problem, doubts.remove(&id)),
+                        _ => problem,
+                    });
+                }
             }
             _ => {}
         }
@@ -27,16 +57,34 @@ pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
     problems
 }
 
-/// What is to be said of a finding.
-fn problem(refractor: &Refractor, topology: &Topology, finding: &Finding) -> Problem {
-    let count = finding.count;
+/// The same, with what is doubtful about its object because of it.
+fn and_doubt(mut problem: Problem, doubt: Option<Doubt>) -> Problem {
+    if let Some(Doubt { sentence, .. }) = doubt {
+        problem.message += &format!(". Until then {sentence}");
+    }
+    problem
+}
+
+/// The place of a finding.
+fn spot(refractor: &Refractor, finding: &Finding) -> Spot {
+    let center = refractor.transform.matrix().transform_point3(finding.center);
+    Spot { center, radius: finding.radius * refractor.transform.scale.abs().max_element() }
+}
+
+/// What is to be said of a finding at `spot`. `others` are the surfaces, by name, that the rim of one that is not closed is joined to.
+fn problem(
+    refractor: &Refractor,
+    topology: &Topology,
+    kind: FindingKind,
+    count: u64,
+    spot: Spot,
+    others: Option<&str>,
+) -> Problem {
     let of = |one: &str, many: &str| if count == 1 { format!("1 {one}") } else { format!("{count} {many}") };
     let faces = of("face", "faces");
     let components = of("separate part", "separate parts");
-    let center = refractor.transform.matrix().transform_point3(finding.center);
-    let [x, y, z] = center.to_array();
-    let near = format!("near [{x:.4}, {y:.4}, {z:.4}]");
-    let (severity, message) = match finding.kind {
+    let near = names::near(spot.center);
+    let (severity, message) = match kind {
         FindingKind::DegenerateTriangles => {
             (Severity::Advice, format!("{faces} of the mesh, {near}, have two corners at one place and were left out"))
         }
@@ -78,7 +126,7 @@ fn problem(refractor: &Refractor, topology: &Topology, finding: &Finding) -> Pro
                 )
             },
         ),
-        FindingKind::OpenMesh => open(topology, count, &near),
+        FindingKind::OpenMesh => open(topology, count, &near, others),
         FindingKind::NonManifold => (
             Severity::Warning,
             format!(
@@ -98,8 +146,8 @@ fn problem(refractor: &Refractor, topology: &Topology, finding: &Finding) -> Pro
         FindingKind::Cavity => (
             Severity::Advice,
             format!(
-                "{components} of the mesh, {near}, look inward and lie in another: a cavity, which holds what surrounds the object. Turn its \
-                 faces over if it should be filled"
+                "{components} of the mesh, {near}, look inward and lie in another: a cavity, which holds what surrounds the object. Remove its \
+                 faces if it should be filled"
             ),
         ),
         FindingKind::NestedComponents => (
@@ -117,14 +165,13 @@ fn problem(refractor: &Refractor, topology: &Topology, finding: &Finding) -> Pro
             (Severity::Warning, format!("the mesh, {near}, is closed but encloses nothing: it has no thickness"))
         }
     };
-    let problem = Problem { severity, ..Problem::warning(&refractor.name, finding.kind.word(), message) };
+    let problem = Problem { severity, ..Problem::warning(&refractor.name, kind.word(), message) };
     // Something of no size is everywhere on the object.
-    let radius = finding.radius * refractor.transform.scale.abs().max_element();
-    if radius > 0.0 { problem.at(center, radius) } else { problem }
+    if spot.radius > 0.0 { problem.at(spot.center, spot.radius) } else { problem }
 }
 
 /// A boundary is worth as many words as it is wide.
-fn open(topology: &Topology, count: u64, near: &str) -> (Severity, String) {
+fn open(topology: &Topology, count: u64, near: &str, others: Option<&str>) -> (Severity, String) {
     let edges = if count == 1 { "1 of its edges is".to_owned() } else { format!("{count} of its edges are") };
     let start = format!("the mesh is not closed: {edges} not shared by two faces that look the same way");
     let percent = topology.gap * 100.0;
@@ -132,6 +179,14 @@ fn open(topology: &Topology, count: u64, near: &str) -> (Severity, String) {
         Enclosure::Closed | Enclosure::Union => (
             Severity::Advice,
             format!("{start}, the first {near}. There is no gap, only vertices that do not match: merge them"),
+        ),
+        Enclosure::Holed | Enclosure::Sheet if let Some(others) = others => (
+            Severity::Warning,
+            format!(
+                "{start}, {near}: it ends where {others} begin. They look like the interfaces of one body, each a sheet between two media. \
+                 Give every medium an object of its own with a closed surface instead: a glass with its outer and inner wall, the liquid \
+                 with the wall that it wets and its top"
+            ),
         ),
         Enclosure::Holed => (
             Severity::Warning,

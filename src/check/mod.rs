@@ -1,19 +1,27 @@
 //! What is wrong or doubtful in a scene, with advice.
 
+mod camera;
+mod confidence;
 mod crowded;
+mod enclosed;
+mod film;
+mod flush;
+mod index;
+mod lamp;
+mod media;
 mod mesh;
+mod names;
+mod nested;
 mod notes;
 mod overlap;
-
-use std::collections::HashSet;
+mod rims;
+mod samples;
 
 use glam::DVec3;
 
-use crate::optics::IorModel;
-use crate::rectify::containment::containment;
 use crate::render::Prepared;
 use crate::scene::LoadNote;
-use crate::scene::description::{Environment, Refractor};
+use crate::scene::description::Environment;
 
 /// How bad a problem is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -67,72 +75,27 @@ impl Problem {
     }
 }
 
-/// Votes below this share of the rays are reported: the answer is doubtful, or the object has more than one surrounding.
-const LEAST_CONFIDENCE: f64 = 0.9;
-
 /// Everything doubtful that can be found in a scene that could be prepared, worst first. Takes milliseconds, or some tenths of a second
 /// where meshes have a million triangles.
 pub fn check(prepared: &Prepared) -> Vec<Problem> {
-    let mut problems = mesh::problems(prepared);
+    let mut doubts = confidence::doubts(prepared);
+    let rims = rims::joined(prepared);
+    let mut problems = mesh::problems(prepared, &rims, &mut doubts);
     problems.extend(notes::problems(prepared));
-    problems.extend(overlap::problems(prepared));
+    let encounters = prepared.table.encounters(&prepared.world);
+    problems.extend(overlap::problems(prepared, &encounters, &rims));
     problems.extend(crowded::problems(prepared));
-    problems.extend(confidence(prepared));
-    problems.extend(media(prepared));
+    problems.extend(confidence::problems(prepared, &doubts));
+    problems.extend(film::problems(prepared));
+    problems.extend(enclosed::problems(prepared));
+    problems.extend(index::problems(prepared));
+    problems.extend(flush::problems(prepared, &encounters));
+    problems.extend(media::problems(prepared));
     problems.extend(light(prepared));
-    problems.extend(camera(prepared));
+    problems.extend(lamp::problems(prepared));
+    problems.extend(camera::problems(prepared));
     // Stable: findings of one severity stay in the order above.
     problems.sort_by_key(|problem| problem.severity);
-    problems
-}
-
-/// Patches about whose surroundings the pre-trace's rays disagree.
-fn confidence(prepared: &Prepared) -> Vec<Problem> {
-    let world = &*prepared.world;
-    let doubtful = prepared.table.patches.iter().filter(|patch| patch.confidence < LEAST_CONFIDENCE);
-    doubtful
-        .map(|patch| {
-            let votes: Vec<String> = (patch.votes.iter().filter(|vote| vote.share() < 1.0))
-                .map(|vote| {
-                    let share = 100.0 * f64::from(vote.inside) / f64::from(vote.asked);
-                    format!("{share:.0} % of the rays find it in `{}`", world.object(vote.refractor).name)
-                })
-                .collect();
-            Problem::warning(
-                &world.object(patch.refractor).name,
-                "low_confidence",
-                format!(
-                    "what lies outside patch {} is doubtful: {}. Look for holes in the meshes named, and close them",
-                    patch.index,
-                    votes.join(", ")
-                ),
-            )
-        })
-        .collect()
-}
-
-fn media(prepared: &Prepared) -> Vec<Problem> {
-    let description = &*prepared.description;
-    let used: HashSet<&str> = description.refractors.iter().map(|r: &Refractor| r.medium.as_str()).collect();
-    let (used, unused): (Vec<_>, Vec<_>) = description.media.iter().partition(|m| used.contains(m.name.as_str()));
-    let mut problems: Vec<Problem> = unused
-        .iter()
-        .map(|m| Problem::advice(&m.name, "unused_medium", "no refractor is made of this medium; remove it or use it"))
-        .collect();
-    let used = used.iter().map(|m| (m.name.as_str(), &m.ior));
-    let dispersive: Vec<(&str, &IorModel)> = ([("world", &description.world.ior)].into_iter().chain(used))
-        // A catalogue's entry is asked for by name, and its IOR is shown; a formula was written for its dispersion.
-        .filter(|(_, ior)| ior.is_dispersive() && !matches!(ior, IorModel::Catalog(_)))
-        .collect();
-    if !dispersive.is_empty() {
-        let names: Vec<&str> = dispersive.iter().map(|(name, _)| *name).collect();
-        let values: Vec<String> = dispersive.iter().map(|(name, ior)| format!("{name} {:.4}", ior.ior())).collect();
-        problems.push(Problem::advice(
-            names.join(", "),
-            "dispersion",
-            format!("dispersion is not rendered yet: every colour gets the IOR at 587.56 nm ({})", values.join(", ")),
-        ));
-    }
     problems
 }
 
@@ -163,31 +126,6 @@ fn image_note(path: &str, note: &LoadNote) -> Problem {
         "clipped_pixels" | "replaced_pixels" => Problem::warning(path, note.kind, &note.message),
         kind => Problem::advice(path, kind, &note.message),
     }
-}
-
-fn camera(prepared: &Prepared) -> Vec<Problem> {
-    let world = &*prepared.world;
-    let found = containment(world, prepared.description.camera.position - world.geometry.origin, None);
-    let mut problems = Vec::new();
-    if found.is_ambiguous {
-        problems.push(Problem::warning(
-            "camera",
-            "camera_ambiguous",
-            "it cannot be told for certain which refractors contain the camera: it stands on a surface, or in an open mesh",
-        ));
-    }
-    if !found.refractors.is_empty() {
-        let names: Vec<String> = found.refractors.iter().map(|&id| format!("`{}`", world.object(id).name)).collect();
-        problems.push(Problem::advice(
-            "camera",
-            "camera_inside",
-            format!(
-                "the camera is inside {}: `naive` and `stack` begin each path as if it were not, `rectified` and `reference` do not",
-                names.join(", ")
-            ),
-        ));
-    }
-    problems
 }
 
 #[cfg(test)]

@@ -1,62 +1,136 @@
 //! Refractors that overlap in part, coincide, or hide each other.
 
-use super::Problem;
+use std::collections::BTreeMap;
+
+use super::rims::Rims;
+use super::{Problem, names, samples};
 use crate::rectify::PatchKind;
-use crate::rectify::containment::{medium_of, priority, top};
+use crate::rectify::containment::{containment_beside, medium_of, priority, top};
 use crate::rectify::encounters::{Encounter, Meeting};
 use crate::render::Prepared;
 use crate::scene::World;
 use crate::scene::world::ObjectId;
 
-pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
+/// Ties among objects that overlap each other, directly or by way of others, are said pair by pair up to this number, and together beyond.
+const MOST_PAIRS: usize = 4;
+
+/// Points at which it is made sure that one object fills another.
+const POINTS: u32 = 32;
+
+pub(super) fn problems(prepared: &Prepared, encounters: &[Encounter], rims: &Rims) -> Vec<Problem> {
     let world = &*prepared.world;
-    let mut problems: Vec<Problem> = (prepared.table.encounters(world).into_iter())
-        .filter_map(|encounter| match encounter.meeting {
-            Meeting::Overlap => tie(world, encounter),
-            Meeting::Copy => Some(copy(world, encounter)),
-            Meeting::Touch => None,
-        })
-        .collect();
+    let pairs_of = |meeting| encounters.iter().filter(move |e| e.meeting == meeting).map(|e| (e.a, e.b));
+    // Interfaces of one body have no volumes that could overlap.
+    let are_joined = |a: ObjectId, b: ObjectId| rims.get(&a).is_some_and(|others| others.contains(&b));
+    let ties: Vec<_> =
+        pairs_of(Meeting::Overlap).filter(|&(a, b)| is_undecided(world, a, b) && !are_joined(a, b)).collect();
+    let copies: Vec<_> = pairs_of(Meeting::Copy).filter(|&(a, b)| is_filled(world, a, b)).collect();
+    let mut problems = Vec::new();
+    for group in groups(&ties) {
+        if group.len() <= MOST_PAIRS {
+            problems.extend(group.into_iter().map(|(a, b)| tie(world, a, b)));
+        } else {
+            problems.push(ties_of_many(world, &group));
+        }
+    }
+    problems.extend(groups(&copies).iter().map(|group| copy(world, group)));
     problems.extend(world.refractors().filter_map(|(refractor, _)| invisible(prepared, refractor)));
     problems
 }
 
-fn names(world: &World, Encounter { a, b, .. }: Encounter) -> [&str; 2] {
-    [a, b].map(|id| world.object(id).name.as_str())
+/// Pairs put together that are linked by objects in common, in the order of their first objects.
+fn groups(pairs: &[(ObjectId, ObjectId)]) -> Vec<Vec<(ObjectId, ObjectId)>> {
+    // The object that stands for the group of each, found through others (union and find, with halved paths).
+    let mut parents: BTreeMap<ObjectId, ObjectId> = BTreeMap::new();
+    fn root(parents: &mut BTreeMap<ObjectId, ObjectId>, mut id: ObjectId) -> ObjectId {
+        while let Some(&parent) = parents.get(&id).filter(|parent| **parent != id) {
+            let above = parents.get(&parent).copied().unwrap_or(parent);
+            parents.insert(id, above);
+            id = above;
+        }
+        id
+    }
+    for &(a, b) in pairs {
+        let (a, b) = (root(&mut parents, a), root(&mut parents, b));
+        parents.insert(a.max(b), a.min(b));
+        parents.entry(a.min(b)).or_insert(a.min(b));
+    }
+    let mut found: BTreeMap<ObjectId, Vec<(ObjectId, ObjectId)>> = BTreeMap::new();
+    for &(a, b) in pairs {
+        found.entry(root(&mut parents, a)).or_default().push((a, b));
+    }
+    found.into_values().collect()
 }
 
-/// An overlap in part that nobody has decided.
-fn tie(world: &World, encounter: Encounter) -> Option<Problem> {
-    let Encounter { a, b, .. } = encounter;
+/// The objects of some pairs, each once, in ascending order.
+fn members(pairs: &[(ObjectId, ObjectId)]) -> Vec<ObjectId> {
+    let mut members: Vec<ObjectId> = pairs.iter().flat_map(|&(a, b)| [a, b]).collect();
+    members.sort_unstable();
+    members.dedup();
+    members
+}
+
+/// Whether nobody has decided which of two fills their overlap, and it matters.
+fn is_undecided(world: &World, a: ObjectId, b: ObjectId) -> bool {
     let is_seamless = medium_of(world, Some(a)) == medium_of(world, Some(b));
-    if priority(world, a) != priority(world, b) || is_seamless {
-        return None;
-    }
-    let [first, second] = names(world, encounter);
+    priority(world, a) == priority(world, b) && !is_seamless
+}
+
+/// What decides a tie.
+fn reason(world: &World, objects: &[ObjectId]) -> &'static str {
+    let are_all_infinite = objects.iter().all(|id| world.object(*id).volume.is_infinite());
+    if are_all_infinite { "the later one wins" } else { "the smaller volume wins" }
+}
+
+fn tie(world: &World, a: ObjectId, b: ObjectId) -> Problem {
+    let [first, second] = [a, b].map(|id| &world.object(id).name);
     let winner = top(world, [a, b]).map_or("", |id| &world.object(id).name);
-    let reason = if world.object(a).volume.is_infinite() && world.object(b).volume.is_infinite() {
-        "the later one wins"
-    } else {
-        "the smaller volume wins"
-    };
-    Some(Problem::warning(
+    Problem::warning(
         format!("{first}, {second}"),
         "overlap_tie",
         format!(
-            "{first} and {second} overlap with equal priority: {reason}, here {winner}; set a priority to choose (higher wins)"
+            "{first} and {second} overlap with equal priority: {}, here {winner}; set a priority to choose (higher wins)",
+            reason(world, &[a, b])
         ),
-    ))
+    )
 }
 
-fn copy(world: &World, encounter: Encounter) -> Problem {
-    let [first, second] = names(world, encounter);
-    let winner = top(world, [encounter.a, encounter.b]).map_or("", |id| &world.object(id).name);
+fn ties_of_many(world: &World, pairs: &[(ObjectId, ObjectId)]) -> Problem {
+    let objects = members(pairs);
     Problem::warning(
-        format!("{first}, {second}"),
+        names::place_of(world, &objects),
+        "overlap_tie",
+        format!(
+            "{} objects, {}, overlap each other in {} pairs with equal priority: {}; set priorities to choose (higher wins)",
+            objects.len(),
+            names::list_of(world, &objects),
+            pairs.len(),
+            reason(world, &objects)
+        ),
+    )
+}
+
+/// Whether, of two with the same surface, the one that wins does fill the other all along it.
+fn is_filled(world: &World, a: ObjectId, b: ObjectId) -> bool {
+    let Some(winner) = top(world, [a, b]) else { return false };
+    let other = if winner == a { b } else { a };
+    samples::of_surface(&world.geometry, other.0, 0..POINTS)
+        .all(|(point, _)| containment_beside(world, &point, false).refractors.contains(&winner))
+}
+
+fn copy(world: &World, pairs: &[(ObjectId, ObjectId)]) -> Problem {
+    let objects = members(pairs);
+    let winner = top(world, objects.iter().copied());
+    let others: Vec<ObjectId> = objects.iter().copied().filter(|id| Some(*id) != winner).collect();
+    let (winner, list) = (winner.map_or("", |id| &world.object(id).name), names::list_of(world, &others));
+    let (it, who) = if others.len() == 1 { ("it", "it") } else { ("them", "one of them") };
+    Problem::warning(
+        names::place_of(world, &objects),
         "coincident",
         format!(
-            "{first} and {second} have the same surface at the same place: {winner} fills both, and the other cannot be seen; remove \
-             one, or set a priority to choose (higher wins)"
+            "{} have the same surface at the same place: `{winner}` fills all of it, and {list} cannot be seen; remove {it}, or give a \
+             higher priority to {who} and remove `{winner}`",
+            names::list_of(world, &objects),
         ),
     )
 }
@@ -69,8 +143,11 @@ fn invisible(prepared: &Prepared, refractor: ObjectId) -> Option<Problem> {
         return None;
     }
     let name = &world.object(refractor).name;
-    let fills = patches[0].inside_refractor?;
-    if fills == refractor {
+    let mut fills: Vec<ObjectId> = patches.iter().filter_map(|patch| patch.inside_refractor).collect();
+    fills.sort_unstable();
+    fills.dedup();
+    fills.retain(|id| *id != refractor);
+    if fills.is_empty() {
         let container = patches[0].outside_refractor.map_or("the world", |id| &world.object(id).name);
         return Some(Problem::advice(
             name,
@@ -78,14 +155,14 @@ fn invisible(prepared: &Prepared, refractor: ObjectId) -> Option<Problem> {
             format!("it is of the same medium as `{container}`, which surrounds it, and so cannot be seen"),
         ));
     }
-    let other = &world.object(fills).name;
+    let highest = fills.iter().map(|id| priority(world, *id)).max()?;
+    let (has, fills) = (if fills.len() == 1 { "has" } else { "have" }, names::list_of(world, &fills));
     Some(Problem::warning(
         name,
         "hidden",
         format!(
-            "it cannot be seen: it lies wholly in {other}, which has the higher priority and fills it. Give {name} a priority above {} \
-             (higher wins)",
-            priority(world, fills)
+            "it cannot be seen: it lies wholly in {fills}, which {has} the higher priority. Give {name} a priority above {highest} (higher \
+             wins)"
         ),
     ))
 }
