@@ -16,9 +16,11 @@ pub mod encounters;
 pub mod layout;
 pub mod object;
 pub mod pretrace;
+pub mod progress;
 mod random;
 pub mod start;
 pub mod surroundings;
 pub mod table;
 
+pub use progress::{Cancelled, Progress};
 pub use table::{InterfaceTable, Patch, PatchKind};

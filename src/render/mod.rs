@@ -18,4 +18,4 @@ pub use events::Events;
 pub use film::Film;
 pub use fingerprint::fingerprint;
 pub use partial::{CannotMerge, Partial, Recipe, SampleRange};
-pub use prepare::{PrepareSeconds, Prepared, prepare};
+pub use prepare::{PrepareError, PrepareSeconds, Prepared, prepare, prepare_watched};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::rectify::InterfaceTable;
+use crate::rectify::{Cancelled, InterfaceTable, Progress};
 use crate::scene::compile::{changed_objects, compile};
 use crate::scene::{Description, SceneError, World};
 
@@ -25,22 +25,46 @@ pub struct PrepareSeconds {
     pub rectify: f64,
 }
 
+/// Why there is no prepared scene.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum PrepareError {
+    /// The scene is impossible.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
 /// Compiles and rectifies `description`. With `previous`, only what the edit can have changed is done again: geometry and its tree are
 /// kept where no shape or transform changed, and what was found about objects far from those that did.
 ///
 /// # Errors
 /// When the scene is impossible: see [`SceneError`].
 pub fn prepare(description: Arc<Description>, previous: Option<&Prepared>) -> Result<Prepared, SceneError> {
+    prepare_watched(description, previous, &Progress::new()).map_err(|error| match error {
+        PrepareError::Scene(error) => error,
+        PrepareError::Cancelled(_) => unreachable!("nobody else knows of its progress"),
+    })
+}
+
+/// [`prepare`], watched: whoever shares `progress` sees how far it has come, and may cancel it.
+///
+/// # Errors
+/// When the scene is impossible, and when it is cancelled.
+pub fn prepare_watched(
+    description: Arc<Description>,
+    previous: Option<&Prepared>,
+    progress: &Progress,
+) -> Result<Prepared, PrepareError> {
     let start = Instant::now();
     let world = compile(&description, previous.map(|p| (&*p.description, &*p.world)))?;
     let bvh = start.elapsed().as_secs_f64();
+    progress.go_on()?;
     let start = Instant::now();
-    let table = match previous {
-        Some(previous) => match changed_objects(&previous.description, &description) {
-            Some(changed) => previous.table.updated(&world, &previous.world, &changed),
-            None => InterfaceTable::new(&world),
-        },
-        None => InterfaceTable::new(&world),
+    let changed = previous.and_then(|previous| changed_objects(&previous.description, &description));
+    let table = match (previous, changed) {
+        (Some(previous), Some(changed)) => previous.table.updated(&world, &previous.world, &changed),
+        _ => InterfaceTable::new(&world),
     };
     let seconds = PrepareSeconds { bvh, rectify: start.elapsed().as_secs_f64() };
     Ok(Prepared { description, world: Arc::new(world), table: Arc::new(table), seconds })
