@@ -367,7 +367,7 @@ fn without(mut mesh: Mesh, is_dropped: impl Fn(usize) -> bool) -> Mesh {
 fn of_mesh(mesh: Mesh) -> Description {
     let mut description = air();
     add(&mut description, sphere(DVec3::ZERO, 1.6), 1.2, 0.0);
-    let shape = Shape::Mesh { path: "m.obj".into(), mesh: Arc::new(mesh), dropped: 0 };
+    let shape = Shape::Mesh { path: "m.obj".into(), mesh: Arc::new(mesh), notes: Vec::new() };
     add(&mut description, shape, 1.6, 0.1);
     description
 }
@@ -441,7 +441,7 @@ fn a_part_in_a_part_becomes_a_cavity_or_an_object() {
         after.refractors = cavity.refractors.clone();
     });
     let mut apart = of_mesh(ball(1.0));
-    add(&mut apart, Shape::Mesh { path: "n.obj".into(), mesh: Arc::new(ball(0.5)), dropped: 0 }, 1.1, 0.0);
+    add(&mut apart, Shape::Mesh { path: "n.obj".into(), mesh: Arc::new(ball(0.5)), notes: Vec::new() }, 1.1, 0.0);
     follow("nested_components", &before, &apart, Effect::Mends, |_, after| *after = apart.clone());
     // The cavity is filled again.
     let filled = of_mesh(ball(1.0));
@@ -577,7 +577,7 @@ fn lights_are_turned_over() {
     let mut meant = before;
     let mesh = tessellate(&block([-0.2, -0.2, 1.5], [0.2, 0.2, 1.9])).unwrap().unwrap();
     meant.lights[0].shape =
-        Shape::Mesh { path: "l.obj".into(), mesh: Arc::new(Mesh { normals: Vec::new(), ..mesh }), dropped: 0 };
+        Shape::Mesh { path: "l.obj".into(), mesh: Arc::new(Mesh { normals: Vec::new(), ..mesh }), notes: Vec::new() };
     assert_eq!(kinds(&meant), Vec::<&str>::new());
     let mut before = meant.clone();
     turn_over(&mut before.lights[0].shape);

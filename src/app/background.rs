@@ -35,6 +35,11 @@ impl<Order: Clone, Finished> Desk<Order, Finished> {
         tray.has_news = false;
         (!tray.is_closed).then(|| tray.order.clone())
     }
+
+    /// The latest order, for a thread that is to end.
+    pub fn order(&self) -> Order {
+        self.lock().order.clone()
+    }
 }
 
 impl<Order, Finished> Desk<Order, Finished> {

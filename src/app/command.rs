@@ -99,6 +99,8 @@ pub enum Command {
     SetSampleLimit(Option<u32>),
     TogglePause,
     Restart,
+    /// Gives up preparing the scene, and goes back to the last one that was prepared.
+    CancelPreparation,
 
     // Measuring.
     /// Begins to make a ground truth, goes on, pauses, or drops it.
@@ -118,6 +120,16 @@ pub enum Command {
     AskExport(ExportKind),
     Export(ExportKind, PathBuf),
     ClearRecent,
+    /// Gives up opening a scene.
+    CancelOpening,
+    /// Opens the autosave at that path, which an earlier instance left behind.
+    RestoreEdits(PathBuf),
+    /// [`Self::RestoreEdits`] even though there are unsaved changes.
+    RestoreEditsAnyway(PathBuf),
+    /// Removes the autosave at that path.
+    DiscardEdits(PathBuf),
+    /// Offers autosaves again at the next start.
+    PostponeEdits,
     Quit,
     /// Closes the window even though there are unsaved changes.
     QuitAnyway,

@@ -87,6 +87,15 @@ impl Document {
         }
     }
 
+    /// A scene with edits that no file has, from an autosave; "Save" writes to `path`.
+    pub fn restored(description: Arc<Description>, path: Option<PathBuf>) -> Self {
+        let mut document = Self::new(description);
+        document.current.revision = document.next_revision;
+        document.next_revision += 1;
+        document.path = path;
+        document
+    }
+
     pub fn description(&self) -> &Arc<Description> {
         &self.current.description
     }
@@ -258,6 +267,17 @@ mod tests {
         assert!(!document.undo());
         assert!(document.redo() && document.redo() && !document.redo());
         assert_eq!(ior(&document), 1.3);
+    }
+
+    #[test]
+    fn what_was_restored_is_in_no_file_until_it_is_saved() {
+        let mut document = Document::restored(Arc::new(scene()), Some("a.toml".into()));
+        assert!(document.is_dirty() && !document.undo());
+        set(&mut document, 1.0, 1.1);
+        assert!(document.undo() && document.is_dirty());
+        let description = Arc::clone(document.description());
+        document.mark_saved("a.toml".into(), &description);
+        assert!(!document.is_dirty());
     }
 
     #[test]

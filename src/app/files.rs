@@ -11,13 +11,15 @@ use std::time::{Duration, Instant};
 
 use image::RgbImage;
 
+use super::autosave::Found;
 use super::command::ExportKind;
 use super::develop::Source;
+use super::opening::Reading;
 use super::settings::PaneContent;
 use crate::export::{self, Comparison, ExportError, LabelledPane, Picture};
 use crate::render::worker::Snapshot;
 use crate::render::{Display, Events, Prepared};
-use crate::scene::{self, Description};
+use crate::scene::{self, Description, SceneError};
 use crate::tracking::Mode;
 
 /// A person hardly closes a dialog sooner than this: a faster answer means that there was none.
@@ -60,7 +62,10 @@ pub enum Outcome {
     Chosen(Purpose, PathBuf),
     /// This system shows no dialogs: ask in the window.
     NoDialog(Purpose, PathBuf),
-    Opened(Box<Description>),
+    /// What was asked for under that number; from an autosave, if there is one.
+    Opened(u64, Box<Description>, Option<Found>),
+    /// In words for the user.
+    NotOpened(u64, String),
     Saved(PathBuf, Arc<Description>),
     Exported(PathBuf),
     /// In words for the user.
@@ -133,13 +138,34 @@ impl Files {
         });
     }
 
-    /// Reads a scene by path or built-in name.
-    pub fn open(&self, name_or_path: PathBuf) {
+    /// Reads a scene by path or built-in name; `id` comes back with it.
+    pub fn open(&self, id: u64, name_or_path: PathBuf) {
+        self.spawn(move || Some(opened(id, scene::load::open(&name_or_path))));
+    }
+
+    /// Goes on with a scene that is being read already.
+    pub fn finish(&self, id: u64, reading: Reading) {
+        self.spawn(move || Some(opened(id, reading.wait())));
+    }
+
+    /// Reads what an earlier instance left behind.
+    pub fn restore(&self, id: u64, found: Found) {
         self.spawn(move || {
-            Some(match scene::load::open(&name_or_path) {
-                Ok(description) => Outcome::Opened(Box::new(description)),
-                Err(error) => Outcome::Failed(error.to_string()),
+            Some(match found.description() {
+                Ok(description) => Outcome::Opened(id, Box::new(description), Some(found)),
+                Err(error) => {
+                    let kept = found.slot.path().display();
+                    Outcome::NotOpened(id, format!("{error}\nThe edits stay in {kept}."))
+                }
             })
+        });
+    }
+
+    /// Removes what an earlier instance left behind.
+    pub fn discard(&self, found: Found) {
+        self.spawn(move || {
+            found.slot.remove();
+            None
         });
     }
 
@@ -171,6 +197,13 @@ impl Files {
                 Err(error) => Outcome::Failed(error.to_string()),
             })
         });
+    }
+}
+
+fn opened(id: u64, read: Result<Description, SceneError>) -> Outcome {
+    match read {
+        Ok(description) => Outcome::Opened(id, Box::new(description), None),
+        Err(error) => Outcome::NotOpened(id, error.to_string()),
     }
 }
 

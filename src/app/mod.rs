@@ -3,15 +3,19 @@
 //! Panels only read the [`state::State`] and return [`command::Command`]s; `State::apply` and [`files`] are the only places that
 //! act on them. Rendering is done by [`crate::render::worker`], developing by [`develop`]: nothing here waits.
 
+mod autosave;
 mod background;
 mod command;
 mod develop;
 mod document;
 mod files;
+mod graphics;
 mod keys;
+mod launch;
 mod measurement;
 mod navigation;
 mod objects;
+mod opening;
 mod panels;
 mod screenshot;
 mod settings;
@@ -26,20 +30,24 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub use command::{Command, ExportKind, MediumRef};
+pub use launch::{Launch, RunError, Screenshot, run, run_with};
 pub use measurement::{Curve, ErrorAxis, ErrorMetric, Measurement, Measurements, Point, Trend};
 pub use objects::Manipulation;
 pub use settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Settings, Tab, Theme};
 pub use state::State;
 
+use self::autosave::{Autosaver, Edits, Found, Slot};
 use self::background::Bell;
 use self::develop::{Developer, Recipe};
 use self::files::{ExportJob, Files, Outcome, Purpose};
+use self::graphics::{Refusals, WindowSize};
 use self::measurement::Measurer;
 use self::measurement::measurer::Plan;
+use self::opening::{Opening, Reading};
 use self::panels::dialogs::{Dialogs, Leaving, PathPrompt};
 use self::screenshot::Camera as WindowCamera;
 use self::viewport::Viewport;
-use crate::render::worker::{GroundTruthDemand, News, Snapshot, Worker};
+use crate::render::worker::{News, Snapshot, Worker};
 use crate::scene;
 use crate::tracking::Mode;
 
@@ -48,99 +56,6 @@ const SETTINGS_KEY: &str = "settings";
 
 /// Passes after which a new scale has reached every size that is measured in points.
 const SETTLING_PASSES: u32 = 8;
-
-/// The window could not be shown.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    /// There is no display, or no way to draw on it.
-    #[error("no window can be opened here ({0})")]
-    NoWindow(String),
-    /// The scene that was asked for cannot be shown.
-    #[error(transparent)]
-    Scene(#[from] scene::SceneError),
-    /// The picture of the window could not be written.
-    #[error("the picture of the window could not be written: {0}")]
-    Screenshot(String),
-}
-
-/// How the window starts.
-#[derive(Debug, Clone, Default)]
-pub struct Launch {
-    /// A path or the name of a built-in scene; `None`: the default one.
-    pub scene: Option<PathBuf>,
-    /// Size of the window in pixels.
-    pub size: Option<[u32; 2]>,
-    /// Takes a picture of the window and quits.
-    pub screenshot: Option<Screenshot>,
-    /// Settings instead of the remembered ones, which are then neither read nor written.
-    pub settings: Option<Settings>,
-    /// Whether to begin with a ground truth and measure.
-    pub measures: bool,
-}
-
-/// A picture of the window.
-#[derive(Debug, Clone)]
-pub struct Screenshot {
-    /// A PNG.
-    pub path: PathBuf,
-    /// Samples per pixel to wait for.
-    pub samples: u32,
-}
-
-/// Opens the window on `scene` (a path or a built-in name; by default a built-in scene) and returns when it is closed.
-///
-/// # Errors
-/// When there is no display or no way to draw on it, or when `scene` cannot be read.
-pub fn run(scene: Option<PathBuf>) -> Result<(), RunError> {
-    run_with(Launch { scene, ..Launch::default() })
-}
-
-/// [`run`], with a say in how the window starts.
-///
-/// # Errors
-/// As [`run`], and when a screenshot was asked for and cannot be written.
-pub fn run_with(launch: Launch) -> Result<(), RunError> {
-    let description = scene::load::open(launch.scene.as_deref().unwrap_or(Path::new(scene::builtin::DEFAULT)))?;
-    let is_scripted = launch.settings.is_some() || launch.screenshot.is_some();
-    let size = launch.size.map_or([1600.0, 960.0], |size| size.map(|side| side as f32));
-    let mut viewport = egui::ViewportBuilder::default()
-        .with_title("iorect")
-        .with_app_id("iorect")
-        .with_inner_size(size)
-        .with_min_inner_size([480.0, 320.0])
-        .with_icon(panels::about::icon());
-    if launch.size.is_some() {
-        viewport = viewport.with_position([0.0, 0.0]);
-    }
-    let options = eframe::NativeOptions {
-        viewport,
-        persist_window: !is_scripted && launch.size.is_none(),
-        // Pixels must reach the screen as they were developed.
-        dithering: false,
-        ..Default::default()
-    };
-    let screenshot_result = Arc::new(std::sync::Mutex::new(None));
-    let result = Arc::clone(&screenshot_result);
-    eframe::run_native(
-        "iorect",
-        options,
-        Box::new(move |cc| {
-            let mut app = App::new(cc, description, launch.settings.clone())?;
-            app.is_scripted = is_scripted;
-            if launch.measures {
-                app.state.apply(Command::SetGroundTruth(GroundTruthDemand::On), 0.0);
-            }
-            app.window_camera = launch.screenshot.map(|shot| WindowCamera::new(shot, result));
-            Ok(Box::new(app))
-        }),
-    )
-    .map_err(|error| RunError::NoWindow(error.to_string()))?;
-    let outcome = screenshot_result.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take();
-    match outcome {
-        Some(Err(message)) => Err(RunError::Screenshot(message)),
-        Some(Ok(())) | None => Ok(()),
-    }
-}
 
 /// The window's contents.
 pub struct App {
@@ -152,12 +67,22 @@ pub struct App {
     developer: Developer,
     measurer: Measurer,
     worker: Worker,
+    /// `None` where edits are not kept: in scripts and tests.
+    autosaver: Option<Autosaver>,
+    /// The place of the edits that were restored.
+    restored: Option<Arc<Slot>>,
+    /// Edits that are shown but not prepared yet, and their scene: until then they stay where they are.
+    restoring: Option<(Found, Arc<scene::Description>)>,
+    window_size: WindowSize,
+    refusals: Refusals,
     start: Instant,
     /// Set by a screenshot or by settings from outside: nothing is remembered.
     is_scripted: bool,
     window_camera: Option<WindowCamera>,
     /// Whether the user has agreed to lose unsaved changes.
     may_close: bool,
+    /// Whether the window is being closed, and nothing is to be kept that no file has.
+    is_closing: bool,
     title: String,
     /// Passes since the scale of the interface last changed.
     passes_at_scale: u32,
@@ -173,9 +98,26 @@ impl App {
         description: scene::Description,
         settings: Option<Settings>,
     ) -> std::io::Result<Self> {
+        let settings = settings.or_else(|| remembered(cc)).unwrap_or_default();
+        Self::with_state(cc, State::new(Arc::new(description), settings))
+    }
+
+    /// [`Self::new`] for a scene that is still being read; until then there is none.
+    fn reading(
+        cc: &eframe::CreationContext<'_>,
+        name_or_path: PathBuf,
+        reading: Reading,
+        settings: Option<Settings>,
+    ) -> std::io::Result<Self> {
+        let settings = settings.or_else(|| remembered(cc)).unwrap_or_default();
+        let mut app = Self::with_state(cc, State::without_scene(settings))?;
+        let id = app.state.begin_opening(name_or_path, true);
+        app.files.finish(id, reading);
+        Ok(app)
+    }
+
+    fn with_state(cc: &eframe::CreationContext<'_>, state: State) -> std::io::Result<Self> {
         theme::install(&cc.egui_ctx);
-        let remembered = || cc.storage.and_then(|storage| eframe::get_value(storage, SETTINGS_KEY));
-        let settings = settings.or_else(remembered).unwrap_or_default();
         let repaint = {
             let ctx = cc.egui_ctx.clone();
             Arc::new(move || ctx.request_repaint())
@@ -200,20 +142,37 @@ impl App {
             measurement::measurer::start(measurer_bell, Arc::clone(worker.board()), move || repaint())?
         };
         Ok(Self {
-            state: State::new(Arc::new(description), settings),
+            state,
             dialogs: Dialogs::default(),
             viewport: Viewport::default(),
             files: Files::new(repaint),
             developer,
             measurer,
             worker,
+            autosaver: None,
+            restored: None,
+            restoring: None,
+            window_size: WindowSize::default(),
+            refusals: Refusals::default(),
             start: Instant::now(),
             is_scripted: false,
             window_camera: None,
             may_close: false,
+            is_closing: false,
             title: String::new(),
             passes_at_scale: SETTLING_PASSES,
         })
+    }
+
+    /// Keeps edits that no file has in `folder`, and offers those that earlier instances left there.
+    ///
+    /// # Errors
+    /// When the system refuses a thread.
+    pub fn keep_edits_in(&mut self, ctx: &egui::Context, folder: PathBuf) -> std::io::Result<()> {
+        let ctx = ctx.clone();
+        let wake = move || ctx.request_repaint();
+        self.autosaver = Some(autosave::start(folder, autosave::Timing::default(), wake)?);
+        Ok(())
     }
 
     /// What is shown.
@@ -250,7 +209,35 @@ impl App {
             Command::Open(name_or_path) if self.state.document.is_dirty() => {
                 self.dialogs.leaving = Some(Leaving::Open(name_or_path));
             }
-            Command::Open(name_or_path) | Command::OpenAnyway(name_or_path) => self.files.open(name_or_path),
+            Command::Open(name_or_path) => self.open(name_or_path, false),
+            Command::OpenAnyway(name_or_path) => self.open(name_or_path, true),
+            Command::CancelOpening => {
+                self.state.cancel_opening();
+                self.open_default_instead_of_nothing();
+            }
+            Command::CancelPreparation => {
+                if let Some(preparation) = &self.state.preparation {
+                    preparation.give_up();
+                }
+                if !self.state.has_last_good() && !self.state.document.is_dirty() {
+                    self.open(scene::builtin::DEFAULT.into(), true);
+                }
+            }
+            Command::RestoreEdits(path) if self.state.document.is_dirty() => {
+                self.dialogs.leaving = Some(Leaving::Restore(path));
+            }
+            Command::RestoreEdits(path) | Command::RestoreEditsAnyway(path) => {
+                let found = self.state.left_behind.iter().find(|found| found.slot.path() == path);
+                if let Some(found) = found.cloned() {
+                    let id = self.state.begin_opening(found.name().into(), true);
+                    self.files.restore(id, found);
+                }
+            }
+            Command::DiscardEdits(path) => {
+                for found in self.state.left_behind.extract_if(.., |found| found.slot.path() == path) {
+                    self.files.discard(found);
+                }
+            }
             Command::Save => match self.state.document.path.clone() {
                 Some(path) => self.files.save(Arc::clone(self.state.document.description()), path),
                 None => self.ask(Purpose::SaveAs),
@@ -266,6 +253,50 @@ impl App {
             Command::Escape if self.dialogs.close() => {}
             other => self.state.apply(other, self.start.elapsed().as_secs_f64()),
         }
+    }
+
+    fn open(&mut self, name_or_path: PathBuf, may_lose_edits: bool) {
+        let id = self.state.begin_opening(name_or_path.clone(), may_lose_edits);
+        self.files.open(id, name_or_path);
+    }
+
+    /// Where the first scene cannot be shown, or is not wanted any more.
+    fn open_default_instead_of_nothing(&mut self) {
+        if !self.state.has_scene() {
+            self.open(scene::builtin::DEFAULT.into(), true);
+        }
+    }
+
+    /// Shows a scene that has been read, from an autosave if it comes from one.
+    fn opened(&mut self, opening: &Opening, description: scene::Description, found: Option<Found>) {
+        if self.state.document.is_dirty() && !opening.may_lose_edits {
+            // Edited while it was read.
+            self.dialogs.leaving = Some(Leaving::Open(opening.name.clone()));
+            return;
+        }
+        match found {
+            None => self.state.open(description),
+            Some(found) => {
+                self.state.restore(description, found.scene_path().map(Path::to_owned));
+                self.state.left_behind.retain(|other| other.slot != found.slot);
+                self.restoring = Some((found, Arc::clone(self.state.document.description())));
+            }
+        }
+        self.viewport.forget();
+    }
+
+    /// Tells the thread that keeps edits what to keep.
+    fn keep_edits(&mut self) {
+        let Some(autosaver) = &self.autosaver else { return };
+        let document = &self.state.document;
+        let is_settled =
+            |scene: &Arc<scene::Description>| self.state.is_prepared() || !Arc::ptr_eq(scene, document.description());
+        if let Some((found, _)) = self.restoring.take_if(|(_, scene)| is_settled(scene)) {
+            self.restored = Some(found.slot);
+        }
+        let is_kept = document.is_dirty() && !self.is_closing && self.restoring.is_none();
+        let edits = || Edits { description: Arc::clone(document.description()), path: document.path.clone() };
+        autosaver.set_order(&autosave::Order { edits: is_kept.then(edits), slot: self.restored.clone() });
     }
 
     fn ask(&self, purpose: Purpose) {
@@ -339,16 +370,26 @@ impl App {
     fn collect(&mut self, ctx: &egui::Context) {
         let board = Arc::clone(self.worker.board());
         if let Some((epoch, error)) = board.take_failure() {
-            self.state.scene_failed(epoch, &error);
+            let is_back = self.state.scene_failed(epoch, &error);
+            // The restored scene could not be shown: it is offered again.
+            self.state.left_behind.extend(self.restoring.take_if(|_| is_back).map(|(found, _)| found));
         }
         if let Some(report) = board.scene()
             && self.state.report.as_ref().is_none_or(|known| !Arc::ptr_eq(known, &report))
         {
             self.state.scene_ready(report);
         }
+        self.state.preparation = board.preparation();
         self.state.measurement.set_truth(board.ground_truth());
         if let Some(results) = self.measurer.take_finished() {
             self.state.measurement.results = results;
+        }
+        if let Some(report) = self.autosaver.as_ref().map(Autosaver::take_finished) {
+            self.state.left_behind.extend(report.found);
+            report.failure.into_iter().for_each(|failure| self.state.notify_error(failure));
+        }
+        if let Some(refusal) = self.refusals.take() {
+            self.state.notify_error(format!("The graphics card cannot show this: {refusal}"));
         }
         self.viewport.upload(ctx, self.developer.take_finished(), self.state.epoch_floor());
         while let Some(outcome) = self.files.poll() {
@@ -360,9 +401,16 @@ impl App {
                 Outcome::NoDialog(purpose, suggestion) => {
                     self.dialogs.prompt = Some(PathPrompt::new(purpose, &suggestion));
                 }
-                Outcome::Opened(description) => {
-                    self.state.open(*description);
-                    self.viewport.forget();
+                Outcome::Opened(id, description, found) => {
+                    if let Some(opening) = self.state.end_opening(id) {
+                        self.opened(&opening, *description, found);
+                    }
+                }
+                Outcome::NotOpened(id, message) => {
+                    if self.state.end_opening(id).is_some() {
+                        self.state.notify_error(message);
+                        self.open_default_instead_of_nothing();
+                    }
                 }
                 Outcome::Saved(path, description) => {
                     self.state.document.mark_saved(path.clone(), &description);
@@ -417,15 +465,20 @@ impl App {
 
     /// Asks before unsaved changes are lost.
     fn guard_closing(&mut self, ctx: &egui::Context) {
-        if ctx.input(|input| input.viewport().close_requested())
-            && self.state.document.is_dirty()
-            && !self.may_close
-            && !self.is_scripted
-        {
+        if !ctx.input(|input| input.viewport().close_requested()) {
+            return;
+        }
+        self.is_closing = !self.state.document.is_dirty() || self.may_close || self.is_scripted;
+        if !self.is_closing {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             self.dialogs.leaving = Some(Leaving::Quit);
         }
     }
+}
+
+/// The settings of the last session.
+fn remembered(cc: &eframe::CreationContext<'_>) -> Option<Settings> {
+    cc.storage.and_then(|storage| eframe::get_value(storage, SETTINGS_KEY))
 }
 
 /// What is to be done with a chosen path.
@@ -445,6 +498,7 @@ impl eframe::App for App {
         self.state.refresh_inspection();
         self.set_window_title(&ctx);
         self.guard_closing(&ctx);
+        self.window_size.update(&ctx);
 
         let mut commands = keys::pressed(&ctx, &self.state);
         commands.extend(self.dropped(&ctx));
@@ -466,6 +520,7 @@ impl eframe::App for App {
             display: settings.display,
             rectification_seconds: self.state.report.as_ref().map_or(0.0, |r| r.prepared.table.seconds.total()),
         });
+        self.keep_edits();
         if let Some(request) = self.state.take_request() {
             self.worker.submit(request);
         }

@@ -4,17 +4,20 @@ mod apply;
 mod inspection;
 mod view;
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 pub use self::inspection::Inspection;
 pub use self::view::Motion;
+use super::autosave::Found;
 use super::command::MediumRef;
 use super::document::Document;
 use super::measurement::Measurement;
 use super::objects::{self, Object};
+use super::opening::{Opening, no_scene};
 use super::settings::{InterfaceScale, Settings, Theme};
 use crate::check::Problem;
-use crate::render::worker::{Request, SceneReport};
+use crate::render::worker::{Preparation, Request, SceneReport};
 use crate::scene::camera::Camera;
 use crate::scene::description::CameraDescription;
 use crate::scene::{Description, SceneError};
@@ -55,6 +58,13 @@ pub struct Windows {
 #[derive(Debug)]
 pub struct State {
     pub document: Document,
+    /// Whether `document` is a scene, and not what stands in for the first one.
+    has_scene: bool,
+    /// The scene that is being read.
+    opening: Option<Opening>,
+    next_opening: u64,
+    /// Edits that earlier instances did not save, latest first.
+    pub left_behind: Vec<Found>,
     /// The last document that could be rendered, to return to when another cannot.
     last_good: Option<Document>,
     pub settings: Settings,
@@ -72,6 +82,8 @@ pub struct State {
     earlier_views: Vec<CameraDescription>,
     /// The scene as the worker prepared it.
     pub report: Option<Arc<SceneReport>>,
+    /// The scene that the worker is preparing.
+    pub preparation: Option<Arc<Preparation>>,
     /// What is measured, and how far that is.
     pub measurement: Measurement,
     /// What is doubtful in the scene, as last found out: while an edit is being looked at, what was found before it.
@@ -92,6 +104,10 @@ impl State {
         let camera = description.camera;
         Self {
             document: Document::new(description),
+            has_scene: true,
+            opening: None,
+            next_opening: 1,
+            left_behind: Vec::new(),
             last_good: None,
             settings: settings.repaired(),
             view: View { camera, zoom: 1.0, zoom_center: [0.5; 2], divider: [0.5; 2], active_pane: 0 },
@@ -104,6 +120,7 @@ impl State {
             last_pick: None,
             earlier_views: Vec::new(),
             report: None,
+            preparation: None,
             measurement: Measurement::default(),
             problems: None,
             has_problem_strip: false,
@@ -112,6 +129,39 @@ impl State {
             epoch_floor: 1,
             has_news: true,
         }
+    }
+
+    /// Before the first scene has been read.
+    pub fn without_scene(settings: Settings) -> Self {
+        Self { has_scene: false, ..Self::new(no_scene(), settings) }
+    }
+
+    /// Whether there is a scene yet.
+    pub fn has_scene(&self) -> bool {
+        self.has_scene
+    }
+
+    /// The scene that is being read.
+    pub fn opening(&self) -> Option<&Opening> {
+        self.opening.as_ref()
+    }
+
+    /// A scene is being read from now on, instead of any other. Returns the number by which [`Self::end_opening`] knows it.
+    pub fn begin_opening(&mut self, name: PathBuf, may_lose_edits: bool) -> u64 {
+        let id = self.next_opening;
+        self.next_opening += 1;
+        self.opening = Some(Opening { id, name, may_lose_edits });
+        id
+    }
+
+    /// That scene has been read; `None` where it is not wanted any more.
+    pub fn end_opening(&mut self, id: u64) -> Option<Opening> {
+        self.opening.take_if(|opening| opening.id == id)
+    }
+
+    /// No scene is wanted but the one that is there.
+    pub fn cancel_opening(&mut self) {
+        self.opening = None;
     }
 
     /// The present epoch: images of it show what the state says.
@@ -144,7 +194,7 @@ impl State {
 
     /// A request for the worker, if anything has changed since the last one and there is room for an image.
     pub fn take_request(&mut self) -> Option<Request> {
-        if !self.has_news || self.film_size.contains(&0) {
+        if !self.has_news || !self.has_scene || self.film_size.contains(&0) {
             return None;
         }
         self.has_news = false;
@@ -170,14 +220,24 @@ impl State {
         {
             self.settings.remember(&source.path);
         }
+        self.show_document(Document::new(Arc::new(description)));
+    }
+
+    /// Shows a scene from an autosave, which is in no file as it is; "Save" writes to `path`.
+    pub fn restore(&mut self, description: Description, path: Option<PathBuf>) {
+        self.show_document(Document::restored(Arc::new(description), path));
+    }
+
+    fn show_document(&mut self, document: Document) {
         self.view = View {
-            camera: description.camera,
+            camera: document.description().camera,
             zoom: 1.0,
             zoom_center: [0.5; 2],
             divider: self.view.divider,
             active_pane: self.view.active_pane,
         };
-        self.document = Document::new(Arc::new(description));
+        self.document = document;
+        self.has_scene = true;
         self.selected = None;
         self.inspection = None;
         self.last_pick = None;
@@ -222,8 +282,19 @@ impl State {
         self.has_problem_strip
     }
 
-    /// A request could not be served: says so and returns to what can be shown.
-    pub fn scene_failed(&mut self, epoch: u64, error: &SceneError) {
+    /// Whether the scene has been prepared as it is now.
+    pub fn is_prepared(&self) -> bool {
+        let description = self.document.description();
+        self.report.as_ref().is_some_and(|report| Arc::ptr_eq(&report.prepared.description, description))
+    }
+
+    /// Whether there is an earlier document to return to.
+    pub fn has_last_good(&self) -> bool {
+        self.last_good.is_some()
+    }
+
+    /// A request could not be served: says so and returns to what can be shown. Answers whether it did.
+    pub fn scene_failed(&mut self, epoch: u64, error: &SceneError) -> bool {
         self.notify_error(error.to_string());
         // A later edit may have mended it already.
         if epoch == self.epoch
@@ -236,7 +307,9 @@ impl State {
             }
             self.document = good;
             self.invalidate();
+            return true;
         }
+        false
     }
 
     pub fn notify(&mut self, text: impl Into<String>) {

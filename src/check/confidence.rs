@@ -46,8 +46,10 @@ fn doubt(prepared: &Prepared, all: usize, doubtful: &[&Patch]) -> Doubt {
             format!("{share:.0} % of the rays find it in `{}`", world.object(vote.refractor).name)
         })
         .collect();
-    let mut about: Vec<ObjectId> =
-        (doubtful.iter().flat_map(|patch| &patch.votes)).filter(|v| v.share() < 1.0).map(|v| v.refractor).collect();
+    let mut about: Vec<ObjectId> = (doubtful.iter().flat_map(|patch| patch.votes.iter()))
+        .filter(|v| v.share() < 1.0)
+        .map(|v| v.refractor)
+        .collect();
     about.sort_unstable();
     about.dedup();
     let votes = votes.join(", ");

@@ -9,8 +9,9 @@ use rayon::prelude::*;
 use super::names::{brief, rounded_up};
 use super::{Problem, Spot, samples};
 use crate::geometry::{Ray, SurfacePoint};
-use crate::rectify::contact::{self, is_refractor};
+use crate::rectify::contact::is_refractor;
 use crate::rectify::containment::{medium_of, priority};
+use crate::rectify::tolerance;
 use crate::render::Prepared;
 use crate::scene::World;
 use crate::scene::world::{MediumId, ObjectId};
@@ -101,7 +102,7 @@ fn look(prepared: &Prepared, id: ObjectId) -> Option<Found> {
 fn beside(world: &World, id: ObjectId, point: SurfacePoint, reach: f64) -> Option<Beside> {
     let geometry = &*world.geometry;
     // What is closer is in contact.
-    let contact = contact::margin(geometry);
+    let contact = tolerance::largest(geometry, id.0);
     [1.0, -1.0].into_iter().find_map(|sign| {
         let ray = Ray::leaving(point.position, point.normal * sign, point.primitive);
         let hit = geometry.closest(&ray).filter(|hit| hit.t <= reach && hit.t > contact)?;

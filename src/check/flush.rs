@@ -9,6 +9,7 @@ use crate::geometry::{Ray, SurfacePoint};
 use crate::rectify::contact::{self, is_refractor};
 use crate::rectify::containment::medium_of;
 use crate::rectify::encounters::{Encounter, Meeting};
+use crate::rectify::tolerance;
 use crate::render::{Events, Prepared};
 use crate::scene::World;
 use crate::scene::world::{MediumId, ObjectId};
@@ -76,7 +77,7 @@ fn is_wrong_between(prepared: &Prepared, a: ObjectId, b: ObjectId) -> bool {
 fn is_on(prepared: &Prepared, point: &SurfacePoint, other: ObjectId) -> bool {
     let geometry = &*prepared.world.geometry;
     let mut is_on = false;
-    let reach = DVec3::splat(contact::margin(geometry));
+    let reach = DVec3::splat(tolerance::largest(geometry, geometry.object_of(point.primitive)));
     geometry.for_each_near_box(point.position - reach, point.position + reach, None, |primitive| {
         is_on |= geometry.object_of(primitive) == other.0
             && contact::coincides(geometry, point.primitive, primitive).is_some()
@@ -99,7 +100,7 @@ struct Walk {
 /// are no obstacle.
 fn walk<T: Tracker>(world: &World, tracker: &T, point: &SurfacePoint, direction: DVec3) -> Walk {
     let geometry = &*world.geometry;
-    let reach = contact::margin(geometry);
+    let reach = tolerance::largest(geometry, geometry.object_of(point.primitive));
     let back = geometry.bounding_sphere().map_or(0.0, |s| 2.0 * s.radius) + 1.0;
     let start = point.position - direction * back;
     let mut ray = Ray::new(start, direction);

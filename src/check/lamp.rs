@@ -5,7 +5,8 @@ use glam::DVec3;
 
 use super::{Problem, names, samples};
 use crate::geometry::{Geometry, Ray};
-use crate::rectify::contact::{self, primitives_of};
+use crate::rectify::contact::primitives_of;
+use crate::rectify::tolerance;
 use crate::render::Prepared;
 use crate::scene::description::{Light, Shape};
 use crate::scene::world::{ObjectId, Surface};
@@ -60,7 +61,7 @@ impl Lamp<'_> {
     fn plane(&self) -> Option<(DVec3, DVec3)> {
         let geometry = self.geometry();
         let mut plane: Option<(DVec3, DVec3)> = None;
-        let tolerance = contact::margin(geometry);
+        let tolerance = tolerance::largest(geometry, self.id.0);
         for face in primitives_of(geometry, self.id) {
             if geometry.sphere(face).is_some() {
                 return None;
@@ -85,7 +86,7 @@ impl Lamp<'_> {
     fn faces_away(&self, pairs_left: &mut usize) -> Option<Problem> {
         let geometry = self.geometry();
         let Some((normal, point)) = self.plane() else { return self.faces_itself(pairs_left) };
-        let margin = contact::margin(geometry);
+        let margin = tolerance::largest(geometry, self.id.0);
         let is_in_front = |(min, max): (DVec3, DVec3)| {
             let farthest = DVec3::select(normal.cmpgt(DVec3::ZERO), max, min);
             normal.dot(farthest - point) > margin

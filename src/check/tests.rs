@@ -1,4 +1,5 @@
 use super::*;
+use crate::optics::IorModel;
 use std::path::Path;
 use std::sync::Arc;
 

@@ -258,7 +258,9 @@ impl Face {
 
     /// Whether two faces of one object that touch do so at more than the corners and the edge that they share.
     fn touches_beyond_corners(&self, other: &Self, tolerance: Tolerance) -> bool {
-        let (Self::Triangle { corners: a, normal }, Self::Triangle { corners: b, .. }) = (self, other) else { return true };
+        let (Self::Triangle { corners: a, normal }, Self::Triangle { corners: b, .. }) = (self, other) else {
+            return true;
+        };
         let margin = tolerance.along(*normal, self.reach().max(other.reach()));
         let shared = |p: &DVec3| b.iter().position(|q| q == p);
         let joints: [Option<usize>; 3] = std::array::from_fn(|i| shared(&a[i]));

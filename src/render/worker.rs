@@ -2,7 +2,7 @@
 //!
 //! A request describes everything that decides the images and carries an epoch. The latest request wins: a pass for an older
 //! epoch is cancelled, except the first coarse one, which is short and so always reaches the screen; a steady stream of edits (a
-//! slider that is dragged) therefore shows a steady stream of images.
+//! slider that is dragged) therefore shows a steady stream of images. A long preparation is cancelled by a request for another scene.
 //!
 //! ```text
 //! requests ─► preparer (scene, rectification) ─► main lane:      every mode, in lockstep
@@ -20,6 +20,7 @@ mod job;
 mod lane;
 mod mailbox;
 mod painter;
+mod preparation;
 mod preparer;
 #[cfg(test)]
 mod tests;
@@ -35,6 +36,7 @@ use self::ground_truth::{Pools, run_ground_truth};
 use self::lane::run_lane;
 use self::mailbox::Mailbox;
 use self::painter::run_painter;
+pub use self::preparation::Preparation;
 use self::preparer::{Asked, Lanes, prepare_scenes};
 use super::surfaces::SurfaceQuantity;
 use crate::scene::description::CameraDescription;

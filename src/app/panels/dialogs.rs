@@ -22,6 +22,8 @@ pub enum Leaving {
     Quit,
     /// Opens another scene, by path or name.
     Open(PathBuf),
+    /// Restores an autosave, by path.
+    Restore(PathBuf),
 }
 
 /// Asks for a path.
@@ -130,6 +132,7 @@ fn leaving_ui(ui: &mut Ui, leaving: &Leaving, state: &State, commands: &mut Vec<
         let verb = match leaving {
             Leaving::Quit => "Quit without saving",
             Leaving::Open(_) => "Open without saving",
+            Leaving::Restore(_) => "Restore without saving",
         };
         let lose = ui.button(verb).clicked();
         if save {
@@ -139,6 +142,7 @@ fn leaving_ui(ui: &mut Ui, leaving: &Leaving, state: &State, commands: &mut Vec<
             commands.push(match leaving {
                 Leaving::Quit => Command::QuitAnyway,
                 Leaving::Open(name_or_path) => Command::OpenAnyway(name_or_path.clone()),
+                Leaving::Restore(path) => Command::RestoreEditsAnyway(path.clone()),
             });
         }
         save || stay || lose

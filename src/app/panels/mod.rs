@@ -10,6 +10,7 @@ mod menu_bar;
 mod notices;
 mod object;
 mod problems;
+mod recovery;
 mod rectification;
 mod render;
 mod scene_tree;
@@ -40,7 +41,11 @@ pub fn show(
     let fill = ui.visuals().panel_fill;
     let bar = Frame::new().fill(fill).inner_margin(Margin::symmetric(8, 3));
     Panel::top("menu").frame(bar).show(ui, |ui| menu_bar::show(ui, state, commands));
-    Panel::bottom("status").frame(bar).show(ui, |ui| status::show(ui, state, viewport));
+    if !state.left_behind.is_empty() {
+        let frame = Frame::new().fill(ui.visuals().faint_bg_color).inner_margin(Margin::symmetric(10, 4));
+        Panel::top("recovery").frame(frame).show(ui, |ui| recovery::show(ui, state, commands));
+    }
+    Panel::bottom("status").frame(bar).show(ui, |ui| status::show(ui, state, viewport, commands));
     let is_pressed = ui.input(|input| input.pointer.any_down());
     if state.problem_strip(is_pressed) {
         let frame = Frame::new().fill(ui.visuals().faint_bg_color).inner_margin(Margin::symmetric(10, 4));

@@ -123,6 +123,7 @@ impl State {
                 self.invalidate();
             }
             Command::ClearRecent => self.settings.recent.clear(),
+            Command::PostponeEdits => self.left_behind.clear(),
             Command::ToggleScenePanel => self.settings.show_scene_panel ^= true,
             Command::ToggleRenderPanel => self.settings.show_render_panel ^= true,
             Command::ToggleBothPanels => {
@@ -149,6 +150,11 @@ impl State {
             | Command::Nothing
             | Command::StepInterfaceScale(_)
             | Command::AskOpen
+            | Command::CancelOpening
+            | Command::CancelPreparation
+            | Command::RestoreEdits(_)
+            | Command::RestoreEditsAnyway(_)
+            | Command::DiscardEdits(_)
             | Command::Open(_)
             | Command::OpenAnyway(_)
             | Command::Save

@@ -18,6 +18,7 @@ pub use self::values::pixel_at;
 use super::Shown;
 use super::command::Command;
 use super::develop::{Picture, Source};
+use super::graphics::film_size;
 use super::settings::{Arrangement, DifferenceKind, PaneContent};
 use super::state::State;
 use super::theme::Palette;
@@ -127,8 +128,8 @@ impl Viewport {
         }
         let settings = &state.settings;
         let panes = panes(area, settings.pane_count, settings.arrangement, state.view.divider);
-        let film_size = film_size(ui, panes[0].picture.size(), settings.resolution_scale);
-        state.set_film_size(film_size);
+        let pixels = panes[0].picture.size() * ui.ctx().pixels_per_point() * settings.resolution_scale;
+        state.set_film_size(film_size(pixels.into(), ui.input(|input| input.max_texture_side)));
         self.shown.retain(|content, shot| {
             // The next reference image takes a while: until then an error is not of this picture.
             let is_stale = matches!(content, PaneContent::Error(_))
@@ -198,6 +199,7 @@ impl Viewport {
             let palette = Palette::of(ui);
             let is_error = matches!(state.settings.panes[index], PaneContent::Error(_));
             let text = match () {
+                () if !state.has_scene() => "Opening the scene…",
                 () if state.report.is_none() => "Preparing the scene…",
                 () if is_error && !state.measurement.is_on() => "No reference image: make one in the tab Measure",
                 () if is_error => "Waiting for the reference image…",
@@ -231,13 +233,4 @@ impl Viewport {
         }
         overlay::paint_handle(ui.painter(), handle);
     }
-}
-
-/// Pixels of a film for a pane of `points`, within what the graphics card can show.
-fn film_size(ui: &Ui, points: Vec2, scale: f32) -> [u32; 2] {
-    let most = ui.input(|input| input.max_texture_side).min(8192) as f32;
-    let pixels = points * ui.ctx().pixels_per_point() * scale;
-    // One factor for both sides keeps the picture's proportions.
-    let fit = (most / pixels.x.max(pixels.y)).min(1.0);
-    [pixels.x, pixels.y].map(|side| (side * fit).round().max(1.0) as u32)
 }

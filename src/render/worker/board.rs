@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::GroundTruth;
+use super::{GroundTruth, Preparation};
 use crate::check::Problem;
 use crate::render::surfaces::{OFFSETS, Painting, SurfaceQuantity};
 use crate::render::{Events, Prepared};
@@ -85,6 +85,7 @@ pub struct Board {
 pub(super) struct BoardState {
     pub(super) scene: Option<Arc<SceneReport>>,
     pub(super) failure: Option<(u64, SceneError)>,
+    pub(super) preparation: Option<Arc<Preparation>>,
     pub(super) snapshots: BTreeMap<Mode, Arc<Snapshot>>,
     pub(super) paintings: BTreeMap<SurfaceQuantity, Arc<PaintedSurfaces>>,
     pub(super) ground_truth: Option<GroundTruth>,
@@ -104,6 +105,11 @@ impl Board {
     /// The scene that is being rendered.
     pub fn scene(&self) -> Option<Arc<SceneReport>> {
         self.lock().scene.clone()
+    }
+
+    /// The scene that is being prepared.
+    pub fn preparation(&self) -> Option<Arc<Preparation>> {
+        self.lock().preparation.clone()
     }
 
     /// The last request that could not be served, with its epoch; told once. The previous scene stays.
@@ -130,7 +136,7 @@ impl Board {
 /// What has been published.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum News {
-    /// A scene, its problems, a failure, or that the ground truth has come on.
+    /// A scene, that one is being prepared, its problems, a failure, or that the ground truth has come on.
     Scene,
     /// Images, of the ground truth too.
     Images,

@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 
 use super::job::{Job, LaneMessage};
 use super::mailbox::{Mailbox, Taken};
-use super::{Board, GroundTruthDemand, News, Request, SceneReport, Wake, guarded};
+use super::{Board, GroundTruthDemand, News, Preparation, Request, SceneReport, Wake, guarded};
 use crate::check::{Problem, check};
-use crate::render::{Prepared, prepare};
+use crate::render::Prepared;
 use crate::scene::SceneError;
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
@@ -85,14 +85,20 @@ pub(super) fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &Lanes, board: &B
             if is_new {
                 // All cores for the preparation: what is being rendered is out of date.
                 lanes.iter().for_each(|lane| lane.post(LaneMessage::Hold));
-                let prepared = prepare(Arc::clone(&request.description), current.as_ref())?;
-                Ok((camera, prepared))
+                let preparation = Arc::new(Preparation::new(request.epoch));
+                board.lock().preparation = Some(Arc::clone(&preparation));
+                wake(News::Scene);
+                let prepared = preparation.run(&request.description, current.as_ref(), requests)?;
+                Ok(prepared.map(|prepared| (camera, prepared)))
             } else {
-                current.clone().map(|prepared| (camera, prepared)).ok_or_else(|| SceneError::new("no scene"))
+                current.clone().map(|prepared| Some((camera, prepared))).ok_or_else(|| SceneError::new("no scene"))
             }
         });
+        board.lock().preparation = None;
         let (camera, prepared) = match outcome {
-            Ok(ready) => ready,
+            Ok(Some(ready)) => ready,
+            // A newer request has cancelled it.
+            Ok(None) => continue,
             Err(error) => {
                 board.fail(request.epoch, error, wake);
                 continue;

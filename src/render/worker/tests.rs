@@ -5,10 +5,14 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use super::job::{Job, LaneMessage};
+use super::mailbox::Taken;
+use super::preparation::GRACE;
 use super::preparer::REPEATS;
 use super::*;
 use crate::render::prepare;
 use crate::scene::camera::Camera;
+use crate::scene::description::Shape;
+use glam::DVec3;
 
 fn request(epoch: u64, modes: &[Mode]) -> Request {
     let description = Arc::new(crate::scene::load::open("nested-spheres").expect("a built-in scene"));
@@ -25,6 +29,16 @@ fn request(epoch: u64, modes: &[Mode]) -> Request {
         is_paused: false,
         ground_truth: GroundTruthDemand::Off,
     }
+}
+
+/// A scene that takes a while to prepare, on any machine.
+fn slow_scene(shift: f64) -> Arc<Description> {
+    let mut description = crate::scene::load::open("nested-spheres").expect("a built-in scene");
+    let ball = |x: f64| Shape::Icosphere { center: DVec3::new(x, 0.0, 0.0), radius: 1.0, subdivisions: 6 };
+    for (refractor, x) in description.refractors.iter_mut().zip([0.0, shift]) {
+        refractor.shape = ball(x);
+    }
+    Arc::new(description)
 }
 
 fn until(worker: &Worker, is_met: impl Fn(&BTreeMap<Mode, Arc<Snapshot>>) -> bool) {
@@ -287,6 +301,51 @@ fn an_impossible_request_is_told_and_the_old_scene_stays() {
     assert_eq!(epoch, 2);
     assert!(error.message.contains("direction"), "{error}");
     assert!(worker.board().scene().is_some());
+    worker.submit(Request { epoch: 3, ..good });
+    until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.epoch == 3 && s.is_done));
+}
+
+#[test]
+fn a_long_preparation_gives_way_to_another_scene() {
+    let scene = slow_scene(0.5);
+    let mut preparation = Preparation::new(1);
+    preparation.begun = Instant::now() - GRACE;
+    let requests = Mailbox::new();
+    let asked = |request: Request| Asked { request, at: Instant::now() };
+    // Another view of the same scene is no reason.
+    requests.post(asked(Request { description: Arc::clone(&scene), ..request(2, &[]) }));
+    assert!(preparation.run(&scene, None, &requests).unwrap().is_some());
+    requests.post(asked(request(3, &[])));
+    assert!(preparation.run(&scene, None, &requests).unwrap().is_none());
+    assert!(matches!(requests.take(), Taken::Message(asked) if asked.request.epoch == 3), "it is still to be served");
+    // A short one is finished.
+    requests.post(asked(request(4, &[])));
+    let quick = crate::scene::load::open("plain-glass").unwrap();
+    assert!(Preparation::new(5).run(&Arc::new(quick), None, &requests).unwrap().is_some());
+}
+
+#[test]
+fn a_preparation_that_is_given_up_is_told_and_the_old_scene_stays() {
+    let worker = Worker::start(quiet()).unwrap();
+    let good = request(1, &[Mode::Rectified]);
+    worker.submit(good.clone());
+    until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.is_done));
+    worker.submit(Request { epoch: 2, description: slow_scene(0.3), ..good.clone() });
+    let start = Instant::now();
+    let (epoch, error) = loop {
+        if let Some(preparation) = worker.board().preparation() {
+            assert_eq!(preparation.epoch, 2);
+            preparation.give_up();
+        }
+        if let Some(failure) = worker.board().take_failure() {
+            break failure;
+        }
+        assert!(start.elapsed() < Duration::from_secs(60), "waited too long");
+        std::thread::sleep(Duration::from_millis(1));
+    };
+    assert!(epoch == 2 && error.message.contains("given up"), "{epoch}: {error}");
+    assert!(worker.board().preparation().is_none());
+    assert!(Arc::ptr_eq(&worker.board().scene().unwrap().prepared.description, &good.description));
     worker.submit(Request { epoch: 3, ..good });
     until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.epoch == 3 && s.is_done));
 }
