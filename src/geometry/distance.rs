@@ -126,7 +126,8 @@ mod tests {
         for k in 0..10 {
             let direction = uniform_direction([f64::from(k) / 10.0, 0.3]);
             for r in [0.0, 1.5, 2.0, 7.0] {
-                assert!((geometry.distance(0, DVec3::X + direction * r) - (r - 2.0).abs()).abs() < 1e-14);
+                let point = DVec3::X + direction * r - geometry.origin;
+                assert!((geometry.distance(0, point) - (r - 2.0).abs()).abs() < 1e-14);
             }
         }
     }

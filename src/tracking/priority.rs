@@ -169,7 +169,8 @@ mod tests {
         /// Straight through everything along `ray`.
         fn along(world: &'a World, ray: &Ray) -> (Vec<Sight>, Self) {
             let mut walk = Self::new(world);
-            let hits = world.geometry.all_hits(ray).into_iter();
+            let ray = Ray::new(ray.origin - world.geometry.origin, ray.direction);
+            let hits = world.geometry.all_hits(&ray).into_iter();
             let sights = hits.map(|hit| walk.cross(world.geometry.object_of(hit.primitive), hit.is_front)).collect();
             (sights, walk)
         }

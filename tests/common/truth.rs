@@ -10,6 +10,7 @@ use iorect::estimator::trace::{Follow, TracedPath, VertexEvent, trace};
 use iorect::geometry::Ray;
 use iorect::optics::IorModel;
 use iorect::render::Prepared;
+use iorect::scene::compile::compile;
 use iorect::scene::description::{Description, Shape, Transform};
 use iorect::scene::shapes::tessellate;
 use iorect::tracking::Mode;
@@ -105,6 +106,9 @@ impl Truth {
         let mut media = vec![("world".to_owned(), index_of(&description.world.ior))];
         media.extend(description.media.iter().map(|m| (m.name.clone(), index_of(&m.ior))));
         let medium_named = |name: &str| media.iter().position(|m| m.0 == name).unwrap();
+        // The program rounds vertices to f32 about this point: what it is to be right about is the rounded surface.
+        let origin = compile(description, None).expect("the scene is fine").geometry.origin;
+        let body = |shape, transform, medium, priority| body(shape, transform, medium, priority, origin);
         let refractors = (description.refractors.iter())
             .map(|r| body(&r.shape, &r.transform, Some(medium_named(&r.medium)), r.priority));
         let solids = description.solids.iter().map(|s| body(&s.shape, &s.transform, None, 0));
@@ -357,7 +361,7 @@ fn direction_after(event: VertexEvent, d: DVec3, outward: DVec3, ratio: f64) -> 
     }
 }
 
-fn body(shape: &Shape, transform: &Transform, medium: Option<usize>, priority: i32) -> Body {
+fn body(shape: &Shape, transform: &Transform, medium: Option<usize>, priority: i32, origin: DVec3) -> Body {
     let matrix = transform.matrix();
     if let Shape::Sphere { center, radius } = shape {
         let (center, radius) = (matrix.transform_point3(*center), radius * transform.scale.x.abs());
@@ -367,7 +371,8 @@ fn body(shape: &Shape, transform: &Transform, medium: Option<usize>, priority: i
     }
     let mesh = tessellate(shape).unwrap().unwrap();
     let is_mirrored = matrix.matrix3.determinant() < 0.0;
-    let corner = |i: u32| matrix.transform_point3(mesh.positions[i as usize]).as_vec3().as_dvec3();
+    let rounded = |p: DVec3| (p - origin).as_vec3().as_dvec3() + origin;
+    let corner = |i: u32| rounded(matrix.transform_point3(mesh.positions[i as usize]));
     let triangles: Vec<[DVec3; 3]> =
         (mesh.triangles.iter()).map(|&[a, b, c]| if is_mirrored { [a, c, b] } else { [a, b, c] }.map(corner)).collect();
     let middle = triangles.iter().flatten().sum::<DVec3>() / (3 * triangles.len()) as f64;

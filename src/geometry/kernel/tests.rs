@@ -213,9 +213,11 @@ fn a_degenerate_tree() {
     };
     let positions = (0..COUNT).flat_map(triangle).collect();
     let triangles = (0..COUNT).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
-    let mut geometry =
-        Geometry::build(&[Part::Mesh { mesh: Mesh { positions, normals: Vec::new(), triangles }, smooth: false }]);
-    let ray = Ray::new(DVec3::ZERO, DVec3::new(0.1, 0.2, 1.0).normalize());
+    let shells = Part::Mesh { mesh: Mesh { positions, normals: Vec::new(), triangles }, smooth: false };
+    // Keeps the local origin next to the smallest of them; the ray leaves it behind.
+    let grain = Part::Sphere { center: DVec3::NEG_Z * 1e-24, radius: 1e-25 };
+    let mut geometry = Geometry::build(&[shells, grain]);
+    let ray = Ray::new(-geometry.origin, DVec3::new(0.1, 0.2, 1.0).normalize());
     for kernel in KernelChoice::available() {
         geometry.kernel = kernel;
         assert_eq!(geometry.all_hits(&ray).len(), COUNT as usize, "{kernel:?}");

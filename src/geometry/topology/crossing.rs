@@ -24,6 +24,8 @@ pub(super) struct Crossings {
 const PARTS: usize = 256;
 /// Crossings that each part reports at the most.
 const MOST_PAIRS: usize = 64;
+/// Faces that touch in each part: with more of them, faces lie on each other without number, and the search is given up.
+const MOST_TOUCHES: usize = 4096;
 /// Pairs of nodes that each part looks at: so many, and so many for each leaf of the tree over all parts.
 const PATIENCE: (usize, usize) = (5_000, 100);
 
@@ -60,6 +62,7 @@ pub(super) fn crossings(
                 components: &components,
                 size,
                 found: Crossings::default(),
+                touches_left: MOST_TOUCHES,
                 patience,
             };
             search.within(level, part);
@@ -151,13 +154,14 @@ struct Search<'a> {
     /// The mesh's largest extent.
     size: f64,
     found: Crossings,
+    touches_left: usize,
     patience: usize,
 }
 
 impl Search<'_> {
     /// Whether there is nothing more to look for.
     fn is_over(&mut self) -> bool {
-        if self.patience == 0 {
+        if self.patience == 0 || self.touches_left == 0 {
             self.found.is_given_up = true;
         } else {
             self.patience -= 1;
@@ -244,7 +248,10 @@ impl Search<'_> {
         };
         match contact {
             Contact::None => {}
-            Contact::Touch => self.found.touches = true,
+            Contact::Touch => {
+                self.found.touches = true;
+                self.touches_left = self.touches_left.saturating_sub(1);
+            }
             Contact::Cross => {
                 let mut ids = places.map(|place| self.tree.order[place]);
                 ids.sort_unstable();
