@@ -10,7 +10,7 @@ pub(super) fn too_many_corners(corners: usize) -> String {
     format!("a face has {corners} corners, at most {MAX_CORNERS} are read: cut it into triangles")
 }
 
-/// Polygons of more corners than this are cut ear by ear as they come, without choosing the best: that takes the cube of their number.
+/// Polygons of more corners than this are cut ear by ear as they come, without choosing the best: that can take the cube of their number.
 const MOST_TO_CHOOSE_FROM: usize = 48;
 
 /// How many corners may still be looked at in search of ears of such polygons: a few seconds' work for one mesh.
@@ -31,17 +31,28 @@ pub(super) fn triangulate(points: &[DVec3], patience: &mut Patience) -> Option<V
         return clip_any(&flat, patience);
     }
     let mut remaining: Vec<usize> = (0..points.len()).collect();
+    let mut known = [Corner::Unknown; MOST_TO_CHOOSE_FROM];
     let mut triangles = Vec::with_capacity(points.len().saturating_sub(2));
     while remaining.len() > 3 {
         let n = remaining.len();
         let corner = |i: usize| [remaining[(i + n - 1) % n], remaining[i], remaining[(i + 1) % n]];
+        for i in 0..n {
+            let known = &mut known[remaining[i]];
+            if matches!(known, Corner::Unknown | Corner::Blocked) {
+                *known = Corner::of(&flat, corner(i), &remaining);
+            }
+        }
+        let ear = |i: usize| match known[remaining[i]] {
+            Corner::Ear(quality) => Some((i, quality)),
+            _ => None,
+        };
         // Of the ears the best shaped one: a quad is cut along its better diagonal. Corners on a straight edge are no ears, so that
         // they end up inside triangles with area.
-        let best = (0..n)
-            .filter(|&i| is_ear(&flat, corner(i), &remaining))
-            .max_by(|&i, &j| quality(&flat, corner(i)).total_cmp(&quality(&flat, corner(j))))
-            .unwrap_or(1);
-        triangles.push(corner(best));
+        let best = (0..n).filter_map(ear).max_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(1, |(i, _)| i);
+        let [before, clipped, after] = corner(best);
+        triangles.push([before, clipped, after]);
+        known[before] = Corner::Unknown;
+        known[after] = Corner::Unknown;
         remaining.remove(best);
     }
     if let [a, b, c] = remaining[..] {
@@ -135,9 +146,29 @@ fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - a)
 }
 
-fn is_ear(flat: &[DVec2], corner: [usize; 3], remaining: &[usize]) -> bool {
-    let [p, q, r] = corner.map(|i| flat[i]);
-    turn(p, q, r) > 0.0 && !remaining.iter().any(|&i| is_in_ear(flat, corner, i))
+/// What is known of a corner: an ear stays one while others are clipped, unless they are its neighbours.
+#[derive(Debug, Clone, Copy)]
+enum Corner {
+    Unknown,
+    /// With its quality.
+    Ear(f64),
+    Reflex,
+    /// Another corner lies in its triangle.
+    Blocked,
+}
+
+impl Corner {
+    fn of(flat: &[DVec2], corner: [usize; 3], remaining: &[usize]) -> Self {
+        let [p, q, r] = corner.map(|i| flat[i]);
+        let is_convex = turn(p, q, r) > 0.0;
+        if is_convex && remaining.iter().any(|&i| is_in_ear(flat, corner, i)) {
+            Self::Blocked
+        } else if is_convex {
+            Self::Ear(quality(flat, corner))
+        } else {
+            Self::Reflex
+        }
+    }
 }
 
 /// Whether corner `i` is another than those of a triangle, and lies in it.
