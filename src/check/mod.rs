@@ -1,5 +1,6 @@
 //! What is wrong or doubtful in a scene, with advice.
 
+mod crowded;
 mod mesh;
 mod overlap;
 
@@ -72,6 +73,7 @@ const LEAST_CONFIDENCE: f64 = 0.9;
 pub fn check(prepared: &Prepared) -> Vec<Problem> {
     let mut problems = mesh::problems(prepared);
     problems.extend(overlap::problems(prepared));
+    problems.extend(crowded::problems(prepared));
     problems.extend(confidence(prepared));
     problems.extend(media(prepared));
     problems.extend(light(prepared));

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::arguments::SceneArguments;
+use super::preparation::prepare_shown;
 use super::table::wrapped;
 use super::{Failure, plural, print, print_json};
 use crate::check::{Problem, Severity, check};
-use crate::render::prepare;
 use crate::scene::{self, SceneError};
 
 #[derive(Serialize)]
@@ -20,7 +20,7 @@ struct Report<'a> {
 
 /// A scene that cannot be used at all is reported like any other problem, and is the only reason for exit code 2.
 pub fn run(arguments: &SceneArguments) -> Result<ExitCode, Failure> {
-    let prepared = scene::load::open(&arguments.scene).and_then(|description| prepare(Arc::new(description), None));
+    let prepared = scene::load::open(&arguments.scene).and_then(|description| prepare_shown(Arc::new(description)));
     let problems = match &prepared {
         Ok(prepared) => check(prepared),
         Err(error) => vec![unusable(&arguments.scene, error)],

@@ -10,10 +10,11 @@ use serde::Serialize;
 
 use super::Failure;
 use super::arguments::{ImageArguments, Size};
+use super::preparation::prepare_shown;
 use crate::estimator::sampler::Sequence;
 use crate::render::exact::unit_exponent;
 use crate::render::{
-    Display, Events, Film, Prepared, Recipe, RenderSettings, SampleRange, VarianceReduction, accumulate, prepare,
+    Display, Events, Film, Prepared, Recipe, RenderSettings, SampleRange, VarianceReduction, accumulate,
 };
 use crate::scene;
 use crate::scene::camera::Camera;
@@ -99,7 +100,7 @@ impl<'a> Job<'a> {
             .num_threads(threads)
             .build()
             .map_err(|error| Failure::Failed(anyhow::Error::new(error).context("the threads cannot be started")))?;
-        let prepared = pool.install(|| prepare(Arc::new(description), None))?;
+        let prepared = pool.install(|| prepare_shown(Arc::new(description)))?;
         Ok(Self { arguments, prepared, camera, load_secs, pool })
     }
 

@@ -8,6 +8,7 @@ mod check;
 mod compare;
 mod image;
 mod merge;
+mod preparation;
 mod rectify;
 mod render;
 mod report;

@@ -7,6 +7,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::arguments::{Granularity, RectifyArguments};
+use super::preparation::prepare_shown;
 use super::table::{Align, Table, wrapped};
 use super::{Failure, plural, print, print_json};
 use crate::check::{Severity, check};
@@ -14,7 +15,7 @@ use crate::export::words::{brief, duration, grouped};
 use crate::rectify::containment::medium_of;
 use crate::rectify::table::RectifySeconds;
 use crate::rectify::{Patch, PatchKind};
-use crate::render::{Prepared, prepare};
+use crate::render::Prepared;
 use crate::scene;
 use crate::scene::world::{MediumId, ObjectId, WorldMedium};
 
@@ -54,7 +55,7 @@ struct Warning {
 }
 
 pub fn run(arguments: &RectifyArguments) -> Result<ExitCode, Failure> {
-    let prepared = prepare(Arc::new(scene::load::open(&arguments.scene.scene)?), None)?;
+    let prepared = prepare_shown(Arc::new(scene::load::open(&arguments.scene.scene)?))?;
     let table = &prepared.table;
     let mut seconds = table.seconds;
     let patches = match arguments.granularity {
@@ -103,7 +104,7 @@ fn whole_objects(prepared: &Prepared) -> Vec<Patch> {
                 crossed_by: Vec::new(),
                 rays: answer.rays(),
                 confidence: answer.confidence(),
-                votes: Vec::new(),
+                votes: Arc::default(),
             }
         })
         .collect()

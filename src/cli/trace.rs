@@ -6,12 +6,12 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use super::arguments::TraceArguments;
+use super::preparation::prepare_shown;
 use super::table::{Align, Table};
 use super::{Failure, print, print_json};
 use crate::estimator::trace::{TracedPath, Vertex, VertexEvent, trace};
 use crate::export::words::{brief, events_in_words};
 use crate::geometry::Ray;
-use crate::render::prepare;
 use crate::scene;
 use crate::scene::camera::Camera;
 
@@ -19,7 +19,7 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Failure> {
     let description = Arc::new(scene::load::open(&arguments.scene.scene)?);
     let camera = Camera::new(&description.camera)?;
     let ray = first_ray(arguments, &camera)?;
-    let prepared = prepare(Arc::clone(&description), None)?;
+    let prepared = prepare_shown(Arc::clone(&description))?;
     let path = trace(&prepared, arguments.mode, ray, arguments.follow, arguments.seed, arguments.max_depth.0);
     if arguments.scene.json {
         print_json(&path)?;

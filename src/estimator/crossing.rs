@@ -9,7 +9,7 @@ use crate::render::Events;
 use crate::scene::world::{MediumId, ObjectId, Surface};
 use crate::tracking::{Crossing, Sides, Tracker};
 
-/// Roundings of f64, at the scene's size, that two hits of one place differ by at the most.
+/// Roundings of f64, of the numbers that a hit is computed from, that two hits of one place differ by at the most.
 const ROUNDINGS: f64 = 64.0;
 
 /// A crossing with all that is known of it.
@@ -63,13 +63,11 @@ impl<T: Tracker> PathTracer<'_, T> {
     #[cold]
     fn behind_edge(&self, ray: &Ray, hit: &Hit, medium: MediumId, sides: Sides, state: &T::State) -> Option<Ray> {
         let geometry = &self.world.geometry;
-        let scale = geometry.bounding_sphere().map_or(0.0, |s| s.radius) + ray.origin.abs().max_element();
+        let object = geometry.object_of(hit.primitive);
+        let scale = ray.origin.abs().max_element() + hit.t + geometry.reach_of(object);
         let is_same_place = |from: f64, to: f64| to - from <= ROUNDINGS * f64::EPSILON * scale;
         let last = if ray.after == NO_PRIMITIVE { ray.from } else { ray.after };
-        if last != NO_PRIMITIVE
-            && geometry.object_of(last) == geometry.object_of(hit.primitive)
-            && is_same_place(ray.t_min, hit.t)
-        {
+        if last != NO_PRIMITIVE && geometry.object_of(last) == object && is_same_place(ray.t_min, hit.t) {
             return Some(ray.beyond(hit));
         }
         // Modes that are wrong come here often, and a search this short costs them little.

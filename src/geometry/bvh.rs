@@ -3,6 +3,7 @@
 //! Boxes are f32 and slightly too large; rays are f64. The walk only ever errs towards visiting a box, never towards missing one,
 //! so what is hit is decided by the primitives alone.
 
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 use glam::{DVec3, Vec3, Vec3A};
@@ -156,11 +157,17 @@ impl Tree {
         }
     }
 
-    /// Visits the leaf slots whose boxes meet the box from `min` to `max`, in no particular order. Subtrees that hold nothing but the object
-    /// `except` are passed over.
-    pub fn visit_box(&self, min: DVec3, max: DVec3, except: u32, mut visit: impl FnMut(u32)) {
+    /// Visits the leaf slots whose boxes meet the box from `min` to `max`, in no particular order, until `visit` breaks. Subtrees that hold
+    /// nothing but the object `except` are passed over.
+    pub fn visit_box(
+        &self,
+        min: DVec3,
+        max: DVec3,
+        except: u32,
+        mut visit: impl FnMut(u32) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         if self.nodes.is_empty() {
-            return;
+            return ControlFlow::Continue(());
         }
         // Rounded outwards.
         let min = min.as_vec3().to_array().map(f32::next_down);
@@ -182,10 +189,11 @@ impl Tree {
                 if child & LEAF == 0 {
                     open.push(child);
                 } else {
-                    visit(child & !LEAF);
+                    visit(child & !LEAF)?;
                 }
             }
         }
+        ControlFlow::Continue(())
     }
 }
 

@@ -16,16 +16,18 @@ impl Geometry {
     }
 
     /// Bound for the distance between a primitive and the surface that it stands for, from the rounding of its numbers: of vertices to f32,
-    /// which counts only across the surface, and of arithmetic in f64 with points about as far from the local origin.
+    /// which counts only across the surface, and of arithmetic in f64, before and after the local origin was subtracted, with points about as
+    /// far from it.
     pub fn rounding(&self, primitive: PrimitiveId) -> f64 {
+        let origin = self.origin.abs().max_element();
         if let Some(sphere) = self.sphere(primitive) {
-            return ROUNDINGS * f64::EPSILON * (sphere.center.abs().max_element() + sphere.radius);
+            return ROUNDINGS * f64::EPSILON * (sphere.center.abs().max_element() + sphere.radius + origin);
         }
         let corners = self.corners(primitive);
         let normal = triangle::area_vector(corners).normalize_or_zero();
         let largest = corners.into_iter().fold(DVec3::ZERO, |largest, p| largest.max(p.abs()));
         let of_vertices = f64::from(f32::EPSILON) * normal.abs().dot(largest);
-        of_vertices + ROUNDINGS * f64::EPSILON * largest.max_element()
+        of_vertices + ROUNDINGS * f64::EPSILON * (largest.max_element() + origin)
     }
 }
 

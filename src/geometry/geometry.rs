@@ -1,12 +1,13 @@
 //! All primitives of a scene, the trees over them, and every question that is asked of them.
 
 use std::borrow::Cow;
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::bvh::{Bounds, Tree};
+use super::frame::Frame;
 use super::kernel::KernelChoice;
 use super::mesh::Mesh;
 use super::ray::{Hit, NO_PRIMITIVE, PrimitiveId, Ray};
@@ -71,9 +72,10 @@ impl Mask {
 /// Primitives and trees. Object ids are the indices of the parts it was built from. All coordinates are relative to `origin`.
 #[derive(Debug)]
 pub struct Geometry {
-    /// Scene coordinates of the local origin: zero, or the middle of a scene that is far from zero for its size, so that f32 vertices
-    /// keep their digits.
+    /// Scene coordinates of the local origin, which lies amid the objects, so that f32 vertices keep their digits.
     pub origin: DVec3,
+    /// The origin is a multiple of it: see [`Frame::step`].
+    pub step: f64,
     positions: Vec<Vec3>,
     /// Of the vertices of smooth objects; empty where there are none.
     normals: Vec<Vec3>,
@@ -97,18 +99,23 @@ pub struct Geometry {
 /// depends on the order.
 const BOUNDS_CHUNK: usize = 1 << 14;
 
-/// A scene farther from zero than this many times its own size is moved.
-const FAR: f64 = 16.0;
-
 impl Geometry {
     /// Builds everything. Every coordinate is finite, every radius > 0, every index in range.
     ///
     /// Parts that are handed over are let go one by one: building the tree takes most memory, and needs none of them.
     pub fn build<'a>(parts: impl Into<Cow<'a, [Part]>>) -> Self {
+        let parts = parts.into();
+        let frame = Frame::about(&*parts).unwrap_or_default();
+        Self::build_in(frame, parts)
+    }
+
+    /// [`Self::build`] with local coordinates in that frame.
+    pub fn build_in<'a>(frame: Frame, parts: impl Into<Cow<'a, [Part]>>) -> Self {
         let parts = parts.into().into_owned();
-        let origin = local_origin(&parts);
+        let origin = frame.origin;
         let mut geometry = Self {
             origin,
+            step: frame.step,
             positions: Vec::new(),
             normals: Vec::new(),
             triangles: Vec::new(),
@@ -240,13 +247,26 @@ impl Geometry {
     /// Calls `visit` for every primitive that may meet the box from `min` to `max` (local coordinates), in no particular order: those that
     /// meet it and some that lie near it. Primitives of the object `except` may be left out.
     pub fn for_each_near_box(&self, min: DVec3, max: DVec3, except: Option<u32>, mut visit: impl FnMut(PrimitiveId)) {
+        let _ = self.search_near_box(min, max, except, |primitive| {
+            visit(primitive);
+            ControlFlow::Continue(())
+        });
+    }
+
+    /// [`Self::for_each_near_box`], until `visit` breaks.
+    pub fn search_near_box(
+        &self,
+        min: DVec3,
+        max: DVec3,
+        except: Option<u32>,
+        mut visit: impl FnMut(PrimitiveId) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         let except = except.unwrap_or(u32::MAX);
         self.triangle_tree.visit_box(min, max, except, |slot| {
-            self.packs[slot as usize].ids.into_iter().filter(|id| *id != NO_PRIMITIVE).for_each(&mut visit);
-        });
-        self.sphere_tree.visit_box(min, max, except, |slot| {
-            visit(self.sphere_slots[slot as usize] + self.triangles.len() as u32);
-        });
+            self.packs[slot as usize].ids.into_iter().filter(|id| *id != NO_PRIMITIVE).try_for_each(&mut visit)
+        })?;
+        self.sphere_tree
+            .visit_box(min, max, except, |slot| visit(self.sphere_slots[slot as usize] + self.triangles.len() as u32))
     }
 
     /// The surface at a hit of `ray`. The position is taken from the primitive, not from the ray.
@@ -320,6 +340,18 @@ impl Geometry {
     /// Lowest and highest coordinates of an object; the highest first, and infinite, where it has no primitives.
     pub fn bounds_of(&self, object: u32) -> (DVec3, DVec3) {
         self.bounds_of_objects[object as usize]
+    }
+
+    /// Half of the longest side of an object's box, which its precision is measured by; 0 where it has no primitives.
+    pub fn radius_of(&self, object: u32) -> f64 {
+        let (min, max) = self.bounds_of(object);
+        ((max - min).max_element() / 2.0).max(0.0)
+    }
+
+    /// The largest magnitude of an object's local coordinates; 0 where it has no primitives.
+    pub fn reach_of(&self, object: u32) -> f64 {
+        let (min, max) = self.bounds_of(object);
+        if min.x <= max.x { min.abs().max(max.abs()).max_element() } else { 0.0 }
     }
 
     fn measure_bounds(&self, range: &ObjectRange) -> (DVec3, DVec3) {
@@ -403,17 +435,4 @@ pub fn uniform_direction(u: [f64; 2]) -> DVec3 {
     let r = (1.0 - z * z).max(0.0).sqrt();
     let (sin, cos) = (std::f64::consts::TAU * u[1]).sin_cos();
     DVec3::new(r * cos, r * sin, z)
-}
-
-/// Where to put the local origin.
-fn local_origin(parts: &[Part]) -> DVec3 {
-    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for part in parts {
-        match part {
-            Part::Mesh { mesh, .. } => mesh.positions.iter().for_each(|p| (min, max) = (min.min(*p), max.max(*p))),
-            Part::Sphere { center, radius } => (min, max) = (min.min(*center - *radius), max.max(*center + *radius)),
-        }
-    }
-    let (center, size) = ((min + max) / 2.0, (max - min).length());
-    if center.is_finite() && center.length() > FAR * size { center } else { DVec3::ZERO }
 }

@@ -4,6 +4,7 @@ mod beam;
 mod bvh;
 mod collapse;
 mod distance;
+mod frame;
 mod geometry;
 mod hierarchy;
 mod kernel;
@@ -18,6 +19,7 @@ mod walk;
 mod winding;
 
 pub use distance::closest_point;
+pub use frame::Frame;
 pub use geometry::{Geometry, Mask, ObjectRange, Part, SurfacePoint, uniform_direction};
 pub use mesh::Mesh;
 pub use ray::{Hit, NO_PRIMITIVE, PrimitiveId, Ray};

@@ -4,11 +4,14 @@
 //! at a crossing curve is a hit asked about at its own place, about those few refractors whose surfaces come near.
 //! The triangles that rays meet stay as they are, so nothing can leak.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
-use super::contact::{Contact, Cover, Face, Relation, is_refractor, least};
+use super::contact::{Contact, Cover, Face, Relation, is_refractor, is_stood_for};
 use super::containment::{containment_beside, is_inside, is_inside_by_vote};
 use super::surroundings::{Answer, State, Surroundings};
+use super::tolerance::Tolerance;
 use crate::geometry::{PrimitiveId, SurfacePoint};
 use crate::scene::World;
 use crate::scene::world::ObjectId;
@@ -36,6 +39,8 @@ pub enum Node<Known, Asked> {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Member {
     pub refractor: ObjectId,
+    /// Its copies, of which the same holds.
+    pub copies: Arc<[ObjectId]>,
     /// Its primitives that coincide with the face hereabouts, and whether they look the same way.
     pub coincident: Vec<(PrimitiveId, bool)>,
 }
@@ -48,12 +53,17 @@ pub struct Ask {
     pub members: Vec<Member>,
     /// Opaque primitives that coincide with the face hereabouts: where they cover it, they stand for it.
     pub opaque: Vec<PrimitiveId>,
+    /// Whether so many surfaces meet the face that none is listed, and everything is asked about at each hit.
+    pub is_crowded: bool,
 }
 
 impl Ask {
     /// How many answers there are: one for each combination of the members' states. `None` where those are too many to be listed, and an
     /// answer is worked out when it is wanted.
     fn combinations(&self) -> Option<usize> {
+        if self.is_crowded {
+            return None;
+        }
         (self.members.iter())
             .try_fold(1, |product: usize, member| product.checked_mul(member.states()))
             .filter(|product| *product <= MOST_LISTED)
@@ -66,7 +76,7 @@ impl Ask {
             let mut surroundings = self.base.clone();
             let mut rest = index;
             for member in &self.members {
-                surroundings.add(member.refractor, State::ALL[rest % member.states()]);
+                member.tell(&mut surroundings, State::ALL[rest % member.states()]);
                 rest /= member.states();
             }
             surroundings.resolve(world)
@@ -75,8 +85,11 @@ impl Ask {
 
     /// The answer at a point.
     pub fn answer(&self, world: &World, point: &SurfacePoint) -> Answer {
+        if self.is_crowded {
+            return answer_anew(world, point);
+        }
         let mut surroundings = self.base.clone();
-        match self.states_at(world, point, |member, state| surroundings.add(member.refractor, state)) {
+        match self.states_at(world, point, |member, state| member.tell(&mut surroundings, state)) {
             Some(()) => surroundings.resolve(world),
             None => Answer::MASKED,
         }
@@ -96,7 +109,10 @@ impl Ask {
     #[inline]
     fn states_at(&self, world: &World, point: &SurfacePoint, mut tell: impl FnMut(&Member, State)) -> Option<()> {
         let covers = |primitive: PrimitiveId| {
-            Face::of(&world.geometry, primitive).cover(&[point.position], least(&world.geometry)) == Cover::All
+            let geometry = &*world.geometry;
+            let (own, other) = (geometry.object_of(point.primitive), geometry.object_of(primitive));
+            let tolerance = Tolerance::between(geometry, own, other);
+            Face::of(geometry, primitive).cover(&[point.position], tolerance) == Cover::All
         };
         if self.opaque.iter().any(|&primitive| covers(primitive)) {
             return None;
@@ -115,7 +131,28 @@ impl Ask {
     }
 }
 
+/// The answer at a point, of which nothing is known beforehand.
+fn answer_anew(world: &World, point: &SurfacePoint) -> Answer {
+    if is_stood_for(world, point) {
+        return Answer::MASKED;
+    }
+    let mut surroundings = Surroundings::new(ObjectId(world.geometry.object_of(point.primitive)));
+    for refractor in containment_beside(world, point, true).refractors {
+        surroundings.add(refractor, State::OuterOnly);
+    }
+    for refractor in containment_beside(world, point, false).refractors {
+        surroundings.add(refractor, State::InnerOnly);
+    }
+    surroundings.resolve(world)
+}
+
 impl Member {
+    /// Adds it and its copies.
+    fn tell(&self, surroundings: &mut Surroundings, state: State) {
+        surroundings.add(self.refractor, state);
+        self.copies.iter().for_each(|&copy| surroundings.add(copy, state));
+    }
+
     /// Without coincident faces a refractor lies on both sides or on neither.
     fn states(&self) -> usize {
         if self.coincident.is_empty() { 2 } else { 4 }
@@ -124,6 +161,10 @@ impl Member {
 
 /// A touched face, divided. Children come after their parents; a triangle has one root, a sphere one for each octant.
 pub type Division = Vec<Node<Surroundings, Ask>>;
+
+fn is_sphere(world: &World, face: PrimitiveId) -> bool {
+    world.geometry.sphere(face).is_some()
+}
 
 /// The number of roots of a face's division.
 pub fn roots(is_sphere: bool) -> u32 {
@@ -179,7 +220,20 @@ pub fn containers(world: &World, face: PrimitiveId, touching: &[ObjectId]) -> Ve
     refractors
 }
 
-/// Divides a touched face. `containers` are the refractors that contain its outer side and do not touch it. Cells may be coarser than the
+/// The radius of the finest cells of a face; `None` where it is not divided, because nothing does more than touch its edges.
+pub fn finest(world: &World, face: PrimitiveId, contacts: &[Contact]) -> Option<f64> {
+    let size = |object: ObjectId| {
+        let (min, max) = world.geometry.bounds_of(object.0);
+        (max - min).length()
+    };
+    let subject = ObjectId(world.geometry.object_of(face));
+    let mut active = contacts.iter().filter(|contact| contact.relation != Relation::Touches).peekable();
+    active.peek()?;
+    let objects = active.map(|contact| ObjectId(world.geometry.object_of(contact.primitive)));
+    Some(objects.filter(|&object| is_refractor(world, object)).map(size).fold(size(subject), f64::min) * FINEST)
+}
+
+/// Divides a touched face, or says that it is crowded. `containers` are the refractors that contain its outer side and do not touch it. Cells may be coarser than the
 /// finest by the factor `coarseness` ≥ 1: more hits are then asked about at their own place, and the answers are the same.
 pub fn divide(
     world: &World,
@@ -189,6 +243,13 @@ pub fn divide(
     coarseness: f64,
 ) -> Division {
     let subject = ObjectId(world.geometry.object_of(face));
+    if contacts.is_empty() {
+        let (base, members, opaque) = (Surroundings::new(subject), Vec::new(), Vec::new());
+        return vec![
+            Node::Asked(Ask { base, members, opaque, is_crowded: true });
+            roots(is_sphere(world, face)) as usize
+        ];
+    }
     let shape = Face::of(&world.geometry, face);
     let pool: Vec<(Contact, Face)> =
         contacts.iter().map(|contact| (*contact, Face::of(&world.geometry, contact.primitive))).collect();
@@ -203,7 +264,8 @@ pub fn divide(
             Some(active) if active.object == object => active,
             _ => {
                 let is_refractor = is_refractor(world, object);
-                actives.push(Active { object, is_refractor, crossing: Vec::new(), coincident: Vec::new() });
+                let tolerance = Tolerance::between(&world.geometry, subject.0, object.0);
+                actives.push(Active { object, is_refractor, tolerance, crossing: Vec::new(), coincident: Vec::new() });
                 actives.last_mut().expect("it has just been added")
             }
         };
@@ -212,12 +274,8 @@ pub fn divide(
             _ => active.crossing.push(index as u32),
         }
     }
-    let size = |object: ObjectId| {
-        let (min, max) = world.geometry.bounds_of(object.0);
-        (max - min).length()
-    };
-    let smallest = actives.iter().filter(|a| a.is_refractor).map(|a| size(a.object)).fold(size(subject), f64::min);
-    let mut divider = Divider { world, face, shape, pool, finest: smallest * FINEST * coarseness, nodes: Vec::new() };
+    let finest = finest(world, face, contacts).unwrap_or_default() * coarseness;
+    let mut divider = Divider { world, face, shape, pool, finest, nodes: Vec::new() };
 
     let mut base = Surroundings::new(subject);
     let Some(middle) = divider.point(&divider.root_corners(0)) else {
@@ -235,7 +293,7 @@ pub fn divide(
             base.add(object, State::In);
         }
     }
-    let roots = roots(matches!(shape, Face::Sphere(_)));
+    let roots = roots(is_sphere(world, face));
     divider.nodes.resize(roots as usize, Node::Known(Surroundings::new(subject)));
     for root in 0..roots {
         let corners = divider.root_corners(root);
@@ -257,6 +315,8 @@ pub fn divide(
 struct Active {
     object: ObjectId,
     is_refractor: bool,
+    /// Between it and the face.
+    tolerance: Tolerance,
     crossing: Vec<u32>,
     coincident: Vec<u32>,
 }
@@ -302,15 +362,13 @@ impl Divider<'_> {
 
     /// Fills in a node and all below it. `base` is what is known to hold all over the cell.
     fn fill(&mut self, node: usize, corners: [DVec3; 3], actives: Vec<Active>, mut base: Surroundings, depth: u32) {
-        let least = least(&self.world.geometry);
         let ends = corners.map(|corner| self.on_surface(corner));
         let Some(middle) = self.point(&corners) else { return };
         let radius = ends.iter().map(|end| end.distance(middle.position)).fold(0.0, f64::max);
-        let reach = radius * (1.0 + 1e-9) + 4.0 * least;
         let mut remaining = Vec::with_capacity(actives.len());
         for mut active in actives {
             let mut covering = None;
-            active.coincident.retain(|&index| match self.pool[index as usize].1.cover(&ends, least) {
+            active.coincident.retain(|&index| match self.pool[index as usize].1.cover(&ends, active.tolerance) {
                 Cover::Nothing => false,
                 Cover::Part => true,
                 Cover::All => {
@@ -325,6 +383,7 @@ impl Divider<'_> {
                 base.add(active.object, State::of_coincident(same));
                 continue;
             }
+            let reach = radius * (1.0 + 1e-9) + 4.0 * active.tolerance.least;
             active.crossing.retain(|&index| self.pool[index as usize].1.distance(middle.position) <= reach);
             if !active.crossing.is_empty() || !active.coincident.is_empty() {
                 remaining.push(active);
@@ -364,13 +423,14 @@ impl Divider<'_> {
         let members = (refractors.into_iter())
             .map(|active| Member {
                 refractor: active.object,
+                copies: Arc::default(),
                 coincident: (active.coincident.iter().map(contact))
                     .map(|c| (c.primitive, c.relation == Relation::Coincides { same: true }))
                     .collect(),
             })
             .collect();
         let opaque = opaque.into_iter().flat_map(|active| active.coincident.iter().map(contact).map(|c| c.primitive));
-        Ask { base, members, opaque: opaque.collect() }
+        Ask { base, members, opaque: opaque.collect(), is_crowded: false }
     }
 }
 

@@ -1,23 +1,29 @@
 //! Where surfaces meet: which faces of refractors and lights other surfaces touch, and how.
 //!
 //! Every test here is closed and errs towards a contact: a face that is taken to be touched and is not costs a little time, the other
-//! way round would cost the right answer. Tolerances cover the rounding of vertices to f32, eight units in the last place along the
-//! direction that matters; surfaces that are farther apart than that are apart.
+//! way round would cost the right answer. How near surfaces come to be in contact: see [`super::tolerance`].
+
+use std::collections::HashMap;
+use std::ops::ControlFlow;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::copies::Copies;
+use super::progress::{Cancelled, Progress, Stage};
+use super::tolerance::{Margins, Tolerance, largest};
 use crate::geometry::sphere::Sphere;
 use crate::geometry::{Enclosure, Geometry, ObjectRange, PrimitiveId, SurfacePoint, closest_point};
 use crate::scene::World;
 use crate::scene::world::{ObjectId, Surface};
 
-/// Share of a coordinate by which the rounding of vertices to f32 may move a surface: eight units in the last place.
-const ROUNDING: f64 = 8.0 / (1u32 << 24) as f64;
-/// Share of the scene's size that is always allowed for, so that a coordinate which should be zero may be off by f64's own rounding.
-const LEAST: f64 = 1e-12;
 /// Normals of coincident faces differ by less than the angle of this cosine.
 const PARALLEL: f64 = 0.9;
+
+/// A face that more others of about its size or larger meet is *crowded*: those are not listed.
+const CROWD: u32 = 128;
+/// Share of a face's area from which on another one is about as large.
+const COMPARABLE: f64 = 0.25;
 
 /// How another primitive meets a face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,7 +43,8 @@ pub struct Contact {
     pub relation: Relation,
 }
 
-/// The touched faces of all refractors and lights, in ascending order, each with what touches it.
+/// The touched faces of all refractors and lights, in ascending order, each with what touches it: nothing is listed for a crowded face, and for one
+/// that a coincident face stands for, that face alone.
 #[derive(Debug, Clone, Default)]
 pub struct Contacts {
     faces: Vec<PrimitiveId>,
@@ -49,6 +56,11 @@ pub struct Contacts {
 }
 
 impl Contacts {
+    /// The number of touched faces.
+    pub fn face_count(&self) -> usize {
+        self.faces.len()
+    }
+
     /// The touched faces, in ascending order, with their contacts.
     pub fn iter(&self) -> impl Iterator<Item = (PrimitiveId, &[Contact])> {
         self.of_range(0..PrimitiveId::MAX)
@@ -68,8 +80,11 @@ impl Contacts {
     }
 }
 
-/// Finds all contacts of the objects `subjects`. O(N log N) for surfaces that meet along curves.
-pub fn find(world: &World, subjects: &[ObjectId]) -> Contacts {
+/// Finds all contacts of the objects `subjects` with objects that are no copies. O(N log N) for surfaces that meet along curves.
+///
+/// # Errors
+/// When `progress` is cancelled.
+pub fn find(world: &World, subjects: &[ObjectId], copies: &Copies, progress: &Progress) -> Result<Contacts, Cancelled> {
     /// Faces that one task looks at.
     const CHUNK: u32 = 2048;
     let geometry = &*world.geometry;
@@ -81,15 +96,30 @@ pub fn find(world: &World, subjects: &[ObjectId]) -> Contacts {
         );
     }
     tasks.sort_by_key(|(_, range)| range.start);
+    let margins = Margins::new(geometry, world.objects.len() as u32);
+    let margins: HashMap<ObjectId, f64> =
+        subjects.par_iter().map(|subject| (*subject, margins.of(geometry, subject.0))).collect();
+    progress.enter(Stage::Contacts, tasks.iter().map(|(_, range)| range.len()).sum())?;
     let found: Vec<Contacts> = tasks
         .into_par_iter()
         .map(|(subject, range)| {
             let mut contacts = Contacts::default();
-            let seeker = Seeker { world, subject, is_refractor: is_refractor(world, subject) };
-            range.for_each(|face| seeker.look(face, &mut contacts));
-            contacts
+            let seeker = Seeker {
+                world,
+                subject,
+                copies,
+                is_refractor: is_refractor(world, subject),
+                margin: margins[&subject],
+            };
+            let faces = range.len();
+            for face in range {
+                progress.go_on()?;
+                seeker.look(face, &mut contacts);
+            }
+            progress.advance(faces);
+            Ok(contacts)
         })
-        .collect();
+        .collect::<Result<_, Cancelled>>()?;
     let mut all = Contacts::default();
     for part in found {
         let offset = all.contacts.len() as u32;
@@ -100,7 +130,7 @@ pub fn find(world: &World, subjects: &[ObjectId]) -> Contacts {
     }
     all.crossing.sort_unstable();
     all.crossing.dedup();
-    all
+    Ok(all)
 }
 
 /// The objects whose surroundings are asked for.
@@ -126,7 +156,10 @@ pub fn primitives_of(geometry: &Geometry, object: ObjectId) -> std::ops::Range<P
 struct Seeker<'a> {
     world: &'a World,
     subject: ObjectId,
+    copies: &'a Copies,
     is_refractor: bool,
+    /// How far around a face others are looked for.
+    margin: f64,
 }
 
 impl Seeker<'_> {
@@ -135,49 +168,56 @@ impl Seeker<'_> {
         let geometry = &*self.world.geometry;
         let this = Face::of(geometry, face);
         let (min, max) = this.bounds();
-        let margin = DVec3::splat(this.reach().max_element() * ROUNDING + least(geometry));
+        let margin = DVec3::splat(self.margin);
+        let comparable_area = COMPARABLE * geometry.primitive_area(face);
         let asks_itself = self.world.object(self.subject).enclosure == Enclosure::Union;
         let except = (!asks_itself).then_some(self.subject.0);
         let before = to.contacts.len();
-        geometry.for_each_near_box(min - margin, max + margin, except, |primitive| {
+        let mut comparable = 0;
+        let outcome = geometry.search_near_box(min - margin, max + margin, except, |primitive| {
             let object = ObjectId(geometry.object_of(primitive));
             let is_own = object == self.subject;
-            if primitive == face || (is_own && !asks_itself) {
-                return;
+            if primitive == face || (is_own && !asks_itself) || self.copies.is_copy(object) {
+                return ControlFlow::Continue(());
             }
             let other = Face::of(geometry, primitive);
             if is_own && this.shares_a_corner(&other) {
-                return;
+                return ControlFlow::Continue(());
             }
-            let Some(relation) = this.relation(&other, least(geometry)) else { return };
+            let tolerance = Tolerance::between(geometry, self.subject.0, object.0);
+            let Some(relation) = this.relation(&other, tolerance) else { return ControlFlow::Continue(()) };
             // Opaque surfaces contain nothing: only where they lie on a refractor do they matter.
-            let matters = is_refractor(self.world, object)
-                || (self.is_refractor && matches!(relation, Relation::Coincides { .. }));
-            if matters {
-                let pair = (self.subject, object);
-                let goes_through = relation == Relation::Crosses { through: true };
-                if self.is_refractor && goes_through && !is_own && to.crossing.last() != Some(&pair) {
-                    to.crossing.push(pair);
-                }
-                to.contacts.push(Contact { primitive, relation });
+            let is_coincident = matches!(relation, Relation::Coincides { .. });
+            let is_other_refractor = is_refractor(self.world, object);
+            if !is_other_refractor && !(self.is_refractor && is_coincident) {
+                return ControlFlow::Continue(());
             }
+            let pair = (self.subject, object);
+            let goes_through = relation == Relation::Crosses { through: true };
+            if self.is_refractor && goes_through && !is_own && to.crossing.last() != Some(&pair) {
+                to.crossing.push(pair);
+            }
+            let contact = Contact { primitive, relation };
+            let stands_first = primitive < face || !is_other_refractor;
+            if is_coincident && stands_first && other.cover_all(&this, tolerance) {
+                // All of the face is stood for, and nothing else about it matters.
+                to.contacts.truncate(before);
+                to.contacts.push(contact);
+                return ControlFlow::Break(());
+            }
+            to.contacts.push(contact);
+            comparable += u32::from(geometry.primitive_area(primitive) >= comparable_area);
+            if comparable > CROWD { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
-        if to.contacts.len() > before {
-            to.contacts[before..].sort_unstable_by_key(|contact| contact.primitive);
-            to.faces.push(face);
-            to.ends.push(to.contacts.len() as u32);
+        if comparable > CROWD && outcome.is_break() {
+            to.contacts.truncate(before);
+        } else if to.contacts.len() == before {
+            return;
         }
+        to.contacts[before..].sort_unstable_by_key(|contact| contact.primitive);
+        to.faces.push(face);
+        to.ends.push(to.contacts.len() as u32);
     }
-}
-
-/// The farthest that rounding may move any surface, in scene units.
-pub fn margin(geometry: &Geometry) -> f64 {
-    geometry.bounding_sphere().map_or(0.0, |s| (s.radius + s.center.length()) * ROUNDING)
-}
-
-/// What is always allowed for, in scene units.
-pub fn least(geometry: &Geometry) -> f64 {
-    geometry.bounding_sphere().map_or(0.0, |s| s.radius * LEAST)
 }
 
 /// A primitive, ready to be compared with others.
@@ -223,11 +263,12 @@ impl Face {
         }
     }
 
-    /// How `other` meets this face; `None` where it does not. `least` is the least tolerance.
-    pub fn relation(&self, other: &Self, least: f64) -> Option<Relation> {
+    /// How `other` meets this face; `None` where it does not.
+    pub fn relation(&self, other: &Self, tolerance: Tolerance) -> Option<Relation> {
+        let least = tolerance.least;
         match (self, other) {
             (Self::Triangle { corners: f, normal: nf }, Self::Triangle { corners: t, normal: nt }) => {
-                Pair { f, nf: *nf, t, nt: *nt, reach: self.reach().max(other.reach()), least }.relation()
+                Pair { f, nf: *nf, t, nt: *nt, reach: self.reach().max(other.reach()), tolerance }.relation()
             }
             (Self::Triangle { corners, .. }, Self::Sphere(sphere))
             | (Self::Sphere(sphere), Self::Triangle { corners, .. }) => {
@@ -256,14 +297,22 @@ impl Face {
         }
     }
 
+    /// Whether this face, which coincides with `other`, covers all of it.
+    fn cover_all(&self, other: &Self, tolerance: Tolerance) -> bool {
+        match other {
+            Self::Triangle { corners, .. } => self.cover(corners, tolerance) == Cover::All,
+            Self::Sphere(_) => true,
+        }
+    }
+
     /// Whether this face, which coincides with the one that `cell` is a part of, covers that cell. Its edges count as wider by the tolerance.
-    pub fn cover(&self, cell: &[DVec3], least: f64) -> Cover {
+    pub fn cover(&self, cell: &[DVec3], tolerance: Tolerance) -> Cover {
         let Self::Triangle { corners, normal } = self else { return Cover::All };
         let reach = self.reach();
         let mut covers_all = true;
         for k in 0..3 {
             let inward = normal.cross(corners[(k + 1) % 3] - corners[k]).normalize_or_zero();
-            let margin = 2.0 * tolerance(inward, reach, least);
+            let margin = 2.0 * tolerance.along(inward, reach);
             let depth = |p: &DVec3| inward.dot(*p - corners[k]) + margin;
             if cell.iter().all(|p| depth(p) < 0.0) {
                 return Cover::Nothing;
@@ -278,7 +327,7 @@ impl Face {
             let up = (b - a).cross(c - a);
             for (start, end) in [(a, b), (b, c), (c, a)] {
                 let inward = up.cross(end - start).normalize_or_zero();
-                let margin = 2.0 * tolerance(inward, reach, least);
+                let margin = 2.0 * tolerance.along(inward, reach);
                 if corners.iter().all(|p| inward.dot(*p - start) < -margin) {
                     return Cover::Nothing;
                 }
@@ -297,11 +346,6 @@ pub enum Cover {
     All,
 }
 
-/// How far rounding may move a surface of that `reach` along the unit vector `axis`.
-fn tolerance(axis: DVec3, reach: DVec3, least: f64) -> f64 {
-    axis.abs().dot(reach) * ROUNDING + least
-}
-
 /// Two triangles.
 struct Pair<'a> {
     f: &'a [DVec3; 3],
@@ -309,22 +353,22 @@ struct Pair<'a> {
     t: &'a [DVec3; 3],
     nt: DVec3,
     reach: DVec3,
-    least: f64,
+    tolerance: Tolerance,
 }
 
 impl Pair<'_> {
-    fn tolerance(&self, axis: DVec3) -> f64 {
-        tolerance(axis, self.reach, self.least)
+    fn allowance(&self, axis: DVec3) -> f64 {
+        self.tolerance.along(axis, self.reach)
     }
 
     fn relation(&self) -> Option<Relation> {
         let heights = self.t.map(|p| self.nf.dot(p - self.f[0]));
-        let tolerance = self.tolerance(self.nf);
+        let tolerance = self.allowance(self.nf);
         if heights.iter().all(|h| *h > tolerance) || heights.iter().all(|h| *h < -tolerance) {
             return None;
         }
         let heights_of_f = self.f.map(|p| self.nt.dot(p - self.t[0]));
-        let tolerance_t = self.tolerance(self.nt);
+        let tolerance_t = self.allowance(self.nt);
         if heights_of_f.iter().all(|h| *h > tolerance_t) || heights_of_f.iter().all(|h| *h < -tolerance_t) {
             return None;
         }
@@ -349,7 +393,7 @@ impl Pair<'_> {
             for axis in edges_f.map(|e| e.cross(self.nf)).into_iter().chain(edges_t.map(|e| e.cross(self.nt))) {
                 let gap = self.gap_along(axis, 1.0);
                 is_apart |= gap > 0.0;
-                shares_area &= gap < -3.0 * self.tolerance(axis.normalize_or_zero());
+                shares_area &= gap < -3.0 * self.allowance(axis.normalize_or_zero());
             }
             return if is_apart {
                 None
@@ -378,7 +422,7 @@ impl Pair<'_> {
             (a.min(b).min(c), a.max(b).max(c))
         };
         let ((f_min, f_max), (t_min, t_max)) = (shadow(self.f), shadow(self.t));
-        (t_min - f_max).max(f_min - t_max) - self.tolerance(axis)
+        (t_min - f_max).max(f_min - t_max) - self.allowance(axis)
     }
 
     /// Whether `t` meets the plane of `f` within `f`, farther than the tolerance from the edges of `f`.
@@ -397,7 +441,7 @@ impl Pair<'_> {
         }
         let inward: [(DVec3, DVec3); 3] = std::array::from_fn(|k| {
             let inward = self.nf.cross(self.f[(k + 1) % 3] - self.f[k]).normalize_or_zero();
-            (self.f[k] + inward * (2.0 * self.tolerance(inward)), inward)
+            (self.f[k] + inward * (2.0 * self.allowance(inward)), inward)
         });
         let reaches = |p: DVec3, q: DVec3| {
             let (mut from, mut to) = (0.0f64, 1.0f64);
@@ -423,7 +467,8 @@ impl Pair<'_> {
 
 /// Whether `other` coincides with `face`; if so, whether with the same normal.
 pub fn coincides(geometry: &Geometry, face: PrimitiveId, other: PrimitiveId) -> Option<bool> {
-    match Face::of(geometry, face).relation(&Face::of(geometry, other), least(geometry)) {
+    let tolerance = Tolerance::between(geometry, geometry.object_of(face), geometry.object_of(other));
+    match Face::of(geometry, face).relation(&Face::of(geometry, other), tolerance) {
         Some(Relation::Coincides { same }) => Some(same),
         _ => None,
     }
@@ -432,27 +477,31 @@ pub fn coincides(geometry: &Geometry, face: PrimitiveId, other: PrimitiveId) -> 
 /// Whether a coincident face stands for the one at `point`: that of something opaque, or the first of the refractors'.
 pub fn is_stood_for(world: &World, point: &SurfacePoint) -> bool {
     let geometry = &*world.geometry;
-    let (own, least) = (ObjectId(geometry.object_of(point.primitive)), least(geometry));
+    let own = ObjectId(geometry.object_of(point.primitive));
     let this = Face::of(geometry, point.primitive);
     let except = (world.object(own).enclosure != Enclosure::Union).then_some(own.0);
-    let margin = DVec3::splat(point.position.abs().max_element() * ROUNDING + least);
-    let mut is_stood_for = false;
-    geometry.for_each_near_box(point.position - margin, point.position + margin, except, |primitive| {
+    let margin = DVec3::splat(largest(geometry, own.0));
+    let search = geometry.search_near_box(point.position - margin, point.position + margin, except, |primitive| {
         let object = ObjectId(geometry.object_of(primitive));
         let goes_first = primitive < point.primitive || !is_refractor(world, object);
-        if is_stood_for || primitive == point.primitive || !goes_first || (except.is_some() && object == own) {
-            return;
+        if primitive == point.primitive || !goes_first || (except.is_some() && object == own) {
+            return ControlFlow::Continue(());
         }
         let other = Face::of(geometry, primitive);
-        is_stood_for = matches!(this.relation(&other, least), Some(Relation::Coincides { .. }))
-            && other.cover(&[point.position], least) == Cover::All;
+        let tolerance = Tolerance::between(geometry, own.0, object.0);
+        let is_stood_for = matches!(this.relation(&other, tolerance), Some(Relation::Coincides { .. }))
+            && other.cover(&[point.position], tolerance) == Cover::All;
+        if is_stood_for { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
-    is_stood_for
+    search.is_break()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Eight roundings of a length of 1.
+    const TIGHT: Tolerance = Tolerance { length: 1.0, least: 1e-12 };
 
     fn face(corners: [[f64; 3]; 3]) -> Face {
         let corners = corners.map(DVec3::from);
@@ -464,7 +513,7 @@ mod tests {
     }
 
     fn relation(other: [[f64; 3]; 3]) -> Option<Relation> {
-        flat().relation(&face(other), 1e-12)
+        flat().relation(&face(other), TIGHT)
     }
 
     #[test]
@@ -501,16 +550,16 @@ mod tests {
     #[test]
     fn spheres_and_triangles() {
         let ball = |x: f64, z: f64, radius: f64| Face::Sphere(Sphere { center: DVec3::new(x, 0.2, z), radius });
-        assert_eq!(flat().relation(&ball(0.2, 0.5, 0.6), 1e-12), Some(Relation::Crosses { through: true }));
-        assert_eq!(flat().relation(&ball(0.2, 0.5, 0.4), 1e-12), None);
-        assert_eq!(flat().relation(&ball(0.2, 0.0, 5.0), 1e-12), None);
-        assert_eq!(ball(0.0, 0.0, 1.0).relation(&ball(0.0, 0.0, 1.0), 1e-12), Some(Relation::Coincides { same: true }));
-        assert_eq!(ball(0.0, 0.0, 1.0).relation(&ball(0.0, 0.0, 1.0 + 1e-6), 1e-12), None);
+        assert_eq!(flat().relation(&ball(0.2, 0.5, 0.6), TIGHT), Some(Relation::Crosses { through: true }));
+        assert_eq!(flat().relation(&ball(0.2, 0.5, 0.4), TIGHT), None);
+        assert_eq!(flat().relation(&ball(0.2, 0.0, 5.0), TIGHT), None);
+        assert_eq!(ball(0.0, 0.0, 1.0).relation(&ball(0.0, 0.0, 1.0), TIGHT), Some(Relation::Coincides { same: true }));
+        assert_eq!(ball(0.0, 0.0, 1.0).relation(&ball(0.0, 0.0, 1.0 + 1e-6), TIGHT), None);
         assert_eq!(
-            ball(0.0, 0.0, 1.0).relation(&ball(1.5, 0.0, 1.0), 1e-12),
+            ball(0.0, 0.0, 1.0).relation(&ball(1.5, 0.0, 1.0), TIGHT),
             Some(Relation::Crosses { through: true })
         );
-        assert_eq!(ball(0.0, 0.0, 1.0).relation(&ball(2.5, 0.0, 1.0), 1e-12), None);
+        assert_eq!(ball(0.0, 0.0, 1.0).relation(&ball(2.5, 0.0, 1.0), TIGHT), None);
     }
 
     #[test]
@@ -518,9 +567,9 @@ mod tests {
         let cell = |size: f64, x: f64| {
             [DVec3::new(x, 0.1, 0.0), DVec3::new(x + size, 0.1, 0.0), DVec3::new(x, 0.1 + size, 0.0)]
         };
-        assert_eq!(flat().cover(&cell(0.1, 0.1), 1e-12), Cover::All);
-        assert_eq!(flat().cover(&cell(3.0, 0.1), 1e-12), Cover::Part);
-        assert_eq!(flat().cover(&cell(0.1, 2.0), 1e-12), Cover::Nothing);
-        assert_eq!(flat().cover(&[DVec3::new(1.0, 0.0, 0.0)], 1e-12), Cover::All);
+        assert_eq!(flat().cover(&cell(0.1, 0.1), TIGHT), Cover::All);
+        assert_eq!(flat().cover(&cell(3.0, 0.1), TIGHT), Cover::Part);
+        assert_eq!(flat().cover(&cell(0.1, 2.0), TIGHT), Cover::Nothing);
+        assert_eq!(flat().cover(&[DVec3::new(1.0, 0.0, 0.0)], TIGHT), Cover::All);
     }
 }

@@ -5,6 +5,7 @@ use std::cell::RefCell;
 use glam::DVec3;
 
 use super::contact;
+use super::tolerance::largest;
 use crate::geometry::{Enclosure, Hit, Ray, SurfacePoint, uniform_direction};
 use crate::rectify::random::Random;
 use crate::scene::World;
@@ -74,6 +75,7 @@ pub(super) struct Poll {
     /// Refractors with an entry in `votes`.
     candidates: Vec<u32>,
     rays: u32,
+    hits: usize,
 }
 
 thread_local! {
@@ -85,7 +87,7 @@ impl Poll {
         for candidate in self.candidates.drain(..) {
             self.votes[candidate as usize] = (0, 0);
         }
-        self.rays = 0;
+        (self.rays, self.hits) = (0, 0);
         self.meetings.resize(world.objects.len(), NO_MEETING);
         self.votes.resize(world.objects.len(), (0, 0));
     }
@@ -103,7 +105,9 @@ impl Poll {
 
     fn look(&mut self, world: &World, ray: &Ray, is_ignored: impl Fn(&Hit) -> bool, only_sheets: bool) {
         let mut nearest_opaque = f64::INFINITY;
+        let mut hits = 0;
         world.geometry.for_each_hit(ray, |hit| {
+            hits += 1;
             let object = world.geometry.object_of(hit.primitive);
             if !contact::is_refractor(world, ObjectId(object)) {
                 nearest_opaque = nearest_opaque.min(hit.t);
@@ -121,6 +125,7 @@ impl Poll {
             }
             meeting.exits += if hit.is_front { -1 } else { 1 };
         });
+        self.hits += hits;
         for object in self.met.drain(..) {
             let meeting = std::mem::replace(&mut self.meetings[object as usize], NO_MEETING);
             let enclosure = world.objects[object as usize].enclosure;
@@ -158,6 +163,11 @@ impl Poll {
         votes
     }
 
+    /// Surfaces that all rays have met so far.
+    pub(super) fn hits(&self) -> usize {
+        self.hits
+    }
+
     pub(super) fn is_unanimous(&self, world: &World) -> bool {
         self.candidates.iter().all(|&object| {
             let (inside, asked) = self.votes[object as usize];
@@ -186,10 +196,12 @@ pub fn containment_beside(world: &World, point: &SurfacePoint, is_outer: bool) -
 
 /// Whether a hit of a ray that leaves `point` is of a face that coincides with that of the point.
 pub(super) fn is_at_start(world: &World, point: &SurfacePoint, hit: &Hit) -> bool {
-    // A coincident face lies within a few roundings; everything farther away is none.
-    const NEAR: f64 = 1e-5;
-    let scale = point.position.abs().max_element() + world.geometry.bounding_sphere().map_or(0.0, |s| s.radius);
-    hit.t < NEAR * scale && contact::coincides(&world.geometry, point.primitive, hit.primitive).is_some()
+    // A coincident face lies within the tolerance, which is longer along a ray that grazes it; everything farther away is none.
+    const GRAZING: f64 = 32.0;
+    let geometry = &*world.geometry;
+    let tolerance = |primitive| largest(geometry, geometry.object_of(primitive));
+    hit.t < GRAZING * tolerance(point.primitive).max(tolerance(hit.primitive))
+        && contact::coincides(geometry, point.primitive, hit.primitive).is_some()
 }
 
 /// Lends this thread's votes, cleared. Clearing costs as much as the last question touched, not as much as there are objects.

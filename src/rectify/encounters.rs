@@ -1,8 +1,7 @@
 //! Which refractors meet: volumes that overlap in part, and surfaces that coincide.
 
-use std::collections::BTreeMap;
-
-use super::layout::{Layout, Site};
+use super::copies::have_same_surface;
+use super::layout::Layout;
 use super::pretrace::SiteVotes;
 use super::surroundings::Surroundings;
 use crate::rectify::cells::Node;
@@ -17,7 +16,7 @@ pub enum Meeting {
     Overlap,
     /// A part of their surfaces coincides.
     Touch,
-    /// The whole surface of one coincides with the other's, looking the same way.
+    /// They have the same surface, looking the same way.
     Copy,
 }
 
@@ -40,10 +39,6 @@ struct Seen {
 
 /// All encounters, sorted; each pair once for each way in which it meets.
 pub(super) fn encounters(world: &World, layout: &Layout, votes: &[SiteVotes]) -> Vec<Encounter> {
-    let mut pieces: Vec<(ObjectId, Surroundings)> = (layout.sites.iter().zip(votes))
-        .map(|(site, votes): (&Site, _)| (site.subject, votes.surroundings(site)))
-        .filter(|(subject, _)| is_refractor(world, *subject))
-        .collect();
     let used = layout.nodes.iter().filter_map(|node| match node {
         Node::Known(answer) => layout.surroundings.get(*answer as usize - layout.sites.len()),
         _ => None,
@@ -51,43 +46,90 @@ pub(super) fn encounters(world: &World, layout: &Layout, votes: &[SiteVotes]) ->
     let mut of_cells: Vec<&Surroundings> = used.filter(|s| is_refractor(world, s.subject)).collect();
     of_cells.sort_unstable_by_key(|s| (s.subject, &s.outer, &s.inner, s.is_masked));
     of_cells.dedup();
-    pieces.extend(of_cells.into_iter().map(|s| (s.subject, s.clone())));
-    pieces.sort_by_key(|(subject, _)| *subject);
 
     let mut found = Vec::new();
-    for group in pieces.chunk_by(|x, y| x.0 == y.0) {
-        let subject = group[0].0;
-        // A masked piece does not say what else is there. Of the others, those that name a refractor on neither side lie outside it.
-        let telling = group.iter().filter(|(_, s)| !s.is_masked).count();
-        let mut all: BTreeMap<ObjectId, (Seen, usize)> = BTreeMap::new();
-        for (_, s) in group {
-            for (&other, both) in s.outer.iter().map(|other| (other, s.inner.binary_search(other).is_ok())) {
-                let (seen, named) = all.entry(other).or_default();
-                *(if both { &mut seen.inside } else { &mut seen.opposed }) = true;
-                *named += usize::from(!s.is_masked);
-            }
-            for other in s.inner.iter().filter(|other| s.outer.binary_search(other).is_err()) {
-                let (seen, named) = all.entry(*other).or_default();
-                seen.same = true;
-                *named += usize::from(!s.is_masked);
-            }
+    let mut tally = Tally::new(world.objects.len());
+    let mut cells = of_cells.chunk_by(|x, y| x.subject == y.subject).peekable();
+    let mut first_site = 0;
+    for (subject, _) in world.refractors() {
+        let sites = first_site..first_site + layout.sites[first_site..].partition_point(|s| s.subject <= subject);
+        first_site = sites.end;
+        let cells = cells.next_if(|cells| cells[0].subject == subject).unwrap_or_default();
+        // All in one piece, which other surfaces do not touch.
+        if cells.is_empty() && sites.len() == 1 && layout.sites[sites.start].settled.is_empty() {
+            continue;
         }
-        for (other, (mut seen, named)) in all.into_iter().filter(|(other, _)| *other != subject) {
-            seen.outside = named < telling;
+        sites.for_each(|site| tally.add(&votes[site].surroundings(&layout.sites[site])));
+        cells.iter().for_each(|surroundings| tally.add(surroundings));
+        tally.drain(|other, seen| {
+            if other == subject {
+                return;
+            }
             let (a, b) = (subject.min(other), subject.max(other));
             if seen.inside && seen.outside {
                 found.push(Encounter { a, b, meeting: Meeting::Overlap });
             }
-            if seen.same && !seen.inside && !seen.outside && !seen.opposed {
+            // What is masked says nothing, so it takes a closer look.
+            let may_be_copy = seen.same && !seen.inside && !seen.outside && !seen.opposed;
+            if may_be_copy && have_same_surface(world, a, b) {
                 found.push(Encounter { a, b, meeting: Meeting::Copy });
             } else if seen.same || seen.opposed {
                 found.push(Encounter { a, b, meeting: Meeting::Touch });
             }
-        }
+        });
     }
     // A crossing may be smaller than any cell.
     found.extend(layout.crossing.iter().map(|&(a, b)| Encounter { a, b, meeting: Meeting::Overlap }));
     found.sort_unstable();
     found.dedup();
     found
+}
+
+/// What the pieces of one refractor's surface say about the others.
+struct Tally {
+    /// Of every object, with the number of telling pieces that name it.
+    seen: Vec<(Seen, usize)>,
+    /// The objects that some piece names.
+    named: Vec<ObjectId>,
+    /// Pieces that are not masked. A masked one does not say what else is there; of the others, those that name a refractor on neither side lie
+    /// outside it.
+    telling: usize,
+}
+
+impl Tally {
+    fn new(objects: usize) -> Self {
+        Self { seen: vec![(Seen::default(), 0); objects], named: Vec::new(), telling: 0 }
+    }
+
+    fn add(&mut self, piece: &Surroundings) {
+        self.telling += usize::from(!piece.is_masked);
+        for &other in &piece.outer {
+            let is_inside = piece.inner.binary_search(&other).is_ok();
+            let seen = self.name(other, piece.is_masked);
+            *(if is_inside { &mut seen.inside } else { &mut seen.opposed }) = true;
+        }
+        for &other in piece.inner.iter().filter(|other| piece.outer.binary_search(other).is_err()) {
+            self.name(other, piece.is_masked).same = true;
+        }
+    }
+
+    fn name(&mut self, other: ObjectId, is_masked: bool) -> &mut Seen {
+        let (seen, count) = &mut self.seen[other.0 as usize];
+        if !(seen.inside || seen.same || seen.opposed) {
+            self.named.push(other);
+        }
+        *count += usize::from(!is_masked);
+        seen
+    }
+
+    /// Hands over what has been seen, in the order of objects, and starts anew.
+    fn drain(&mut self, mut visit: impl FnMut(ObjectId, Seen)) {
+        self.named.sort_unstable();
+        for other in self.named.drain(..) {
+            let (mut seen, count) = std::mem::take(&mut self.seen[other.0 as usize]);
+            seen.outside = count < self.telling;
+            visit(other, seen);
+        }
+        self.telling = 0;
+    }
 }

@@ -16,9 +16,12 @@ use super::adjacency::{Sets, neighbours};
 use super::cells::{self, Ask, Division, Node};
 use super::contact::{self, Contacts, primitives_of};
 use super::containment::containment_beside;
+use super::copies::Copies;
 use super::pretrace::{self, SiteVotes};
+use super::progress::{Cancelled, Progress, Stage};
 use super::surroundings::{State, Surroundings};
 use super::table::RectifySeconds;
+use super::tolerance;
 use crate::geometry::{Enclosure, Geometry, PrimitiveId, SurfacePoint};
 use crate::scene::World;
 use crate::scene::world::ObjectId;
@@ -137,30 +140,52 @@ pub struct Earlier<'a> {
 }
 
 /// Lays out `world`; also gives the votes of each site, and the time that this took.
-pub fn lay_out(world: &World, earlier: Option<Earlier<'_>>) -> (Layout, Vec<SiteVotes>, RectifySeconds) {
+///
+/// # Errors
+/// When `progress` is cancelled.
+pub fn lay_out(
+    world: &World,
+    earlier: Option<Earlier<'_>>,
+    progress: &Progress,
+) -> Result<(Layout, Vec<SiteVotes>, RectifySeconds), Cancelled> {
     let start = Instant::now();
     let mut seconds = RectifySeconds::default();
     let kept = earlier.map(|earlier| unaffected(world, earlier)).unwrap_or_default();
-    let anew: Vec<ObjectId> = contact::subjects(world).filter(|subject| !kept.contains_key(subject)).collect();
-    let contacts = contact::find(world, &anew);
+    let copies = Copies::find(world);
+    let (of_copies, anew): (Vec<ObjectId>, Vec<ObjectId>) = contact::subjects(world)
+        .filter(|subject| !kept.contains_key(subject))
+        .partition(|subject| copies.is_copy(*subject));
+    let contacts = contact::find(world, &anew, &copies, progress)?;
     let coarseness = coarseness(world, &contacts);
     seconds.patches = start.elapsed().as_secs_f64();
-    let whole: Vec<Option<SubjectLayout>> =
-        anew.par_iter().map(|&subject| whole_object(world, subject, &contacts)).collect();
+    progress.enter(Stage::Votes, anew.len())?;
+    let whole: Vec<Option<SubjectLayout>> = (anew.par_iter())
+        .map(|&subject| {
+            progress.go_on()?;
+            let whole = whole_object(world, subject, &contacts, &copies);
+            progress.advance(1);
+            Ok(whole)
+        })
+        .collect::<Result<_, Cancelled>>()?;
     seconds.pretrace = start.elapsed().as_secs_f64() - seconds.patches;
+    progress.enter(Stage::Cells, contacts.face_count())?;
     let mut subjects: Vec<(ObjectId, Arc<SubjectLayout>)> = kept.into_iter().collect();
+    subjects.extend(of_copies.into_iter().map(|copy| (copy, Arc::new(stood_for(copy)))));
     for (subject, whole) in anew.into_iter().zip(whole) {
-        let found = whole.unwrap_or_else(|| Splitter { world, subject, contacts: &contacts, coarseness }.split());
+        let found = match whole {
+            Some(whole) => whole,
+            None => Splitter { world, subject, contacts: &contacts, copies: &copies, coarseness, progress }.split()?,
+        };
         subjects.push((subject, Arc::new(found)));
     }
     subjects.sort_unstable_by_key(|(subject, _)| *subject);
     let (layout, votes) = assemble(world, subjects);
     seconds.patches = start.elapsed().as_secs_f64() - seconds.pretrace;
-    (layout, votes, seconds)
+    Ok((layout, votes, seconds))
 }
 
 /// How coarse cells may be, as in [`cells::divide`]: time and memory for cells are spent on some thousands of meetings with large faces, and
-/// not on more.
+/// not on more; and never on more cells than a computer has room for.
 fn coarseness(world: &World, contacts: &Contacts) -> f64 {
     /// Meetings for which cells are as fine as can be.
     const AMPLE: f64 = 4000.0;
@@ -172,7 +197,31 @@ fn coarseness(world: &World, contacts: &Contacts) -> f64 {
         geometry.sphere(face).is_some() || geometry.primitive_area(face) > (LARGE * (max - min).length()).powi(2)
     };
     let meetings = contacts.iter().filter(|(face, _)| is_large(*face)).map(|(_, others)| others.len());
-    (meetings.sum::<usize>() as f64 / AMPLE).max(1.0)
+    let by_meetings = (meetings.sum::<usize>() as f64 / AMPLE).max(1.0);
+    // Of each face: how many refractors it is divided for, and how many cells lie side by side along it when they are as fine as can be.
+    let faces: Vec<(f64, f64)> = (contacts.iter().collect::<Vec<_>>().par_iter())
+        .filter_map(|(face, others)| {
+            let finest = cells::finest(world, *face, others)?;
+            Some((cells::touching(world, others).len() as f64, geometry.primitive_area(*face).sqrt() / finest))
+        })
+        .collect();
+    let mut coarseness = by_meetings;
+    while predicted_entries(&faces, coarseness) > MOST_ENTRIES && faces.iter().any(|(_, side)| *side > coarseness) {
+        coarseness *= 2.0;
+    }
+    coarseness
+}
+
+/// Cells and the refractors that they name, all together, at the most: some hundreds of megabytes.
+const MOST_ENTRIES: f64 = 4e6;
+
+/// About how many entries there will be: cells lie along the curves where others meet a face, until they fill it.
+fn predicted_entries(faces: &[(f64, f64)], coarseness: f64) -> f64 {
+    let of_face = |&(refractors, side): &(f64, f64)| {
+        let side = (side / coarseness).max(1.0);
+        (4.0 + refractors) * (2.0 * refractors * side).min(2.0 * side * side).max(1.0)
+    };
+    faces.iter().map(of_face).sum()
 }
 
 /// What has been found out about objects that the edit cannot have affected: those that are far from everything that has changed, before and after.
@@ -186,13 +235,14 @@ fn unaffected(world: &World, earlier: Earlier<'_>) -> HashMap<ObjectId, Arc<Subj
     if !is_comparable || world.has_sheets || earlier.world.has_sheets {
         return HashMap::new();
     }
-    let margin = DVec3::splat(contact::margin(now).max(contact::margin(before)));
-    let boxes: Vec<(DVec3, DVec3)> = (earlier.changed.iter())
-        .flat_map(|changed| [now.bounds_of(changed.0), before.bounds_of(changed.0)])
-        .map(|(min, max)| (min - margin, max + margin))
-        .collect();
+    let grown = |geometry: &Geometry, object: ObjectId| {
+        let ((min, max), margin) = (geometry.bounds_of(object.0), tolerance::largest(geometry, object.0));
+        (min - margin, max + margin)
+    };
+    let boxes: Vec<(DVec3, DVec3)> =
+        earlier.changed.iter().flat_map(|&changed| [grown(now, changed), grown(before, changed)]).collect();
     let is_far = |subject: ObjectId| {
-        let (min, max) = now.bounds_of(subject.0);
+        let (min, max) = grown(now, subject);
         !boxes.iter().any(|(other_min, other_max)| min.cmple(*other_max).all() && other_min.cmple(max).all())
     };
     (earlier.layout.subjects.iter())
@@ -284,16 +334,24 @@ impl Layout {
 }
 
 /// The site of an object that need not be split.
-fn whole_object(world: &World, subject: ObjectId, contacts: &Contacts) -> Option<SubjectLayout> {
+fn whole_object(world: &World, subject: ObjectId, contacts: &Contacts, copies: &Copies) -> Option<SubjectLayout> {
     let range = primitives_of(&world.geometry, subject);
     if contacts.of_range(range).next().is_some() || world.object(subject).has_several_components() {
         return None;
     }
-    let fixed = Surroundings::new(subject);
-    let site = Site { subject, faces: Faces::Whole, fixed, settled: Vec::new() };
+    let mut fixed = Surroundings::new(subject);
+    copies.complete(&mut fixed);
+    let site = Site { subject, faces: Faces::Whole, fixed, settled: copies.of(subject).to_vec() };
     let votes = pretrace::vote(world, &site, SiteVotes::default());
     let is_one = !depends_on_place(world, subject, &votes);
     is_one.then(|| SubjectLayout { sites: vec![(site, votes)], divided: Vec::new(), crossed_by: Vec::new() })
+}
+
+/// The layout of an object that an earlier one stands for all over.
+fn stood_for(subject: ObjectId) -> SubjectLayout {
+    let fixed = Surroundings { is_masked: true, ..Surroundings::new(subject) };
+    let site = Site { subject, faces: Faces::Whole, fixed, settled: Vec::new() };
+    SubjectLayout { sites: vec![(site, SiteVotes::default())], divided: Vec::new(), crossed_by: Vec::new() }
 }
 
 /// Whether the votes about an open refractor differ, which its edge may be the reason of.
@@ -338,21 +396,28 @@ struct Splitter<'a> {
     world: &'a World,
     subject: ObjectId,
     contacts: &'a Contacts,
+    copies: &'a Copies,
     /// As in [`cells::divide`].
     coarseness: f64,
+    progress: &'a Progress,
 }
 
 impl Splitter<'_> {
     /// Splits an object into sites and divided faces.
-    fn split(&self) -> SubjectLayout {
+    fn split(&self) -> Result<SubjectLayout, Cancelled> {
         let range = primitives_of(&self.world.geometry, self.subject);
         let mut fates = vec![Fate::Untouched; range.len()];
         let touched: Vec<(PrimitiveId, &[contact::Contact])> = self.contacts.of_range(range.clone()).collect();
         let neighbours = self.neighbours(&range);
         let containers = self.containers(&range, &neighbours, &touched);
         let divisions: Vec<Fate> = (touched.par_iter().zip(&containers))
-            .map(|((face, contacts), containers)| self.divide(*face, contacts, containers))
-            .collect();
+            .map(|((face, contacts), containers)| {
+                self.progress.go_on()?;
+                let fate = self.divide(*face, contacts, containers);
+                self.progress.advance(1);
+                Ok(fate)
+            })
+            .collect::<Result<_, Cancelled>>()?;
         for ((face, _), fate) in touched.iter().zip(divisions) {
             fates[(face - range.start) as usize] = fate;
         }
@@ -364,7 +429,7 @@ impl Splitter<'_> {
             .filter(|(subject, _)| *subject == self.subject)
             .map(|(_, other)| *other)
             .collect();
-        SubjectLayout { sites, divided, crossed_by }
+        Ok(SubjectLayout { sites, divided, crossed_by })
     }
 
     /// For each face of the object the faces across its edges, by offset in its range.
@@ -384,8 +449,7 @@ impl Splitter<'_> {
         neighbours: &[[u32; 3]],
         touched: &[(PrimitiveId, &[contact::Contact])],
     ) -> Vec<Vec<ObjectId>> {
-        let touching: Vec<Vec<ObjectId>> =
-            touched.par_iter().map(|(_, contacts)| cells::touching(self.world, contacts)).collect();
+        let touching: Vec<Vec<ObjectId>> = touched.par_iter().map(|(_, contacts)| self.touching(contacts)).collect();
         let mut sets = Sets::new(touched.len());
         if !self.world.has_sheets && self.world.holed.is_empty() {
             let number = |face: PrimitiveId| touched.binary_search_by_key(&face, |(face, _)| *face).ok();
@@ -407,11 +471,30 @@ impl Splitter<'_> {
         roots.into_iter().map(|root| asked[root].clone().unwrap_or_default()).collect()
     }
 
+    /// The objects that touch a face, in ascending order.
+    fn touching(&self, contacts: &[contact::Contact]) -> Vec<ObjectId> {
+        let mut objects = cells::touching(self.world, contacts);
+        self.copies.complete_list(&mut objects);
+        objects
+    }
+
     fn divide(&self, face: PrimitiveId, contacts: &[contact::Contact], containers: &[ObjectId]) -> Fate {
-        let division = cells::divide(self.world, face, contacts, containers, self.coarseness);
+        let mut division = cells::divide(self.world, face, contacts, containers, self.coarseness);
+        for node in &mut division {
+            match node {
+                Node::Halves { .. } => {}
+                Node::Known(surroundings) => self.copies.complete(surroundings),
+                Node::Asked(ask) => {
+                    self.copies.complete(&mut ask.base);
+                    ask.members.iter_mut().for_each(|member| member.copies = self.copies.of(member.refractor).into());
+                }
+            }
+        }
         match &division[..] {
             [Node::Known(surroundings)] => {
                 let settled = (contacts.iter())
+                    // Of what stands for all of a face it does not matter whose it is.
+                    .filter(|_| !surroundings.is_masked)
                     .filter(|contact| matches!(contact.relation, contact::Relation::Coincides { .. }))
                     .map(|contact| ObjectId(self.world.geometry.object_of(contact.primitive)))
                     // Those that coincide next to it and do not reach it lie on both sides or on neither.
@@ -419,6 +502,12 @@ impl Splitter<'_> {
                 let mut settled: Vec<ObjectId> = settled.collect();
                 settled.sort_unstable();
                 settled.dedup();
+                if !surroundings.is_masked {
+                    self.copies.complete_list(&mut settled);
+                    settled.extend(self.copies.of(self.subject));
+                    settled.sort_unstable();
+                    settled.dedup();
+                }
                 Fate::Known(surroundings.clone(), settled)
             }
             _ => Fate::Divided(division),
@@ -467,7 +556,7 @@ impl Splitter<'_> {
             } else {
                 let known = votes.surroundings(&site);
                 for &face in faces {
-                    fates[(face - range.start) as usize] = Fate::Known(known.clone(), Vec::new());
+                    fates[(face - range.start) as usize] = Fate::Known(known.clone(), site.settled.clone());
                 }
                 votes_of_root.insert(faces[0] - range.start, votes);
             }
@@ -529,8 +618,10 @@ impl Splitter<'_> {
                         sum
                     })
                     .collect();
-                let fixed = Surroundings::new(self.subject);
-                Site { subject: self.subject, faces: Faces::Some { faces, areas }, fixed, settled: Vec::new() }
+                let mut fixed = Surroundings::new(self.subject);
+                self.copies.complete(&mut fixed);
+                let settled = self.copies.of(self.subject).to_vec();
+                Site { subject: self.subject, faces: Faces::Some { faces, areas }, fixed, settled }
             })
             .collect()
     }
@@ -546,7 +637,8 @@ impl Splitter<'_> {
             }
             None => surroundings.is_masked = true,
         }
-        Fate::Known(surroundings, Vec::new())
+        self.copies.complete(&mut surroundings);
+        Fate::Known(surroundings, self.copies.of(self.subject).to_vec())
     }
 }
 

@@ -12,6 +12,7 @@ mod adjacency;
 pub mod cells;
 pub mod contact;
 pub mod containment;
+pub mod copies;
 pub mod encounters;
 pub mod layout;
 pub mod object;
@@ -21,6 +22,7 @@ mod random;
 pub mod start;
 pub mod surroundings;
 pub mod table;
+pub mod tolerance;
 
 pub use progress::{Cancelled, Progress};
 pub use table::{InterfaceTable, Patch, PatchKind};

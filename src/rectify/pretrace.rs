@@ -1,10 +1,12 @@
 //! The pre-trace: irregular rays outward from area-weighted points of a patch. Each ray says for every refractor, by its *first* hit, whether
 //! the patch lies inside it; votes are counted member by member, and where they disagree more rays are shot.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::contact::is_refractor;
-use super::containment::{Vote, is_at_start, outward_ray, with_poll};
+use super::containment::{Poll, Vote, is_at_start, outward_ray, with_poll};
 use super::layout::{Layout, Site};
 use super::random::Random;
 use super::surroundings::{State, Surroundings};
@@ -16,13 +18,19 @@ use crate::scene::world::ObjectId;
 const RAYS: u32 = 16;
 /// Rays at the most, where those disagree.
 const MOST_RAYS: u32 = 256;
+/// Rays for each site at the least.
+const FEWEST_RAYS: u32 = 3;
+/// Hits of all rays of a site beyond which no more rays are shot than the fewest: where each meets thousands of surfaces, a few are as many questions.
+const MOST_HITS: usize = 1 << 15;
+/// The same where rays disagree.
+const MOST_HITS_TO_AGREE: usize = 1 << 18;
 
 /// The votes about one site, over all pre-traces of its geometry.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SiteVotes {
     pub rays: u32,
-    /// About every refractor that some ray found to contain the site, in ascending order.
-    pub list: Vec<Vote>,
+    /// About every refractor that some ray found to contain the site, in ascending order. Shared: of deep nests it is long.
+    pub list: Arc<Vec<Vote>>,
 }
 
 impl SiteVotes {
@@ -34,7 +42,7 @@ impl SiteVotes {
     /// The same with the answer about one refractor reversed.
     pub fn surroundings_but_for(&self, site: &Site, reversed: Option<ObjectId>) -> Surroundings {
         let mut surroundings = site.fixed.clone();
-        for vote in &self.list {
+        for vote in &*self.list {
             if !site.settled.contains(&vote.refractor) && vote.is_inside() != (reversed == Some(vote.refractor)) {
                 surroundings.add(vote.refractor, State::In);
             }
@@ -45,24 +53,24 @@ impl SiteVotes {
     /// Adds the votes of another round, in ascending order of refractors.
     fn add(&mut self, round: &[Vote], rays: u32) {
         if self.list.is_empty() && self.rays == 0 {
-            self.list = round.to_vec();
+            self.list = Arc::new(round.to_vec());
             self.rays = rays;
             return;
         }
+        let list = Arc::make_mut(&mut self.list);
         for vote in round {
-            match self.list.binary_search_by_key(&vote.refractor, |v| v.refractor) {
+            match list.binary_search_by_key(&vote.refractor, |v| v.refractor) {
                 Ok(at) => {
-                    self.list[at].inside += vote.inside;
-                    self.list[at].asked += vote.asked;
+                    list[at].inside += vote.inside;
+                    list[at].asked += vote.asked;
                 }
                 // Closed refractors were asked before too, and none of those rays was inside.
-                Err(at) => self
-                    .list
+                Err(at) => list
                     .insert(at, Vote { asked: vote.asked + if vote.asked == rays { self.rays } else { 0 }, ..*vote }),
             }
         }
         // A member that no ray of this round found has as many votes against it.
-        for known in &mut self.list {
+        for known in list {
             let is_found = round.binary_search_by_key(&known.refractor, |vote| vote.refractor).is_ok();
             if !is_found && known.asked == self.rays {
                 known.asked += rays;
@@ -94,7 +102,12 @@ pub fn vote(world: &World, site: &Site, mut votes: SiteVotes) -> SiteVotes {
     let mut holed: Vec<Vote> = world.holed.iter().map(|&refractor| Vote { refractor, inside: 0, asked: 0 }).collect();
     let mut rays = 0;
     let mut round = with_poll(world, |poll| {
-        while rays < RAYS || (rays < MOST_RAYS && !poll.is_unanimous(world)) {
+        let is_enough = |rays: u32, poll: &Poll| {
+            rays >= FEWEST_RAYS
+                && (rays >= RAYS || poll.hits() >= MOST_HITS)
+                && (rays >= MOST_RAYS || poll.hits() >= MOST_HITS_TO_AGREE || poll.is_unanimous(world))
+        };
+        while !is_enough(rays, poll) {
             let u = [random.next(), random.next(), random.next()];
             let Some(point) = site.sample(&world.geometry, u) else { break };
             let ray = outward_ray(&point, &mut random);

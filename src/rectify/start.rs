@@ -41,9 +41,7 @@ impl StartRegion {
             let object = ObjectId(geometry.object_of(primitive));
             matches!(world.object(object).surface, Surface::Refractor { .. })
         };
-        // Of large surfaces that reach far the box is asked with far more room than any of them needs.
-        let scale = geometry.bounding_sphere().map_or(0.0, |s| s.radius + s.center.abs().max_element());
-        let reach = DVec3::splat(radius + 8.0 * ON_SURFACE * f64::from(f32::EPSILON) * scale);
+        let reach = DVec3::splat(radius + room_around(world, center, radius));
         let mut near = Vec::new();
         geometry.for_each_near_box(center - reach, center + reach, None, |primitive| {
             let distance = geometry.distance(primitive, center);
@@ -94,6 +92,21 @@ impl StartRegion {
 fn tolerance(world: &World, primitive: PrimitiveId, point: DVec3) -> f64 {
     let of_point = 16.0 * f64::EPSILON * point.abs().max_element();
     ON_SURFACE * (world.geometry.rounding(primitive) + of_point)
+}
+
+/// How far beyond `radius` around `center` the surfaces are to be looked for that rays may start on: as far as the [`tolerance`] of any
+/// refractor's surface that may lie there, which is larger the farther it reaches.
+fn room_around(world: &World, center: DVec3, radius: f64) -> f64 {
+    let geometry = &world.geometry;
+    let room = |object: u32| {
+        let (min, max) = geometry.bounds_of(object);
+        let rounded = geometry.reach_of(object) + center.abs().max_element() + geometry.origin.abs().max_element();
+        let room = 8.0 * ON_SURFACE * (f64::from(f32::EPSILON) * geometry.reach_of(object) + f64::EPSILON * rounded);
+        let reach = radius + room;
+        let is_near = (min - reach).cmple(center).all() && center.cmple(max + reach).all();
+        if is_near { room } else { 0.0 }
+    };
+    world.refractors().map(|(id, _)| room(id.0)).fold(0.0, f64::max)
 }
 
 /// How `ray` (local coordinates) starts.

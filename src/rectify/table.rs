@@ -9,6 +9,7 @@ use super::encounters::{self, Encounter};
 use super::layout::{BY_FACE, DIVIDED, Earlier, Faces, Layout, Place, Site, lay_out};
 use super::object::ObjectTable;
 use super::pretrace::{self, SiteVotes};
+use super::progress::{Cancelled, Progress};
 use super::surroundings::Answer;
 use crate::geometry::{Geometry, Mask, PrimitiveId, SurfacePoint};
 use crate::rectify::contact::{is_refractor, primitives_of};
@@ -17,6 +18,9 @@ use crate::scene::world::{MediumId, ObjectId};
 
 /// Instead of a block of answers: there would be too many, and each is worked out when it is wanted.
 const NOT_LISTED: u32 = u32::MAX;
+
+/// Why work that nobody else can see the progress of has a result.
+const NOT_CANCELLED: &str = "nobody can cancel it";
 
 /// What kind of interface a patch is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
@@ -72,7 +76,7 @@ pub struct Patch {
     /// Least share of the votes, in [0.5, 1], among those members whose containment could change the answer.
     pub confidence: f64,
     /// Votes about every refractor that some ray found to contain the patch.
-    pub votes: Vec<Vote>,
+    pub votes: Arc<Vec<Vote>>,
 }
 
 /// Time spent on each part, in seconds.
@@ -121,24 +125,47 @@ pub struct InterfaceTable {
 impl InterfaceTable {
     /// Rectifies `world` from nothing.
     pub fn new(world: &World) -> Self {
-        Self::lay_out(world, None)
+        Self::lay_out(world, None, &Progress::new()).expect(NOT_CANCELLED)
+    }
+
+    /// [`Self::new`], watched.
+    ///
+    /// # Errors
+    /// When `progress` is cancelled.
+    pub fn new_watched(world: &World, progress: &Progress) -> Result<Self, Cancelled> {
+        Self::lay_out(world, None, progress)
     }
 
     /// Rectifies `world`, of which `before` and this table are an earlier state: what the edit cannot have changed is taken over. Where the
     /// geometry is the same, media and priorities are resolved anew and nothing else; otherwise `changed` are the objects whose shape
     /// or place is another, and those far from them keep what was found.
     pub fn updated(&self, world: &World, before: &World, changed: &[ObjectId]) -> Self {
-        if Arc::ptr_eq(&world.geometry, &before.geometry) {
-            let (layout, votes) = (Arc::clone(&self.layout), Arc::clone(&self.votes));
-            return Self::resolve(world, layout, votes, Arc::clone(&self.per_object), RectifySeconds::default());
-        }
-        Self::lay_out(world, Some(Earlier { world: before, layout: &self.layout, changed }))
+        self.updated_watched(world, before, changed, &Progress::new()).expect(NOT_CANCELLED)
     }
 
-    fn lay_out(world: &World, earlier: Option<Earlier<'_>>) -> Self {
-        let (layout, votes, mut seconds) = lay_out(world, earlier);
+    /// [`Self::updated`], watched.
+    ///
+    /// # Errors
+    /// When `progress` is cancelled.
+    pub fn updated_watched(
+        &self,
+        world: &World,
+        before: &World,
+        changed: &[ObjectId],
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        if Arc::ptr_eq(&world.geometry, &before.geometry) {
+            let (layout, votes) = (Arc::clone(&self.layout), Arc::clone(&self.votes));
+            let seconds = RectifySeconds::default();
+            return Ok(Self::resolve(world, layout, votes, Arc::clone(&self.per_object), seconds));
+        }
+        Self::lay_out(world, Some(Earlier { world: before, layout: &self.layout, changed }), progress)
+    }
+
+    fn lay_out(world: &World, earlier: Option<Earlier<'_>>, progress: &Progress) -> Result<Self, Cancelled> {
+        let (layout, votes, mut seconds) = lay_out(world, earlier, progress)?;
         seconds.topology = world.topology_secs;
-        Self::resolve(world, Arc::new(layout), Arc::new(votes), Arc::default(), seconds)
+        Ok(Self::resolve(world, Arc::new(layout), Arc::new(votes), Arc::default(), seconds))
     }
 
     /// The same with another pre-trace, of fresh directions, whose votes are added.
@@ -319,6 +346,24 @@ impl InterfaceTable {
         encounters::encounters(world, &self.layout, &self.votes)
     }
 
+    /// The objects some of whose faces are crowded, with the numbers of those faces: see [`cells::Ask::is_crowded`].
+    pub fn crowded(&self) -> Vec<(ObjectId, u32)> {
+        let layout = &*self.layout;
+        let mut found: Vec<(ObjectId, u32)> = Vec::new();
+        for divided in &layout.divided {
+            if let Node::Asked(ask) = layout.nodes[divided.root as usize]
+                && layout.asks[ask as usize].is_crowded
+            {
+                let subject = layout.groups[divided.group as usize].subject;
+                match found.last_mut() {
+                    Some((last, faces)) if *last == subject => *faces += 1,
+                    _ => found.push((subject, 1)),
+                }
+            }
+        }
+        found
+    }
+
     /// Rays shot so far.
     pub fn rays(&self) -> u64 {
         self.votes.iter().map(|votes| u64::from(votes.rays)).sum()
@@ -355,7 +400,7 @@ impl InterfaceTable {
                     crossed_by: group.members.clone(),
                     rays: 0,
                     confidence: 1.0,
-                    votes: Vec::new(),
+                    votes: Arc::default(),
                 }
             } else {
                 patch_of_site(world, &layout.sites[number], &votes[number], index)
@@ -395,6 +440,6 @@ fn patch_of_site(world: &World, site: &Site, votes: &SiteVotes, index: u32) -> P
         crossed_by: Vec::new(),
         rays: votes.rays,
         confidence,
-        votes: votes.list.clone(),
+        votes: Arc::clone(&votes.list),
     }
 }

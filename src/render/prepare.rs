@@ -63,8 +63,10 @@ pub fn prepare_watched(
     let start = Instant::now();
     let changed = previous.and_then(|previous| changed_objects(&previous.description, &description));
     let table = match (previous, changed) {
-        (Some(previous), Some(changed)) => previous.table.updated(&world, &previous.world, &changed),
-        _ => InterfaceTable::new(&world),
+        (Some(previous), Some(changed)) => {
+            previous.table.updated_watched(&world, &previous.world, &changed, progress)?
+        }
+        _ => InterfaceTable::new_watched(&world, progress)?,
     };
     let seconds = PrepareSeconds { bvh, rectify: start.elapsed().as_secs_f64() };
     Ok(Prepared { description, world: Arc::new(world), table: Arc::new(table), seconds })

@@ -15,7 +15,7 @@ use super::needs::SceneNeeds;
 use super::shapes;
 use super::world::{Interfaces, MediumId, Object, ObjectId, Paint, Surface, World, WorldMedium};
 use crate::geometry::topology::MAX_FACES;
-use crate::geometry::{Enclosure, Geometry, Mesh, ObjectRange, Part, Topology, WindingTree};
+use crate::geometry::{Enclosure, Frame, Geometry, Mesh, ObjectRange, Part, Topology, WindingTree};
 use crate::optics::dispersion::{IOR_RANGE, WAVELENGTH_D_UM};
 use crate::optics::{IorModel, medium};
 
@@ -37,7 +37,9 @@ pub fn compile(description: &Description, previous: Option<(&Description, &World
             let unanalysed = (parts.iter().enumerate())
                 .map(|(index, part)| analyses.get(index).is_none_or(Option::is_none).then(|| unanalysed(part)))
                 .collect();
-            let geometry = Arc::new(Geometry::build(parts));
+            // Digits are wanted where media are told apart.
+            let frame = Frame::about(&parts[..description.refractors.len()]).or_else(|| Frame::about(&parts));
+            let geometry = Arc::new(Geometry::build_in(frame.unwrap_or_default(), parts));
             (Arc::clone(&geometry), bodies(description, unanalysed, &geometry, analyses), topology_secs)
         }
     };
@@ -236,7 +238,8 @@ fn part(shape: &Shape, repaired: Option<&Mesh>, transform: &Transform, smooth: b
         mesh.ensure_normals();
     }
     transform_mesh(&mut mesh, &matrix);
-    let is_within_reach = |p: &DVec3| p.is_finite() && p.abs().max_element() <= f64::from(f32::MAX);
+    // The difference of two such coordinates is a finite f32 too.
+    let is_within_reach = |p: &DVec3| p.is_finite() && p.abs().max_element() <= 0.5 * f64::from(f32::MAX);
     if !mesh.positions.par_iter().all(is_within_reach) {
         return Err(SceneError::new("a vertex is not a finite number, or too large, after the transform"));
     }

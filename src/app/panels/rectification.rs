@@ -113,7 +113,7 @@ fn patch_ui(ui: &mut Ui, state: &State, world: &World, patch: &Patch, commands: 
         ui.strong(format!("{name}, patch {}: {}", patch.index, patch.kind.name()));
         ui.label(about_kind(patch.kind));
         ui.label(format!("{} rays, {} faces", thousands(u64::from(patch.rays)), thousands(u64::from(patch.faces))));
-        for vote in &patch.votes {
+        for vote in &*patch.votes {
             ui.label(format!("{} of {} votes: inside {}", vote.inside, vote.asked, world.object(vote.refractor).name));
         }
     });

@@ -1,0 +1,149 @@
+//! Refractors that have the same surface at the same place. Of those that are equal to the last bit, the first stands for all wherever contacts are
+//! looked for: as many of them as there may be, they touch everything in the same way.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::contact::{Cover, Face, Relation, primitives_of};
+use super::surroundings::{State, Surroundings};
+use super::tolerance::{Tolerance, largest};
+use crate::geometry::{Enclosure, Geometry, PrimitiveId};
+use crate::scene::World;
+use crate::scene::world::ObjectId;
+
+/// The closed refractors that are copies of another one, bit by bit.
+#[derive(Debug, Clone, Default)]
+pub struct Copies {
+    /// The copies of each refractor that is the first of several, in ascending order.
+    of_first: HashMap<ObjectId, Vec<ObjectId>>,
+    first_of_copy: HashMap<ObjectId, ObjectId>,
+}
+
+impl Copies {
+    pub fn find(world: &World) -> Self {
+        let geometry = &*world.geometry;
+        let mut alike: HashMap<[u64; 7], Vec<ObjectId>> = HashMap::new();
+        for (refractor, _) in world.refractors() {
+            let faces = geometry.face_count(refractor.0);
+            if faces > 0 && world.object(refractor).enclosure == Enclosure::Closed {
+                let (min, max) = geometry.bounds_of(refractor.0);
+                let [a, b, c] = (min + 0.0).to_array().map(f64::to_bits);
+                let [d, e, f] = (max + 0.0).to_array().map(f64::to_bits);
+                alike.entry([u64::from(faces), a, b, c, d, e, f]).or_default().push(refractor);
+            }
+        }
+        let groups: Vec<Vec<ObjectId>> = alike.into_values().filter(|group| group.len() > 1).collect();
+        // Those in one box may be several sets of copies.
+        let sets: Vec<Vec<ObjectId>> = (groups.into_par_iter())
+            .flat_map_iter(|group| {
+                let mut sets: Vec<Vec<ObjectId>> = Vec::new();
+                for refractor in group {
+                    match sets.iter_mut().find(|set| is_bit_equal(geometry, set[0], refractor)) {
+                        Some(set) => set.push(refractor),
+                        None => sets.push(vec![refractor]),
+                    }
+                }
+                sets.into_iter().filter(|set| set.len() > 1)
+            })
+            .collect();
+        let mut copies = Self::default();
+        for mut set in sets {
+            set.sort_unstable();
+            let first = set.remove(0);
+            copies.first_of_copy.extend(set.iter().map(|copy| (*copy, first)));
+            copies.of_first.insert(first, set);
+        }
+        copies
+    }
+
+    /// Whether an earlier refractor stands for this object.
+    pub fn is_copy(&self, object: ObjectId) -> bool {
+        self.first_of_copy.contains_key(&object)
+    }
+
+    /// The refractors that `first` stands for, besides itself.
+    pub fn of(&self, first: ObjectId) -> &[ObjectId] {
+        self.of_first.get(&first).map_or(&[], Vec::as_slice)
+    }
+
+    /// Adds the copies of everything that is known about a piece of surface. The subject's own are on its inner side.
+    pub fn complete(&self, surroundings: &mut Surroundings) {
+        if self.of_first.is_empty() || surroundings.is_masked {
+            return;
+        }
+        for &copy in self.of(surroundings.subject) {
+            surroundings.add(copy, State::InnerOnly);
+        }
+        let sides = [(surroundings.outer.clone(), State::OuterOnly), (surroundings.inner.clone(), State::InnerOnly)];
+        for (side, state) in sides {
+            for &copy in side.iter().flat_map(|first| self.of(*first)) {
+                surroundings.add(copy, state);
+            }
+        }
+    }
+
+    /// Adds the copies of all `objects`, which are and stay in ascending order.
+    pub fn complete_list(&self, objects: &mut Vec<ObjectId>) {
+        let copies: Vec<ObjectId> = objects.iter().flat_map(|first| self.of(*first)).copied().collect();
+        if !copies.is_empty() {
+            objects.extend(copies);
+            objects.sort_unstable();
+            objects.dedup();
+        }
+    }
+}
+
+/// Whether two objects have equal primitives in the same order.
+fn is_bit_equal(geometry: &Geometry, a: ObjectId, b: ObjectId) -> bool {
+    let (a, b) = (primitives_of(geometry, a), primitives_of(geometry, b));
+    a.len() == b.len()
+        && a.zip(b).all(|(a, b)| match (geometry.sphere(a), geometry.sphere(b)) {
+            (None, None) => geometry.corners(a) == geometry.corners(b),
+            (a, b) => a == b,
+        })
+}
+
+/// Whether two refractors have the same surface, looking the same way, however it is divided into faces.
+pub fn have_same_surface(world: &World, a: ObjectId, b: ObjectId) -> bool {
+    /// Areas that differ by less than this, relatively, count as equal.
+    const SAME_AREA: f64 = 1e-6;
+    let geometry = &*world.geometry;
+    if is_bit_equal(geometry, a, b) {
+        return true;
+    }
+    let (area_a, area_b) = (geometry.area(a.0), geometry.area(b.0));
+    if (area_a - area_b).abs() > SAME_AREA * area_a.max(area_b) {
+        return false;
+    }
+    // Where all of one lies on the other and is as large, it is the other.
+    primitives_of(geometry, a).into_par_iter().all(|face| lies_on(world, face, b))
+}
+
+/// Whether a face lies on the surface of `other` and looks the same way: asked at its middle and close to its corners.
+fn lies_on(world: &World, face: PrimitiveId, other: ObjectId) -> bool {
+    const CLOSE: f64 = 1.0 / 64.0;
+    let geometry = &*world.geometry;
+    let own = geometry.object_of(face);
+    let tolerance = Tolerance::between(geometry, own, other.0);
+    let this = Face::of(geometry, face);
+    let on = |primitive: PrimitiveId| {
+        let that = Face::of(geometry, primitive);
+        (this.relation(&that, tolerance) == Some(Relation::Coincides { same: true })).then_some(that)
+    };
+    if geometry.sphere(face).is_some() {
+        return geometry.sphere_of(other.0).is_some() && on(primitives_of(geometry, other).start).is_some();
+    }
+    let corners = geometry.corners(face);
+    let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    let margin = DVec3::splat(largest(geometry, own));
+    corners.map(|corner| corner.lerp(middle, CLOSE)).into_iter().chain([middle]).all(|point| {
+        let mut is_covered = false;
+        geometry.for_each_near_box(point - margin, point + margin, Some(own), |primitive| {
+            is_covered |= geometry.object_of(primitive) == other.0
+                && on(primitive).is_some_and(|that| that.cover(&[point], tolerance) == Cover::All);
+        });
+        is_covered
+    })
+}
