@@ -3,6 +3,7 @@
 //! Every error names file, line and column where it has them. Nothing that a file asks for is ignored: an unknown key is an error
 //! that lists the valid ones, a feature that is not built yet is refused as such.
 
+mod bytes;
 mod corners;
 mod encoding;
 mod environment;
@@ -24,6 +25,7 @@ use std::sync::Arc;
 
 use toml_edit::Document;
 
+pub use self::bytes::{image_from_bytes, mesh_from_bytes};
 use self::encoding::Utf16;
 use self::files::Files;
 pub(super) use self::files::normal;

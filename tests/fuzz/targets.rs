@@ -1,0 +1,79 @@
+//! What the fuzz targets call: each takes any bytes, answers whether they were accepted, and panics where an answer is wrong. Shared by
+//! `cargo fuzz` (`fuzz_targets/`) and by the test that runs everywhere (`tests/fuzzing.rs`).
+#![allow(dead_code, reason = "each target uses one of these")]
+
+use std::io::Write;
+use std::path::Path;
+
+use iorect::export::{read_sums, write_sums};
+use iorect::scene::load::{image_from_bytes, mesh_from_bytes, parse};
+use iorect::scene::save::to_text;
+
+/// A scene file. Files that it names are looked for among those compiled into the program, never on the disk.
+pub fn scene(bytes: &[u8]) -> bool {
+    let Ok(text) = std::str::from_utf8(bytes) else { return false };
+    let path = Path::new("assets/scenes/fuzz.toml");
+    let Ok(scene) = parse(text, path, true) else { return false };
+    let saved = to_text(&scene);
+    let again =
+        parse(&saved, path, true).unwrap_or_else(|error| panic!("what was saved cannot be read: {error}\n{saved}"));
+    assert_eq!(again.fingerprint(), scene.fingerprint(), "what was saved is another scene:\n{saved}");
+    true
+}
+
+pub fn obj(bytes: &[u8]) -> bool {
+    mesh(bytes, "fuzz.obj")
+}
+
+pub fn ply(bytes: &[u8]) -> bool {
+    mesh(bytes, "fuzz.ply")
+}
+
+fn mesh(bytes: &[u8], name: &str) -> bool {
+    let Ok(mesh) = mesh_from_bytes(bytes, Path::new(name)) else { return false };
+    assert!(!mesh.triangles.is_empty(), "a mesh without faces");
+    assert!(
+        mesh.triangles.iter().flatten().all(|corner| (*corner as usize) < mesh.positions.len()),
+        "a corner out of range"
+    );
+    assert!(mesh.normals.is_empty() || mesh.normals.len() == mesh.positions.len(), "normals without positions");
+    let corners = mesh.triangles.iter().flatten().map(|corner| mesh.positions[*corner as usize]);
+    assert!(corners.into_iter().all(glam::DVec3::is_finite), "a corner that is not finite");
+    true
+}
+
+pub fn hdr(bytes: &[u8]) -> bool {
+    image(bytes, "fuzz.hdr")
+}
+
+pub fn exr(bytes: &[u8]) -> bool {
+    image(bytes, "fuzz.exr")
+}
+
+pub fn png(bytes: &[u8]) -> bool {
+    image(bytes, "fuzz.png")
+}
+
+pub fn jpeg(bytes: &[u8]) -> bool {
+    image(bytes, "fuzz.jpg")
+}
+
+fn image(bytes: &[u8], name: &str) -> bool {
+    let Ok(image) = image_from_bytes(bytes, Path::new(name)) else { return false };
+    assert_eq!(image.pixels.len(), image.width * image.height, "{}×{}", image.width, image.height);
+    assert!(image.pixels.iter().flatten().all(|x| x.is_finite() && *x >= 0.0), "a pixel that is no radiance");
+    true
+}
+
+/// A part of an image. It is read from a file, as `iorect merge` reads it.
+pub fn sums(bytes: &[u8]) -> bool {
+    let mut file = tempfile::NamedTempFile::new().expect("a temporary file");
+    file.write_all(bytes).expect("room for a small file");
+    let Ok(part) = read_sums(file.path()) else { return false };
+    let again = file.path().with_extension("again.exr");
+    write_sums(&again, &part).expect("what was read can be written");
+    let same = read_sums(&again).expect("what was written can be read") == part;
+    std::fs::remove_file(&again).expect("it was just written");
+    assert!(same, "what was written is another part");
+    true
+}
