@@ -7,6 +7,7 @@ use super::sampler::Sampler;
 use crate::geometry::{Ray, SurfacePoint};
 use crate::render::Events;
 use crate::scatter::diffuse;
+use crate::scatter::normals::Normals;
 use crate::scene::environment::DirectionSample;
 use crate::scene::world::{MediumId, ObjectId, Surface};
 use crate::tracking::Tracker;
@@ -14,8 +15,8 @@ use crate::tracking::Tracker;
 /// A diffuse point that light is looked for at.
 pub(super) struct Receiver<'a, S> {
     pub point: &'a SurfacePoint,
-    /// Unit, on the side that the path came from.
-    pub normal: DVec3,
+    /// On the side that the path came from.
+    pub normals: Normals,
     /// What the path is in, and its tracker's state.
     pub medium: MediumId,
     pub state: &'a S,
@@ -59,11 +60,9 @@ impl<T: Tracker> PathTracer<'_, T> {
         receiver: &Receiver<'_, T::State>,
         shadow: &mut T::State,
     ) -> DVec3 {
-        let Receiver { point, normal, .. } = *receiver;
-        let cos = sample.direction.dot(normal);
-        // The geometric side decides what can be reached; an interpolated normal must not let light through the surface.
-        let is_above = (sample.direction.dot(point.normal) > 0.0) == (normal.dot(point.normal) > 0.0);
-        if cos <= 0.0 || !is_above {
+        let Receiver { point, normals, .. } = receiver;
+        let scattered = diffuse::pdf(normals, sample.direction);
+        if scattered <= 0.0 {
             return DVec3::ZERO;
         }
         let ray = Ray::leaving(point.position, sample.direction, point.primitive);
@@ -72,8 +71,8 @@ impl<T: Tracker> PathTracer<'_, T> {
             Some(Surface::Light { radiance }) => *radiance,
             _ => self.world.environment.radiance(sample.direction),
         };
-        let weight = power_heuristic(sample.pdf, diffuse::pdf(cos));
-        radiance * transmittance * (diffuse::pdf(cos) * weight / sample.pdf)
+        let weight = power_heuristic(sample.pdf, scattered);
+        radiance * transmittance * (scattered * weight / sample.pdf)
     }
 
     /// Transmittance from the ray's start to the light `target` (`None`: the environment), through surfaces that do not bend light

@@ -16,8 +16,8 @@ use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::rectify::start::Start;
 use crate::render::Events;
 use crate::scatter::dielectric::{self, Choice, Scattered};
-use crate::scatter::diffuse;
-
+use crate::scatter::normals::Normals;
+use crate::scatter::{diffuse, mirror};
 use crate::scene::SceneNeeds;
 use crate::scene::world::{MediumId, ObjectId, Paint, Surface, World};
 use crate::tracking::Tracker;
@@ -284,7 +284,8 @@ impl<T: Tracker> PathTracer<'_, T> {
         if path.segment >= self.max_depth {
             return None;
         }
-        let dimensions = dimension::FIRST_SEGMENT + (path.segment - 1) * dimension::PER_SEGMENT;
+        let segment = path.segment;
+        let dimensions = dimension::FIRST_SEGMENT + (segment - 1) * dimension::PER_SEGMENT;
         path.segment += 1;
         if !path.survives(dimensions) {
             return None;
@@ -292,10 +293,8 @@ impl<T: Tracker> PathTracer<'_, T> {
 
         if let Some((crossing, sides, interface, smooth)) = met {
             let point = crossing.point;
-            let outward = if hit.is_front { 1.0 } else { -1.0 };
-            let shading = self.outward_normal(hit, &point, smooth) * outward;
-            let normal = point.normal * outward;
-            let scatter = |choice| dielectric::scatter(&interface, ray.direction, normal, shading, choice);
+            let normals = self.normals(hit, &point, smooth);
+            let scatter = |choice| dielectric::scatter(&interface, ray.direction, &normals, segment, choice);
             let scattered = match self.split(path, scatter) {
                 Some([through, back]) => {
                     let mut reflected = Path { radiance: DVec3::ZERO, last: None, ..path.clone() };
@@ -318,15 +317,14 @@ impl<T: Tracker> PathTracer<'_, T> {
         let point = world.geometry.surface(ray, hit);
         match *surface {
             Surface::Mirror { ref paint, smooth } => {
-                let normal = self.facing_normal(ray, hit, &point, smooth);
-                let cos = (-ray.direction.dot(normal)).clamp(0.0, 1.0);
+                let normals = self.normals(hit, &point, smooth);
                 path.beta *= albedo(paint, point.position);
                 path.last = None;
-                let direction = crate::optics::fresnel::reflected(ray.direction, normal, cos);
+                let direction = mirror::reflect(ray.direction, &normals);
                 Some(Ray::leaving(point.position, direction, hit.primitive))
             }
             Surface::Diffuse { ref paint, smooth } => {
-                let normal = self.facing_normal(ray, hit, &point, smooth);
+                let normals = self.normals(hit, &point, smooth);
                 path.beta *= albedo(paint, point.position);
                 if path.beta == DVec3::ZERO {
                     return None;
@@ -335,10 +333,11 @@ impl<T: Tracker> PathTracer<'_, T> {
                     path.roulette_below = ROULETTE_SHARE * path.beta.max_element() / path.share;
                     path.has_scattered = true;
                 }
-                let receiver = Receiver { point: &point, normal, medium: path.medium, state: &path.state };
+                let receiver = Receiver { point: &point, normals, medium: path.medium, state: &path.state };
                 let direct = self.direct(&receiver, dimensions, &path.sampler, shadow);
                 path.radiance += path.beta * direct * path.scale;
-                let (direction, pdf) = diffuse::sample(normal, path.sampler.get_2d(dimensions + dimension::DIRECTION));
+                let (direction, pdf) =
+                    diffuse::sample(&normals, path.sampler.get_2d(dimensions + dimension::DIRECTION));
                 path.last = Some(LastScatter { position: point.position, pdf });
                 Some(Ray::leaving(point.position, direction, hit.primitive))
             }
@@ -358,10 +357,8 @@ impl<T: Tracker> PathTracer<'_, T> {
             return None;
         }
         let back = scatter(Choice::Reflect);
-        // What an interpolated normal sends to the wrong side is scattered anew: only shares of one whole may be told apart.
-        let is_whole = !back.is_transmitted && back.reflectance == through.reflectance;
-        path.splits -= u32::from(is_whole);
-        is_whole.then_some([through, back])
+        path.splits -= 1;
+        Some([through, back])
     }
 
     /// The first surface that a ray meets and that may matter to the tracker.
@@ -407,22 +404,16 @@ impl<T: Tracker> PathTracer<'_, T> {
         if length.is_finite() { (absorption * -length).exp() } else { DVec3::ZERO }
     }
 
-    /// The outward normal that scattering uses.
+    /// The normals at a hit that scattering uses, on the side that the ray comes from.
     #[inline]
-    pub(super) fn outward_normal(&self, hit: &Hit, point: &SurfacePoint, smooth: bool) -> DVec3 {
-        if smooth && self.needs.smooth_normals {
-            self.world.geometry.shading_normal(hit, point.normal)
-        } else {
-            point.normal
-        }
-    }
-
-    /// The same, turned to the side that the ray comes from; the geometric normal where the interpolated one would face away.
-    #[inline]
-    pub(super) fn facing_normal(&self, ray: &Ray, hit: &Hit, point: &SurfacePoint, smooth: bool) -> DVec3 {
+    pub(super) fn normals(&self, hit: &Hit, point: &SurfacePoint, smooth: bool) -> Normals {
         let outward = if hit.is_front { 1.0 } else { -1.0 };
-        let normal = self.outward_normal(hit, point, smooth) * outward;
-        if normal.dot(ray.direction) < 0.0 { normal } else { point.normal * outward }
+        let face = point.normal * outward;
+        if smooth && self.needs.smooth_normals {
+            Normals { face, shading: self.world.geometry.shading_normal(hit, point.normal) * outward }
+        } else {
+            Normals::flat(face)
+        }
     }
 }
 

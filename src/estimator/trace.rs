@@ -7,6 +7,7 @@ use crate::geometry::Ray;
 use crate::rectify::start::{Start, start};
 use crate::render::{Events, Prepared};
 use crate::scatter::dielectric::{self, Choice};
+use crate::scatter::mirror;
 use crate::scene::world::{ObjectId, Surface};
 use crate::tracking::naive::Naive;
 use crate::tracking::priority::Priority;
@@ -159,9 +160,7 @@ impl Tracing<'_> {
                     vertex.solid = Some(name.clone());
                     vertex.event = VertexEvent::Reflect;
                     vertex.fresnel = Some(1.0);
-                    let normal = tracer.facing_normal(&ray, &hit, &point, smooth);
-                    let cos = (-ray.direction.dot(normal)).clamp(0.0, 1.0);
-                    let direction = crate::optics::fresnel::reflected(ray.direction, normal, cos);
+                    let direction = mirror::reflect(ray.direction, &tracer.normals(&hit, &point, smooth));
                     Some(Ray::leaving(point.position, direction, hit.primitive))
                 }
                 Surface::Refractor { smooth, .. } => {
@@ -184,8 +183,7 @@ impl Tracing<'_> {
                         vertex.ior_to = Some(to.ior());
                     }
                     if let Some((sides, interface)) = interface.filter(|(_, interface)| !interface.is_matched()) {
-                        let outward = if hit.is_front { 1.0 } else { -1.0 };
-                        let shading = tracer.outward_normal(&hit, &point, smooth) * outward;
+                        let normals = tracer.normals(&hit, &point, smooth);
                         let choice = match self.follow {
                             Follow::Transmit => Choice::Transmit,
                             Follow::Reflect => Choice::Reflect,
@@ -193,8 +191,7 @@ impl Tracing<'_> {
                                 dimension::FIRST_SEGMENT + (segment - 1) * dimension::PER_SEGMENT + dimension::SCATTER,
                             )),
                         };
-                        let scattered =
-                            dielectric::scatter(&interface, ray.direction, point.normal * outward, shading, choice);
+                        let scattered = dielectric::scatter(&interface, ray.direction, &normals, segment, choice);
                         vertex.fresnel = Some(scattered.reflectance);
                         vertex.event = match (scattered.is_transmitted, scattered.is_total) {
                             (true, _) => VertexEvent::Transmit,

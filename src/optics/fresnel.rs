@@ -68,6 +68,15 @@ impl Interface {
         Refraction::Partial { reflectance: 0.5 * rs * rs * (1.0 + rp_over_rs * rp_over_rs), b }
     }
 
+    /// Cosine of the transmitted ray to the normal behind the interface, for one that comes at `c`; `None` where reflection is total.
+    #[inline]
+    pub fn cosine_behind(&self, c: f64) -> Option<f64> {
+        match self.refraction(c) {
+            Refraction::TotalReflection => None,
+            Refraction::Partial { b, .. } => Some(b * self.inverse_eta),
+        }
+    }
+
     /// Transmittance at `c`, given `b` from [`Self::refraction`]. More exact near grazing than one minus the reflectance.
     #[inline]
     pub fn transmittance(&self, c: f64, b: f64) -> f64 {

@@ -2,6 +2,8 @@
 
 pub mod dielectric;
 pub mod diffuse;
+pub mod mirror;
+pub mod normals;
 
 use glam::DVec3;
 
