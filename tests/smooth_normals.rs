@@ -78,7 +78,7 @@ fn rounded_cube() -> Mesh {
 }
 
 fn given(mesh: Mesh) -> Shape {
-    Shape::Mesh { path: "made.obj".into(), mesh: Arc::new(mesh), dropped: 0 }
+    Shape::Mesh { path: "made.obj".into(), mesh: Arc::new(mesh), notes: Vec::new() }
 }
 
 /// Coarse shapes of every kind, with a name; with their own normals and with those that the program works out.
@@ -221,7 +221,7 @@ fn coarse_smooth_solids_are_white_in_a_white_room() {
 #[test]
 fn light_sampling_knows_what_interpolated_normals_do() {
     let pixels = (0..32 * 16).map(|i| if i % 97 == 5 { [20.0; 3] } else { [0.5; 3] }).collect();
-    let image = Arc::new(EnvironmentImage { width: 32, height: 16, pixels, clipped: 0 });
+    let image = Arc::new(EnvironmentImage { width: 32, height: 16, pixels, notes: Vec::new() });
     for shape in [given(round(1.0, 6, 4)), given(rounded_cube())] {
         let mut description = white_solid(shape, false);
         description.environment =
