@@ -127,6 +127,13 @@ fn problem(
             },
         ),
         FindingKind::OpenMesh => open(topology, count, &near, others),
+        FindingKind::NonManifold if topology.enclosure == Enclosure::Union => (
+            Severity::Advice,
+            format!(
+                "{} of the mesh, the first {near}, are shared by more than two faces: parts of it touch there, and count as one volume",
+                of("edge", "edges")
+            ),
+        ),
         FindingKind::NonManifold => (
             Severity::Warning,
             format!(
