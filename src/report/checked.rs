@@ -7,9 +7,10 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use crate::export::{ExportError, write_atomically};
+use crate::export::ExportError;
 use crate::render::Events;
 use crate::scene::Fingerprint;
+use crate::writing::write_atomically;
 
 const CHECKSUM: usize = 32;
 
@@ -35,8 +36,17 @@ impl Writer {
     }
 
     pub fn events(&mut self, events: &Events) {
-        let Events { stack_underflow, stack_overflow, ambiguous, inconsistent, non_finite, crossings, mixed } = *events;
-        [stack_underflow, stack_overflow, ambiguous, inconsistent, non_finite, crossings, mixed]
+        let Events {
+            stack_underflow,
+            stack_overflow,
+            ambiguous,
+            inconsistent,
+            non_finite,
+            radiance_overflow,
+            crossings,
+            mixed,
+        } = *events;
+        [stack_underflow, stack_overflow, ambiguous, inconsistent, non_finite, radiance_overflow, crossings, mixed]
             .into_iter()
             .for_each(|count| self.integer(count));
     }
@@ -47,10 +57,10 @@ impl Writer {
     /// As [`write_atomically`].
     pub fn keep(self, path: &Path) -> Result<(), ExportError> {
         let checksum = checksum(&self.0);
-        write_atomically(path, |file| {
+        Ok(write_atomically(path, |file| {
             file.write_all(&checksum)?;
             file.write_all(&self.0)
-        })
+        })?)
     }
 }
 
@@ -108,6 +118,7 @@ impl Reader {
             ambiguous: self.integer()?,
             inconsistent: self.integer()?,
             non_finite: self.integer()?,
+            radiance_overflow: self.integer()?,
             crossings: self.integer()?,
             mixed: self.integer()?,
         })
