@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// From the bottom up. Siblings in one row must not use each other.
 const LAYERS: &[&[&str]] = &[
-    &["optics", "geometry"],
+    &["optics", "geometry", "writing"],
     &["scatter"],
     &["scene"],
     &["rectify"],
@@ -40,6 +40,7 @@ const CRATES: &[(&[&str], &[&str])] = &[
     (&["ab_glyph", "epaint_default_fonts", "png"], &["export", "app"]),
     (&["sha2"], &["scene::fingerprint"]),
     (&["exr"], &["export"]),
+    (&["signal_hook"], &["writing"]),
     (&["statrs"], &["measure"]),
     (&["maud"], &["report"]),
 ];

@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use super::write_atomically;
+use super::write;
 use crate::scene::SceneError;
 use crate::scene::builtin;
 use crate::scene::description::{Description, Environment, Shape};
@@ -55,7 +55,7 @@ fn copy_asset(asset: &Path, folder: &Path) -> Result<PathBuf, SceneError> {
         match std::fs::read(&path) {
             Ok(there) if there == bytes => return Ok(name.into()),
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-                write_atomically(&path, bytes)?;
+                write(&path, bytes)?;
                 return Ok(name.into());
             }
             _ => {}
