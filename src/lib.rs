@@ -18,6 +18,7 @@
 //! | [`render`] | film, samples in bulk on all cores, the worker behind the window |
 //! | [`check`] | what is wrong or doubtful in a scene, with advice |
 //! | [`measure`] | image differences |
+//! | [`writing`] | files that are either whole or not there, whatever happens |
 //! | [`export`] | PNG and EXR, labelled comparisons |
 //! | [`report`] | error against run time, stability, what was left out, growth, and the page that shows them |
 //! | [`cli`], [`app`] | the command line and the window, both thin over the rest |
@@ -42,3 +43,4 @@ pub mod report;
 pub mod scatter;
 pub mod scene;
 pub mod tracking;
+pub mod writing;

@@ -75,8 +75,16 @@ const IMAGE_KEYS: [&str; 13] = [
     "left_out",
     "output",
 ];
-const EVENT_KEYS: [&str; 7] =
-    ["stack_underflow", "stack_overflow", "ambiguous", "inconsistent", "non_finite", "crossings", "mixed"];
+const EVENT_KEYS: [&str; 8] = [
+    "stack_underflow",
+    "stack_overflow",
+    "ambiguous",
+    "inconsistent",
+    "non_finite",
+    "radiance_overflow",
+    "crossings",
+    "mixed",
+];
 
 #[test]
 fn help_names_every_command_and_every_flag() {
@@ -506,6 +514,8 @@ fn without_a_display_the_comparison_is_written() {
     assert_eq!(output.status.code(), Some(0), "{err}");
     assert!(err.contains("no window can be opened") && err.contains("iorect-comparison.png"), "{err}");
     assert!(!err.contains(".rs:"), "{err}");
+    assert!(err.contains("64 samples per pixel, or as many as 20 s allow"), "{err}");
+    assert!(err.contains("iorect compare away.toml --spp 1024 -o iorect-comparison.png"), "{err}");
     assert_eq!(desk.files(), ["away.toml", "iorect-comparison.png", "nest.toml"]);
     assert!(image::open(desk.path().join("iorect-comparison.png")).is_ok());
     // But a picture of the window cannot be had.

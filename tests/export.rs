@@ -7,6 +7,7 @@ use iorect::export::{self, Comparison, ExportError, Format, LabelledPane, Pictur
 use iorect::render::{Display, Events, ToneCurve};
 use iorect::scene::world::WorldMedium;
 use iorect::tracking::Mode;
+use iorect::writing::{WriteError, require_writable, write_atomically};
 
 /// A ramp with values below 0, above 1 and tiny, so that nothing is clamped on the way to an EXR unnoticed.
 fn picture(width: u32, height: u32) -> Picture {
@@ -81,7 +82,7 @@ fn what_cannot_be_written_is_refused_and_leaves_nothing() {
     let at = |name: &str| folder.path().join(name);
     let save = |name: &str, picture: &Picture| export::save(&at(name), picture, &display, &[]);
 
-    assert!(matches!(save("missing/a.png", &picture(2, 2)), Err(ExportError::NoFolder { .. })));
+    assert!(matches!(save("missing/a.png", &picture(2, 2)), Err(ExportError::Write(WriteError::NoFolder { .. }))));
     assert!(matches!(save("a.jpg", &picture(2, 2)), Err(ExportError::UnknownExtension { .. })));
     assert!(matches!(save("a", &picture(2, 2)), Err(ExportError::UnknownExtension { .. })));
     let empty = Picture { width: 0, height: 0, rgb: vec![] };
@@ -90,7 +91,7 @@ fn what_cannot_be_written_is_refused_and_leaves_nothing() {
     let torn = Picture { width: 3, height: 3, rgb: vec![[0.0; 3]; 8] };
     assert!(matches!(save("a.png", &torn), Err(ExportError::BadPicture { pixels: 8, .. })));
     fs::create_dir(at("folder.png")).unwrap();
-    assert!(matches!(save("folder.png", &picture(2, 2)), Err(ExportError::IsFolder { .. })));
+    assert!(matches!(save("folder.png", &picture(2, 2)), Err(ExportError::Write(WriteError::IsFolder { .. }))));
     assert_eq!(files_in(folder.path()), ["folder.png"]);
 }
 
@@ -99,7 +100,7 @@ fn a_writer_that_fails_keeps_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("kept.png");
     fs::write(&path, "old").unwrap();
-    let result = export::write_atomically(&path, |writer| {
+    let result = write_atomically(&path, |writer| {
         writer.write_all(b"half of the new")?;
         Err(std::io::Error::other("the disk is full"))
     });
@@ -107,7 +108,7 @@ fn a_writer_that_fails_keeps_the_old_file() {
     assert_eq!(fs::read_to_string(&path).unwrap(), "old");
     assert_eq!(files_in(folder.path()), ["kept.png"]);
 
-    export::write_atomically(&path, |writer| writer.write_all(b"new")).unwrap();
+    write_atomically(&path, |writer| writer.write_all(b"new")).unwrap();
     assert_eq!(fs::read_to_string(&path).unwrap(), "new");
     assert_eq!(files_in(folder.path()), ["kept.png"]);
 }
@@ -115,12 +116,12 @@ fn a_writer_that_fails_keeps_the_old_file() {
 #[test]
 fn writability_is_known_beforehand() {
     let folder = tempfile::tempdir().unwrap();
-    export::require_writable(&folder.path().join("a.png")).unwrap();
+    require_writable(&folder.path().join("a.png")).unwrap();
     assert!(files_in(folder.path()).is_empty(), "asking leaves nothing behind");
-    assert!(matches!(export::require_writable(&folder.path().join("b/a.png")), Err(ExportError::NoFolder { .. })));
-    assert!(matches!(export::require_writable(folder.path()), Err(ExportError::IsFolder { .. })));
+    assert!(matches!(require_writable(&folder.path().join("b/a.png")), Err(WriteError::NoFolder { .. })));
+    assert!(matches!(require_writable(folder.path()), Err(WriteError::IsFolder { .. })));
     #[cfg(target_os = "linux")]
-    assert!(matches!(export::require_writable(Path::new("/proc/a.png")), Err(ExportError::Write { .. })));
+    assert!(matches!(require_writable(Path::new("/proc/a.png")), Err(WriteError::System { .. })));
 }
 
 #[cfg(unix)]

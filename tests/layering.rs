@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// From the bottom up. Siblings in one row must not use each other.
 const LAYERS: &[&[&str]] = &[
-    &["optics", "geometry"],
+    &["optics", "geometry", "writing"],
     &["scatter"],
     &["scene"],
     &["rectify"],
@@ -41,6 +41,7 @@ const CRATES: &[(&[&str], &[&str])] = &[
     (&["png"], &["export", "app", "scene::load::image"]),
     (&["sha2"], &["scene::fingerprint"]),
     (&["exr"], &["export", "scene::load::image"]),
+    (&["signal_hook"], &["writing"]),
     (&["statrs"], &["measure"]),
     (&["maud"], &["report"]),
 ];

@@ -243,7 +243,7 @@ fn special_files_do_not_stop_the_window() {
     let made = std::process::Command::new("mkfifo").arg(&pipe).status().expect("POSIX has mkfifo");
     assert!(made.success());
     let mut harness = window("nested-spheres");
-    apply(&mut harness, Command::Open(path_text(&pipe)));
+    apply(&mut harness, Command::Open(pipe.clone()));
     // Frames go on, whether it is refused or waited for; another scene can be opened meanwhile.
     apply(&mut harness, Command::Open("camera-in-water".into()));
     until(&mut harness, "the other scene is open", |app| app.state().opening().is_none());

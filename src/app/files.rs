@@ -21,6 +21,7 @@ use crate::render::worker::Snapshot;
 use crate::render::{Display, Events, Prepared};
 use crate::scene::{self, Description, SceneError};
 use crate::tracking::Mode;
+use crate::writing::write_atomically;
 
 /// A person hardly closes a dialog sooner than this: a faster answer means that there was none.
 const NO_DIALOG: Duration = Duration::from_millis(1000);
@@ -192,7 +193,7 @@ impl Files {
     /// Writes a table.
     pub fn export_text(&self, text: String, path: PathBuf) {
         self.spawn(move || {
-            Some(match export::write_atomically(&path, |file| file.write_all(text.as_bytes())) {
+            Some(match write_atomically(&path, |file| file.write_all(text.as_bytes())) {
                 Ok(()) => Outcome::Exported(path),
                 Err(error) => Outcome::Failed(error.to_string()),
             })

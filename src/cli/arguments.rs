@@ -9,6 +9,7 @@ use crate::estimator::sampler::Sequence;
 use crate::estimator::trace::Follow;
 use crate::render::{SampleRange, ToneCurve};
 use crate::report::make::Part;
+use crate::scene::shapes::MAX_LENGTH;
 use crate::tracking::Mode;
 
 /// Longest side of an image.
@@ -149,6 +150,9 @@ pub struct ImageArguments {
     /// Print what was done as JSON; without -o, no picture is written then
     #[arg(long)]
     pub json: bool,
+    /// Whether progress is told in lines where standard error is no terminal; nothing that can be asked for.
+    #[arg(skip)]
+    pub tells_progress: bool,
 }
 
 #[derive(Debug, Args)]
@@ -249,7 +253,7 @@ pub struct TraceArguments {
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size, allow_hyphen_values = true)]
     pub size: Size,
     /// Where the path starts, instead of --pixel
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "direction")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = origin, allow_hyphen_values = true, requires = "direction")]
     pub origin: Option<DVec3>,
     /// Where the path goes from --origin; any length but 0
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true, requires = "origin")]
@@ -451,9 +455,19 @@ fn point(text: &str) -> Result<DVec3, String> {
     }
 }
 
+fn origin(text: &str) -> Result<DVec3, String> {
+    let origin = point(text)?;
+    if origin.abs().max_element() <= MAX_LENGTH {
+        Ok(origin)
+    } else {
+        Err(format!("numbers are at most {MAX_LENGTH:e}"))
+    }
+}
+
 fn direction(text: &str) -> Result<DVec3, String> {
     let direction = point(text)?;
-    direction.try_normalize().ok_or_else(|| "a direction cannot be zero".into())
+    // The squares of a very long or short one would not be finite or not be there.
+    (direction / direction.abs().max_element()).try_normalize().ok_or_else(|| "a direction cannot be zero".into())
 }
 
 #[cfg(test)]
@@ -498,6 +512,10 @@ mod tests {
     fn points_and_directions() {
         assert_eq!(point("-1, 2e1,0.5"), Ok(DVec3::new(-1.0, 20.0, 0.5)));
         assert_eq!(direction("0,0,-4"), Ok(DVec3::NEG_Z));
+        assert_eq!(direction("0,1e-300,0"), Ok(DVec3::Y));
+        assert_eq!(direction("1e300,0,0"), Ok(DVec3::X));
+        assert_eq!(origin("1e18,0,0"), Ok(DVec3::X * 1e18));
+        assert!(origin("0,-1e19,0").unwrap_err().contains("1e18"));
         for wrong in ["", "1,2", "1,2,3,4", "1,2,nan", "1,2,inf", "a,b,c"] {
             assert!(point(wrong).is_err(), "{wrong}");
         }

@@ -11,6 +11,7 @@ use super::preparation::prepare_shown;
 use super::table::wrapped;
 use super::{Failure, plural, print, print_json};
 use crate::check::{Problem, Severity, check};
+use crate::export::escape::escaped;
 use crate::scene::{self, SceneError};
 
 #[derive(Serialize)]
@@ -48,7 +49,7 @@ fn unusable(scene: &str, error: &SceneError) -> Problem {
 
 fn summary(report: &Report<'_>) -> String {
     if report.problems.is_empty() {
-        return format!("{}: nothing wrong, nothing doubtful\n", report.scene);
+        return format!("{}: nothing wrong, nothing doubtful\n", escaped(&report.scene));
     }
     let mut text = String::new();
     for problem in &report.problems {
@@ -63,7 +64,7 @@ fn summary(report: &Report<'_>) -> String {
     let (errors, warnings, advice) = (count(Severity::Error), count(Severity::Warning), count(Severity::Advice));
     text += &format!(
         "{}: {errors} error{}, {warnings} warning{}, {advice} piece{} of advice\n",
-        report.scene,
+        escaped(&report.scene),
         plural(errors),
         plural(warnings),
         plural(advice)

@@ -10,11 +10,13 @@ use super::arguments::CompareArguments;
 use super::image::{ImageReport, Job, Rendered, mega_samples_per_second, output_path};
 use super::table::{Align, Table};
 use super::{Failure, print, print_json};
+use crate::export::escape::{short_name, shown};
 use crate::export::words::{brief, duration, events_in_words};
 use crate::export::{self, Comparison, Format, LabelledPane, Picture};
 use crate::measure::{Difference, MetricError, difference, flip};
 use crate::render::Display;
 use crate::tracking::Mode;
+use crate::writing::require_writable;
 
 #[derive(Serialize)]
 struct Report<'a> {
@@ -45,7 +47,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
                 path.display()
             )));
         }
-        export::require_writable(path).map_err(Failure::bad_output)?;
+        require_writable(path).map_err(Failure::bad_output)?;
     }
     let job = Job::new(image)?;
     let rendered = job.render(&arguments.modes);
@@ -135,7 +137,7 @@ fn write_picture(
 
 fn summary(job: &Job<'_>, rendered: &[Rendered], differences: &[PairDifference], output: Option<&Path>) -> String {
     let film = &rendered[0].film;
-    let name = &job.prepared.description.name;
+    let name = short_name(&job.prepared.description.name);
     let mut text = format!("{name} · {}×{} · {} spp\n\n", film.width, film.height, film.samples);
     let mut modes = Table::new(&[
         ("mode", Align::Left),
@@ -174,7 +176,7 @@ fn summary(job: &Job<'_>, rendered: &[Rendered], differences: &[PairDifference],
         text += &table.render();
     }
     if let Some(path) = output {
-        text += &format!("\n  wrote {}\n", path.display());
+        text += &format!("\n  wrote {}\n", shown(path));
     }
     text
 }

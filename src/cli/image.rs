@@ -6,12 +6,12 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::Failure;
 use super::arguments::{ImageArguments, Size};
 use super::preparation::prepare_shown;
+use super::progress::Progress;
 use crate::estimator::sampler::Sequence;
 use crate::render::exact::unit_exponent;
 use crate::render::{
@@ -61,7 +61,8 @@ pub struct ImageReport<'a> {
     /// Share of the crossings that were of faces whose surroundings differ from place to place; `None` for other modes than `rectified`.
     pub mixed_share: Option<f64>,
     pub left_out: Vec<&'static str>,
-    pub output: Option<&'a Path>,
+    /// What is no Unicode in it is replaced.
+    pub output: Option<Cow<'a, str>>,
 }
 
 /// One image.
@@ -72,11 +73,40 @@ pub struct Rendered {
     pub seconds: f64,
 }
 
-/// When a render ends.
-#[derive(Clone, Copy)]
-enum Until {
-    Samples(u32),
-    Seconds(f64),
+/// When a render ends: at whichever of its limits comes first. It has one at least.
+#[derive(Debug, Clone, Copy)]
+struct Until {
+    samples: Option<u32>,
+    seconds: Option<f64>,
+}
+
+impl Until {
+    fn samples(samples: u32) -> Self {
+        Self { samples: Some(samples), seconds: None }
+    }
+
+    /// The part that is done, from 0 to 1.
+    fn part(self, samples: f64, elapsed: Duration) -> f64 {
+        let of_samples = self.samples.map_or(0.0, |limit| samples / f64::from(limit));
+        let of_seconds = self.seconds.map_or(0.0, |limit| elapsed.as_secs_f64() / limit);
+        of_samples.max(of_seconds).min(1.0)
+    }
+
+    /// Samples to take next, 0 at the end: as many as fit into a slice of time, and no more than were asked for.
+    fn next_slice(self, done: u32, elapsed: Duration, per_sample: Duration) -> u32 {
+        let fitting = |time: Duration| (time.as_secs_f64() / per_sample.as_secs_f64().max(1e-9)) as u32;
+        let left = self.samples.unwrap_or(u32::MAX).saturating_sub(done);
+        let wanted = match self.seconds {
+            // Samples of a pixel that are taken together cost less each.
+            None => fitting(SLICE).max(TOGETHER),
+            Some(limit) => {
+                let time = Duration::from_secs_f64(limit).saturating_sub(elapsed);
+                // The last slice may come out a little early rather than a whole sample late.
+                fitting(time.min(SLICE)).max(u32::from(time > per_sample / 2))
+            }
+        };
+        wanted.min(left)
+    }
 }
 
 /// A scene ready to be rendered, and the threads to do it on.
@@ -124,8 +154,9 @@ impl<'a> Job<'a> {
         let film = || if self.is_adaptive() { Film::adaptive(width, height) } else { Film::new(width, height) };
         let mut images: Vec<Rendered> =
             modes.iter().map(|&mode| Rendered { mode, film: film(), seconds: 0.0 }).collect();
-        let spp = || Until::Samples(self.arguments.spp.unwrap_or(DEFAULT_SPP));
-        self.advance(&mut images, self.arguments.time.map_or_else(spp, Until::Seconds));
+        let ImageArguments { spp, time, .. } = self.arguments;
+        let samples = if time.is_none() { Some(spp.unwrap_or(DEFAULT_SPP)) } else { *spp };
+        self.advance(&mut images, Until { samples, seconds: *time });
         images
     }
 
@@ -135,7 +166,7 @@ impl<'a> Job<'a> {
         let unit_exponent = unit_exponent(&self.prepared.description);
         let film = Film::partial(width, height, samples.0, unit_exponent);
         let mut images = [Rendered { mode, film, seconds: 0.0 }];
-        self.advance(&mut images, Until::Samples(samples.count()));
+        self.advance(&mut images, Until::samples(samples.count()));
         let [image] = images;
         image
     }
@@ -165,33 +196,29 @@ impl<'a> Job<'a> {
     }
 
     fn advance(&self, images: &mut [Rendered], until: Until) {
-        let bar = Self::progress_bar(until, images.len());
+        let progress = Progress::new(self.arguments.tells_progress);
+        let modes = images.len() as f64;
         let never = AtomicBool::new(false);
         let start = Instant::now();
         let mut done = 0;
         let mut slice = 1;
         while slice > 0 {
             let slice_start = Instant::now();
-            for image in &mut *images {
+            for (index, image) in images.iter_mut().enumerate() {
                 let settings = self.settings(image.mode);
                 let mode_start = Instant::now();
                 self.pool.install(|| {
                     accumulate(&self.prepared, &self.camera, &settings, &mut image.film, slice, &never);
                 });
                 image.seconds += mode_start.elapsed().as_secs_f64();
-                if matches!(until, Until::Samples(_)) {
-                    bar.inc(u64::from(slice));
-                }
+                let samples = f64::from(done) + f64::from(slice) * (index + 1) as f64 / modes;
+                progress.tell(until.part(samples, start.elapsed()), start.elapsed());
             }
             done += slice;
             Film::allocate(&mut images.iter_mut().map(|image| &mut image.film).collect::<Vec<_>>());
-            if matches!(until, Until::Seconds(_)) {
-                bar.set_position(start.elapsed().as_millis() as u64);
-            }
-            slice = next_slice(until, done, start.elapsed(), slice_start.elapsed().div_f64(f64::from(slice)));
+            slice = until.next_slice(done, start.elapsed(), slice_start.elapsed().div_f64(f64::from(slice)));
             slice = slice.min(images.first().map_or(0, |image| image.film.samples_to_decision()));
         }
-        bar.finish_and_clear();
     }
 
     fn settings(&self, mode: Mode) -> RenderSettings {
@@ -214,18 +241,6 @@ impl<'a> Job<'a> {
             splits: self.arguments.splits,
             sample_environment: self.arguments.sample_environment.0,
         }
-    }
-
-    fn progress_bar(until: Until, modes: usize) -> ProgressBar {
-        let (length, template) = match until {
-            Until::Seconds(limit) => ((limit * 1e3) as u64, "{bar:40.cyan/dim} {percent:>3} % · {elapsed}"),
-            Until::Samples(spp) => {
-                (u64::from(spp) * modes as u64, "{bar:40.cyan/dim} {percent:>3} % · {elapsed}, {eta} left")
-            }
-        };
-        // Draws on standard error, and only if that is a terminal.
-        let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-        ProgressBar::new(length).with_style(style.progress_chars("━━─"))
     }
 
     /// What there is to say about an image.
@@ -256,24 +271,7 @@ impl<'a> Job<'a> {
             events: image.film.events,
             mixed_share: image.film.events.mixed_share().filter(|_| image.mode == Mode::Rectified),
             left_out: if self.arguments.leave_out.0 { self.prepared.world.needs.left_out() } else { Vec::new() },
-            output,
-        }
-    }
-}
-
-/// Samples to take next, 0 at the end: as many as fit into a slice of time, and no more than were asked for.
-fn next_slice(until: Until, done: u32, elapsed: Duration, per_sample: Duration) -> u32 {
-    let fitting = |time: Duration| (time.as_secs_f64() / per_sample.as_secs_f64().max(1e-9)) as u32;
-    match until {
-        Until::Samples(spp) => {
-            // Samples of a pixel that are taken together cost less each.
-            fitting(SLICE).max(TOGETHER).min(spp.saturating_sub(done))
-        }
-        Until::Seconds(limit) => {
-            let left = Duration::from_secs_f64(limit).saturating_sub(elapsed);
-            let room = u32::MAX - done;
-            // The last slice may come out a little early rather than a whole sample late.
-            fitting(left.min(SLICE)).max(u32::from(left > per_sample / 2)).min(room)
+            output: output.map(Path::to_string_lossy),
         }
     }
 }
@@ -294,4 +292,27 @@ pub fn output_path(asked: Option<&PathBuf>, is_json: bool, scene: &Path, ending:
 pub fn mega_samples_per_second(film: &Film, seconds: f64) -> f64 {
     let samples = f64::from(film.width) * f64::from(film.height) * f64::from(film.samples);
     samples / seconds.max(1e-9) / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const QUICK: Duration = Duration::from_millis(1);
+
+    #[test]
+    fn a_render_ends_at_whichever_limit_comes_first() {
+        let secs = Duration::from_secs;
+        let both = Until { samples: Some(64), seconds: Some(20.0) };
+        assert_eq!(both.next_slice(64, secs(1), QUICK), 0);
+        assert_eq!(both.next_slice(60, secs(1), QUICK), 4);
+        assert_eq!(both.next_slice(8, secs(20), QUICK), 0);
+        assert_eq!(both.next_slice(8, secs(19), secs(3)), 0, "no sample that comes out much too late");
+        assert_eq!(both.next_slice(8, secs(19), QUICK), 56);
+        assert_eq!(Until::samples(200).next_slice(8, secs(1000), QUICK), 150);
+        assert_eq!(Until { samples: None, seconds: Some(1e7) }.next_slice(u32::MAX - 2, secs(0), QUICK), 2);
+        assert_eq!(both.part(32.0, secs(5)), 0.5);
+        assert_eq!(both.part(1.0, secs(15)), 0.75);
+        assert_eq!(both.part(1.0, secs(150)), 1.0);
+    }
 }

@@ -1,5 +1,6 @@
 //! `iorect merge`: parts of an image, rendered by many machines, put together.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -7,10 +8,12 @@ use serde::Serialize;
 
 use super::arguments::MergeArguments;
 use super::{Failure, plural, print, print_json};
+use crate::export::escape::{short_name, shown};
 use crate::export::words::events_in_words;
 use crate::export::{self, Format, Head, Picture, SumsError};
 use crate::render::{CannotMerge, Display, Events, Partial, Recipe, SampleRange};
 use crate::tracking::Mode;
+use crate::writing::require_writable;
 
 #[derive(Serialize)]
 struct Report<'a> {
@@ -22,13 +25,14 @@ struct Report<'a> {
     spp: u32,
     events: Events,
     mixed_share: Option<f64>,
-    outputs: &'a [PathBuf],
+    /// What is no Unicode in them is replaced.
+    outputs: Vec<Cow<'a, str>>,
 }
 
 pub fn run(arguments: &MergeArguments) -> Result<ExitCode, Failure> {
     for path in &arguments.outputs {
         Format::of(path).map_err(Failure::bad_output)?;
-        export::require_writable(path).map_err(Failure::bad_output)?;
+        require_writable(path).map_err(Failure::bad_output)?;
     }
     let merged = merge(&arguments.files)?;
     for path in &arguments.outputs {
@@ -44,7 +48,7 @@ pub fn run(arguments: &MergeArguments) -> Result<ExitCode, Failure> {
             spp: merged.samples(),
             events: merged.events,
             mixed_share: merged.events.mixed_share().filter(|_| is_rectified),
-            outputs: &arguments.outputs,
+            outputs: arguments.outputs.iter().map(|path| path.to_string_lossy()).collect(),
         })?;
     } else {
         print(&summary(arguments, &merged))?;
@@ -113,7 +117,7 @@ fn summary(arguments: &MergeArguments, merged: &Partial) -> String {
     let ranges = |ranges: &[SampleRange]| ranges.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
     let mut text = format!(
         "{} · {} · {}×{} · {} spp from {files} file{} · seed {}\n",
-        recipe.scene,
+        short_name(&recipe.scene),
         recipe.mode,
         recipe.width,
         recipe.height,
@@ -128,7 +132,7 @@ fn summary(arguments: &MergeArguments, merged: &Partial) -> String {
     }
     text += &format!("  events    {}\n", events_in_words(&merged.events));
     for path in &arguments.outputs {
-        text += &format!("  wrote     {}\n", path.display());
+        text += &format!("  wrote     {}\n", shown(path));
     }
     text
 }

@@ -9,6 +9,7 @@ mod compare;
 mod image;
 mod merge;
 mod preparation;
+mod progress;
 mod rectify;
 mod render;
 mod report;
@@ -24,9 +25,14 @@ use clap::Parser;
 
 use self::arguments::{Arguments, Command};
 use crate::export::ExportError;
+use crate::export::escape::{elided, escaped_json, escaped_lines};
 use crate::scene::SceneError;
+use crate::writing::clean_up_when_interrupted;
 
 pub use window::{WindowError, WindowRequest, WindowScreenshot};
+
+/// Characters of an error that are shown at the most: names and lists of them can be long.
+const MOST_OF_ERROR: usize = 4000;
 
 /// Why a command did not do what it was asked for.
 #[derive(Debug)]
@@ -45,8 +51,8 @@ impl From<SceneError> for Failure {
 
 impl Failure {
     /// An output that can be known to be impossible before any work is done.
-    fn bad_output(error: ExportError) -> Self {
-        Self::Wrong(error.into())
+    fn bad_output(error: impl Into<ExportError>) -> Self {
+        Self::Wrong(error.into().into())
     }
 
     /// An output that turned out to be impossible.
@@ -61,12 +67,19 @@ pub fn main(open_window: impl FnOnce(WindowRequest) -> Result<(), WindowError>) 
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {
-            // Help and version are no errors; neither is a reader of them that has gone.
-            let _ = error.print();
+            if error.use_stderr() {
+                tell(&error.render().to_string());
+            } else {
+                // Help and version are no errors; neither is a reader of them that has gone.
+                let _ = error.print();
+            }
             return ExitCode::from(error.exit_code() as u8);
         }
     };
     env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error")).init();
+    if let Err(error) = clean_up_when_interrupted() {
+        log::warn!("temporary files may be left behind by an interruption: {error}");
+    }
     let result = match &arguments.command {
         None => window::run(&arguments.window, open_window),
         Some(Command::Render(arguments)) => render::run(arguments),
@@ -86,10 +99,20 @@ pub fn main(open_window: impl FnOnce(WindowRequest) -> Result<(), WindowError>) 
                 Failure::Wrong(error) => (2, error),
                 Failure::Failed(error) => (1, error),
             };
-            // The alternate form gives the whole chain of causes in one line. Nobody is left to tell if this cannot be written.
-            let _ = writeln!(io::stderr(), "error: {error:#}");
+            // The alternate form gives the whole chain of causes in one line.
+            tell(&format!("error: {}\n", elided(&format!("{error:#}"), MOST_OF_ERROR)));
             ExitCode::from(code)
         }
+    }
+}
+
+/// A word with quotation marks where a shell needs them.
+fn shell_word(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
     }
 }
 
@@ -104,10 +127,15 @@ fn plural(count: usize) -> &'static str {
     if count == 1 { "" } else { "s" }
 }
 
+/// Writes to standard error. Nobody is left to tell if this cannot be done.
+fn tell(text: &str) {
+    let _ = io::stderr().write_all(escaped_lines(text).as_bytes());
+}
+
 /// Writes a result to standard output. A reader that has gone, such as `head`, is no error.
 fn print(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(escaped_lines(text).as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure::Failed(anyhow::Error::new(error).context("standard output cannot be written")))
         }
@@ -119,5 +147,5 @@ fn print(text: &str) -> Result<(), Failure> {
 fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     let mut text = serde_json::to_string_pretty(value).map_err(|error| Failure::Failed(error.into()))?;
     text.push('\n');
-    print(&text)
+    print(&escaped_json(&text))
 }

@@ -1,6 +1,7 @@
 //! `iorect rectify`: the interface table.
 
 use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
@@ -12,13 +13,17 @@ use super::preparation::prepare_shown;
 use super::table::{Align, Table, wrapped};
 use super::{Failure, plural, print, print_json};
 use crate::check::{Severity, check};
+use crate::export::escape::short_name;
 use crate::export::words::{brief, duration, grouped};
 use crate::rectify::containment::medium_of;
 use crate::rectify::table::RectifySeconds;
 use crate::rectify::{Patch, PatchKind};
 use crate::render::Prepared;
 use crate::scene;
-use crate::scene::world::{MediumId, ObjectId, WorldMedium};
+use crate::scene::world::{MediumId, ObjectId};
+
+/// Names that a list shows at the most.
+const MOST_LISTED: usize = 8;
 
 #[derive(Serialize)]
 struct Report<'a> {
@@ -133,11 +138,21 @@ fn patch_report<'a>(prepared: &'a Prepared, patch: &Patch) -> PatchReport<'a> {
 
 /// What `check` warns of about refractors.
 fn warnings(prepared: &Prepared) -> Vec<Warning> {
-    let is_refractor = |name: &str| prepared.description.refractors.iter().any(|r| r.name == name);
+    let refractors: HashSet<&str> = prepared.description.refractors.iter().map(|r| r.name.as_str()).collect();
+    let is_refractor = |name: &str| refractors.contains(name);
     (check(prepared).into_iter())
         .filter(|problem| problem.severity != Severity::Advice && problem.place.split(", ").all(is_refractor))
         .map(|problem| Warning { refractor: problem.place, kind: problem.kind, message: problem.message })
         .collect()
+}
+
+/// Names with commas, the first few of many.
+fn listed(names: &[&str]) -> String {
+    let mut list: Vec<String> = names.iter().take(MOST_LISTED).map(|name| short_name(name)).collect();
+    if names.len() > MOST_LISTED {
+        list.push(format!("{} more", names.len() - MOST_LISTED));
+    }
+    list.join(", ")
 }
 
 fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
@@ -154,13 +169,17 @@ fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
         ("rays", Align::Right),
         ("confidence", Align::Right),
     ]);
-    let ior_of = |name: &str| world.media.iter().find(|medium| medium.name == name).map_or(0.0, WorldMedium::ior);
-    let medium = |name: Option<&str>| name.map_or("—".to_owned(), |name| format!("{name} {:.4}", ior_of(name)));
+    // Of media of one name, the first.
+    let iors: HashMap<&str, f64> =
+        world.media.iter().rev().map(|medium| (medium.name.as_str(), medium.ior())).collect();
+    let ior_of = |name: &str| iors.get(name).copied().unwrap_or(0.0);
+    let medium =
+        |name: Option<&str>| name.map_or("—".to_owned(), |name| format!("{} {:.4}", short_name(name), ior_of(name)));
     for row in &report.patches {
         let place = if row.crossed_by.is_empty() {
             row.outside_refractor.unwrap_or("—").to_owned()
         } else {
-            format!("crossed by {}", row.crossed_by.join(", "))
+            format!("crossed by {}", listed(&row.crossed_by))
         };
         table.row([
             row.refractor.to_owned(),
@@ -180,13 +199,13 @@ fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
         Granularity::Patch => "patch of surface",
         Granularity::Object => "object",
     };
-    let mut text = format!("{} · one answer per {unit}\n\n", prepared.description.name);
+    let mut text = format!("{} · one answer per {unit}\n\n", short_name(&prepared.description.name));
     text += &table.render();
     for light in &report.lights {
-        let name = light.refractor;
+        let name = short_name(light.refractor);
         text += &match light.outside {
             Some(_) => format!("\n  light {name} shines into {}", medium(light.outside)),
-            None => format!("\n  light {name} is crossed by {}", light.crossed_by.join(", ")),
+            None => format!("\n  light {name} is crossed by {}", listed(&light.crossed_by)),
         };
     }
     if !report.lights.is_empty() {

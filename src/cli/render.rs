@@ -5,9 +5,11 @@ use std::process::ExitCode;
 use super::arguments::{RenderArguments, Switch};
 use super::image::{Job, Rendered, mega_samples_per_second, output_path};
 use super::{Failure, plural, print, print_json};
+use crate::export::escape::{short_name, shown};
 use crate::export::words::{brief, duration, events_in_words};
 use crate::export::{self, Format, Picture};
 use crate::render::{Partial, SampleRange};
+use crate::writing::require_writable;
 
 pub fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     let image = &arguments.image;
@@ -30,7 +32,7 @@ pub fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
                 path.display()
             )));
         }
-        export::require_writable(path).map_err(Failure::bad_output)?;
+        require_writable(path).map_err(Failure::bad_output)?;
     }
     let job = Job::new(image)?;
     let rendered = match arguments.samples {
@@ -62,7 +64,12 @@ fn summary(job: &Job<'_>, rendered: &Rendered, output: Option<&std::path::Path>)
     let left_out = if report.left_out.is_empty() { "nothing".into() } else { report.left_out.join(", ") };
     let mut text = format!(
         "{} · {} · {}×{} · {} spp · seed {}\n",
-        job.prepared.description.name, report.mode, report.width, report.height, report.spp, report.seed
+        short_name(&job.prepared.description.name),
+        report.mode,
+        report.width,
+        report.height,
+        report.spp,
+        report.seed
     );
     text += &format!(
         "  time      load {} · tree {} · rectify {} · render {}\n",
@@ -83,7 +90,7 @@ fn summary(job: &Job<'_>, rendered: &Rendered, output: Option<&std::path::Path>)
     }
     text += &format!("  left out  {left_out}\n");
     if let Some(path) = output {
-        text += &format!("  wrote     {}\n", path.display());
+        text += &format!("  wrote     {}\n", shown(path));
     }
     text
 }

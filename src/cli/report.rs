@@ -10,9 +10,10 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::arguments::ReportArguments;
-use super::{Failure, print};
+use super::{Failure, print, shell_word};
+use crate::export::ExportError;
+use crate::export::escape::{escaped_json, short_name, shown};
 use crate::export::words::duration;
-use crate::export::{ExportError, require_writable};
 use crate::report::data::Report;
 use crate::report::extent::Extent;
 use crate::report::make::{Part, ReportError, Request, Subject, make};
@@ -20,6 +21,7 @@ use crate::report::progress::Progress;
 use crate::report::store::Store;
 use crate::report::write::{json, write};
 use crate::scene::{builtin, load};
+use crate::writing::require_writable;
 
 /// Steps of the progress bar.
 const STEPS: u64 = 10_000;
@@ -32,7 +34,7 @@ pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
         Failure::Wrong(anyhow::Error::new(error).context(advice))
     };
     let store = Store::open(&arguments.output.join("cache")).map_err(unwritable)?;
-    require_writable(&arguments.output.join("report.html")).map_err(unwritable)?;
+    require_writable(&arguments.output.join("report.html")).map_err(|error| unwritable(error.into()))?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads.unwrap_or(0) as usize)
         .build()
@@ -48,7 +50,7 @@ pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     let bar = progress_bar();
     let tell = |what: &str, part: f64| {
         bar.set_position((part * STEPS as f64) as u64);
-        bar.set_message(what.to_owned());
+        bar.set_message(short_name(what));
     };
     // An interruption ends the process: every finished piece is a file by then.
     let progress = Progress { cancel: &AtomicBool::new(false), tell: &tell };
@@ -56,7 +58,7 @@ pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     bar.finish_and_clear();
     let report = report.ok_or_else(|| Failure::Failed(anyhow::anyhow!("the report was interrupted")))?;
     let written = write(&report, &arguments.output).map_err(Failure::output)?;
-    print(&if arguments.json { json(&report) } else { summary(&report, &written) })?;
+    print(&if arguments.json { escaped_json(&json(&report)).into_owned() } else { summary(&report, &written) })?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -89,11 +91,7 @@ fn subjects(names: &[PathBuf]) -> Result<Vec<Subject>, Failure> {
 
 /// What was typed, with quotation marks where a shell needs them.
 fn command_line() -> String {
-    let is_plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
-    let quote = |word: String| {
-        if !word.is_empty() && word.chars().all(is_plain) { word } else { format!("'{}'", word.replace('\'', "'\\''")) }
-    };
-    let words = std::env::args_os().skip(1).map(|word| quote(word.to_string_lossy().into_owned()));
+    let words = std::env::args_os().skip(1).map(|word| shell_word(&word.to_string_lossy()));
     std::iter::once("iorect".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
@@ -119,7 +117,7 @@ fn summary(report: &Report, written: &[PathBuf]) -> String {
         text += &format!("  stability {passed} passed, {failed} failed, {not_run} not run\n");
     }
     for path in written {
-        text += &format!("  wrote     {}\n", path.display());
+        text += &format!("  wrote     {}\n", shown(path));
     }
     text
 }

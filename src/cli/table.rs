@@ -1,11 +1,16 @@
 //! Plain tables for terminals: columns as wide as they need, no lines to trip over.
 
+use crate::export::escape::{elided, escaped};
+
 /// How a column is aligned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Align {
     Left,
     Right,
 }
+
+/// Characters of a cell that are shown at the most: room for every kind of event.
+const MOST_OF_CELL: usize = 160;
 
 /// A table of text with a heading.
 pub struct Table {
@@ -18,9 +23,9 @@ impl Table {
         Self { columns: columns.to_vec(), rows: Vec::new() }
     }
 
-    /// Adds a row with one cell per column.
+    /// Adds a row with one cell per column. Cells are lines: long ones are elided, and control characters in them are escaped.
     pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
-        let row: Vec<String> = cells.into_iter().collect();
+        let row: Vec<String> = cells.into_iter().map(|cell| elided(&cell, MOST_OF_CELL)).collect();
         debug_assert_eq!(row.len(), self.columns.len());
         self.rows.push(row);
     }
@@ -54,8 +59,8 @@ const LINE: usize = 100;
 
 /// `text` behind `label`, broken between words; further lines are indented by `indent`.
 pub fn wrapped(label: &str, text: &str, indent: usize) -> String {
-    let mut lines = label.to_owned();
-    let mut used = label.chars().count();
+    let mut lines = escaped(label).into_owned();
+    let mut used = lines.chars().count();
     for (index, word) in text.split_whitespace().enumerate() {
         let width = word.chars().count();
         if index > 0 && used + 1 + width > LINE {

@@ -10,6 +10,7 @@ use super::preparation::prepare_shown;
 use super::table::{Align, Table};
 use super::{Failure, print, print_json};
 use crate::estimator::trace::{TracedPath, Vertex, VertexEvent, trace};
+use crate::export::escape::short_name;
 use crate::export::words::{brief, events_in_words};
 use crate::geometry::Ray;
 use crate::scene;
@@ -53,7 +54,7 @@ fn first_ray(arguments: &TraceArguments, camera: &Camera) -> Result<Ray, Failure
 }
 
 fn summary(scene: &str, path: &TracedPath) -> String {
-    let mut text = format!("{scene} · {} · starts in {}\n\n", path.mode, path.camera_medium);
+    let mut text = format!("{} · {} · starts in {}\n\n", short_name(scene), path.mode, short_name(&path.camera_medium));
     let mut table = Table::new(&[
         ("#", Align::Right),
         ("event", Align::Left),

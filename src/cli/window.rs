@@ -1,18 +1,20 @@
 //! `iorect [SCENE]`: the window, or, where none can be opened, a comparison as a file.
 
 use std::ffi::OsStr;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
 
 use super::arguments::{Arguments, Command, WindowArguments};
-use super::{Failure, compare};
+use super::image::DEFAULT_SPP;
+use super::{Failure, compare, shell_word, tell};
 use crate::scene::{SceneError, builtin};
 
 /// What is written where no window can be opened.
 const FALLBACK_PICTURE: &str = "iorect-comparison.png";
+/// Most seconds that it is rendered for: nobody has asked for it, and all of it is to take less than half a minute.
+const FALLBACK_SECS: f64 = 20.0;
 
 /// What the window should show.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,23 +96,42 @@ fn without_source_place(message: &str) -> String {
 
 fn compare_instead(scene: &Path, error: &WindowError) -> Result<ExitCode, Failure> {
     let error = without_source_place(&error.to_string());
-    // What cannot be said to a closed standard error is not worth stopping for.
-    let _ = writeln!(
-        io::stderr(),
-        "{error}\nThe comparison is written to {FALLBACK_PICTURE} instead; `iorect --help` lists commands that need no display."
-    );
     // `--` keeps a scene whose name begins with a dash a scene.
     let words = ["iorect", "compare", "-o", FALLBACK_PICTURE, "--"].map(OsStr::new);
     let words = words.into_iter().chain([scene.as_os_str()]);
-    match Arguments::try_parse_from(words).map(|arguments| arguments.command) {
-        Ok(Some(Command::Compare(arguments))) => compare::run(&arguments),
-        other => Err(Failure::Failed(anyhow::anyhow!("the comparison could not be started: {other:?}"))),
-    }
+    let mut arguments = match Arguments::try_parse_from(words).map(|arguments| arguments.command) {
+        Ok(Some(Command::Compare(arguments))) => arguments,
+        other => return Err(Failure::Failed(anyhow::anyhow!("the comparison could not be started: {other:?}"))),
+    };
+    let image = &mut arguments.image;
+    (image.spp, image.time, image.tells_progress) = (Some(DEFAULT_SPP), Some(FALLBACK_SECS), true);
+    tell(&format!(
+        "{error}\nInstead, {} are compared in {FALLBACK_PICTURE}: {DEFAULT_SPP} samples per pixel, or as many as {FALLBACK_SECS} s allow.\n",
+        arguments.modes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+    ));
+    let code = compare::run(&arguments)?;
+    let finer = finer_command(&scene.to_string_lossy());
+    tell(&format!("A finer picture: {finer}\n`iorect --help` lists what else needs no display.\n"));
+    Ok(code)
+}
+
+/// What to type for a picture with less noise.
+fn finer_command(scene: &str) -> String {
+    // A file whose name begins with a dash is a file still.
+    let scene = if scene.starts_with('-') { format!("./{scene}") } else { scene.to_owned() };
+    format!("iorect compare {} --spp {} -o {FALLBACK_PICTURE}", shell_word(&scene), 16 * DEFAULT_SPP)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_finer_command_can_be_typed() {
+        assert_eq!(finer_command("iced-water"), "iorect compare iced-water --spp 1024 -o iorect-comparison.png");
+        assert!(finer_command("my scene's.toml").starts_with("iorect compare 'my scene'\\''s.toml' --spp"));
+        assert!(finer_command("-x.toml").starts_with("iorect compare ./-x.toml --spp"));
+    }
 
     #[test]
     fn reasons_lose_the_place_in_somebody_elses_source() {

@@ -3,6 +3,8 @@
 use ab_glyph::{Font, FontRef, Glyph, ScaleFont, point};
 use image::{Rgb, RgbImage};
 
+use super::escape::escaped;
+
 /// An sRGB colour.
 pub type Color = [u8; 3];
 
@@ -81,17 +83,26 @@ impl Canvas {
         }
     }
 
-    /// `text` cut to `width` with an ellipsis where it is longer.
+    /// `text` as one line, cut to `width` with an ellipsis where it is longer.
     pub fn fitted(&self, text: &str, size: f32, width: f32) -> String {
-        if self.text_width(text, size) <= width {
-            return text.to_owned();
+        let font = self.font.as_scaled(size);
+        let ellipsis = font.glyph_id('…');
+        let text = escaped(text);
+        let (mut x, mut previous, mut cut) = (0.0, None, 0);
+        for (at, character) in text.char_indices() {
+            let id = font.glyph_id(character);
+            x += previous.map_or(0.0, |previous| font.kern(previous, id)) + font.h_advance(id);
+            previous = Some(id);
+            if x > width {
+                // A name can be long: what is behind the cut is not looked at.
+                let is_room = cut > 0 || font.h_advance(ellipsis) <= width;
+                return if is_room { text[..cut].trim_end().to_owned() + "…" } else { String::new() };
+            }
+            if x + font.kern(id, ellipsis) + font.h_advance(ellipsis) <= width {
+                cut = at + character.len_utf8();
+            }
         }
-        let characters: Vec<char> = text.chars().collect();
-        (0..characters.len())
-            .rev()
-            .map(|kept| characters[..kept].iter().collect::<String>().trim_end().to_owned() + "…")
-            .find(|shorter| self.text_width(shorter, size) <= width)
-            .unwrap_or_default()
+        text.into_owned()
     }
 
     /// Glyphs side by side from x = 0, kerned, and their width together.
@@ -99,7 +110,7 @@ impl Canvas {
         let font = self.font.as_scaled(size);
         let mut glyphs: Vec<Glyph> = Vec::with_capacity(text.len());
         let mut x = 0.0;
-        for character in text.chars() {
+        for character in escaped(text).chars() {
             let id = font.glyph_id(character);
             if let Some(previous) = glyphs.last() {
                 x += font.kern(previous.id, id);
@@ -135,6 +146,12 @@ mod tests {
         let cut = canvas.fitted("a very long name of a scene", 24.0, 100.0);
         assert!(cut.ends_with('…') && canvas.text_width(&cut, 24.0) <= 100.0);
         assert_eq!(canvas.fitted("short", 24.0, 100.0), "short");
+        // One more character would not fit; nor does the ellipsis where there is no room at all.
+        let kept = cut.chars().count() - 1;
+        let longer: String = "a very long name of a scene".chars().take(kept + 1).chain(['…']).collect();
+        assert!(canvas.text_width(&longer, 24.0) > 100.0, "{cut}");
+        assert_eq!(canvas.fitted("short", 24.0, 1.0), "");
+        assert_eq!(canvas.fitted("a\u{1b}", 24.0, 100.0), "a\\u{1b}");
         // Off the sheet on every side: nothing to see, and no panic.
         canvas.text("W", -20.0, -3.0, Align::Center, 60.0, [255; 3]);
         canvas.text("W", 1e4, 1e4, Align::Left, 60.0, [255; 3]);

@@ -1,33 +1,13 @@
 //! What can go wrong when something is written.
 
-use std::io;
 use std::path::PathBuf;
 
 use crate::measure::MetricError;
+use crate::writing::WriteError;
 
 /// A picture that could not be made or written. Nothing was left behind.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
-    /// The folder that should hold the file does not exist.
-    #[error("{}: there is no folder `{}`; create it or choose another place", path.display(), folder.display())]
-    NoFolder {
-        /// As asked for.
-        path: PathBuf,
-        /// The missing folder.
-        folder: PathBuf,
-    },
-    /// The path is an existing folder.
-    #[error("{}: is a folder; add a file name such as `picture.png`", path.display())]
-    IsFolder {
-        /// As asked for.
-        path: PathBuf,
-    },
-    /// The path ends in no file name.
-    #[error("`{}` does not name a file", path.display())]
-    NoFileName {
-        /// As asked for.
-        path: PathBuf,
-    },
     /// The extension says nothing that can be written.
     #[error("{}: cannot tell the format; use a name that ends in {expected}", path.display())]
     UnknownExtension {
@@ -36,14 +16,9 @@ pub enum ExportError {
         /// What would do.
         expected: &'static str,
     },
-    /// The system refused.
-    #[error("{}: cannot be written: {reason}", path.display())]
-    Write {
-        /// As asked for.
-        path: PathBuf,
-        /// The system's reason.
-        reason: io::Error,
-    },
+    /// The file cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
     /// The encoder refused.
     #[error("{}: cannot be encoded: {message}", path.display())]
     Encode {

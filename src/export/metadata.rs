@@ -1,5 +1,6 @@
 //! What a picture shows, in words that travel with it.
 
+use super::escape::escaped;
 use crate::render::Prepared;
 use crate::scene::world::{MediumId, WorldMedium};
 use crate::tracking::Mode;
@@ -33,7 +34,8 @@ pub fn metadata_for_media(
     ]
     .into_iter()
     .filter(|(_, text)| !text.is_empty())
-    .map(|(keyword, text)| (keyword.to_owned(), text))
+    // Readers of pictures print these as they are.
+    .map(|(keyword, text)| (keyword.to_owned(), escaped(&text).into_owned()))
     .collect()
 }
 

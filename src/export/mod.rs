@@ -1,21 +1,20 @@
 //! Pictures to files: PNG for looking at, EXR for measuring, and labelled comparisons of several modes in one picture.
 //!
 //! Parts of images go to files of their own kind, which can be merged without rounding ([`write_sums`]).
-//! Everything is written beside its target and renamed ([`write_atomically`]). A PNG carries what it shows as text chunks
+//! Everything is written whole or not at all ([`crate::writing`]). A PNG carries what it shows as text chunks
 //! ([`metadata`]).
 
-mod atomic;
 mod canvas;
 pub mod color_map;
 mod comparison;
 mod error;
+pub mod escape;
 mod metadata;
 mod picture;
 mod sums;
 mod surfaces;
 pub mod words;
 
-pub use atomic::{require_writable, write_atomically};
 pub use comparison::{Comparison, LabelledPane, comparison};
 pub use error::ExportError;
 pub use metadata::{metadata, metadata_for_media};

@@ -3,8 +3,9 @@
 use std::io;
 use std::path::Path;
 
-use super::{ExportError, write_atomically};
+use super::ExportError;
 use crate::render::{Display, Film};
+use crate::writing::write_atomically;
 
 /// A picture in linear RGB (Rec. 709), row 0 at the top.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,7 +88,7 @@ pub fn png(path: &Path, picture: &Picture, display: &Display, text: &[(String, S
 /// As [`png()`].
 pub fn image_png(path: &Path, image: &image::RgbImage, text: &[(String, String)]) -> Result<(), ExportError> {
     let bytes = png_bytes(image, text, path)?;
-    write_atomically(path, |writer| writer.write_all(&bytes))
+    Ok(write_atomically(path, |writer| writer.write_all(&bytes))?)
 }
 
 /// The contents of a PNG file, for pages that hold their pictures themselves. `path` is what the picture is called in errors.
@@ -128,11 +129,19 @@ fn encode_png(image: &image::RgbImage, text: &[(String, String)]) -> Result<Vec<
 /// When the picture is empty or the path cannot be written.
 pub fn exr(path: &Path, picture: &Picture) -> Result<(), ExportError> {
     picture.require_sound()?;
-    let components = picture.rgb.iter().flatten().copied().collect();
-    let image = image::Rgb32FImage::from_raw(picture.width, picture.height, components).expect("the size was checked");
+    let bytes =
+        encode_exr(picture).map_err(|e| ExportError::Encode { path: path.to_path_buf(), message: e.to_string() })?;
+    Ok(write_atomically(path, |writer| writer.write_all(&bytes))?)
+}
+
+fn encode_exr(picture: &Picture) -> exr::error::Result<Vec<u8>> {
+    use exr::prelude::{Encoding, Image, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage};
+    let size = (picture.width as usize, picture.height as usize);
+    let pixel = |at: Vec2<usize>| <(f32, f32, f32)>::from(picture.rgb[at.y() * size.0 + at.x()]);
+    // Blocks are compressed on all cores: in no particular order, equal pictures would not give equal files.
+    let encoding = Encoding { line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
+    let layer = exr::prelude::Layer::new(size, LayerAttributes::default(), encoding, SpecificChannels::rgb(pixel));
     let mut bytes = io::Cursor::new(Vec::new());
-    image
-        .write_to(&mut bytes, image::ImageFormat::OpenExr)
-        .map_err(|e| ExportError::Encode { path: path.to_path_buf(), message: e.to_string() })?;
-    write_atomically(path, |writer| writer.write_all(bytes.get_ref()))
+    Image::from_layer(layer).write().to_buffered(&mut bytes)?;
+    Ok(bytes.into_inner())
 }

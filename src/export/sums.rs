@@ -25,18 +25,19 @@ use exr::prelude::{
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{ExportError, write_atomically};
+use super::ExportError;
 use crate::render::exact::{ExactSums, MOST_BITS};
 use crate::render::{Events, Partial, Recipe, SampleRange};
 use crate::scene::Fingerprint;
 use crate::scene::files::{self, FileError};
 use crate::scene::fingerprint::Hasher;
 use crate::scene::load::image::limits;
+use crate::writing::write_atomically;
 
 /// Where the text stands in the file.
 const ATTRIBUTE: &str = "iorectSums";
 /// Of this description; files of another are refused.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 /// Most pixels that are read: as many as can be rendered.
 const MOST_PIXELS: u64 = 1 << 26;
 /// More of an event than any render counts: sums of so many files cannot overflow.
@@ -108,7 +109,7 @@ pub struct Head {
 pub fn write_sums(path: &Path, partial: &Partial) -> Result<(), ExportError> {
     let encode = |message: String| ExportError::Encode { path: path.to_path_buf(), message };
     let bytes = encoded(partial).map_err(encode)?;
-    write_atomically(path, |writer| writer.write_all(&bytes))
+    Ok(write_atomically(path, |writer| writer.write_all(&bytes))?)
 }
 
 fn encoded(partial: &Partial) -> Result<Vec<u8>, String> {

@@ -48,7 +48,12 @@ impl Sphere {
     #[inline]
     pub fn project(&self, point: DVec3) -> DVec3 {
         let from_center = point - self.center;
-        self.center + from_center * (self.radius / from_center.length())
+        let length = from_center.length();
+        // Rounding of a hit seen from far away can put it at the centre of a small sphere, which is as near to one point as to another.
+        if length == 0.0 {
+            return self.center + DVec3::Y * self.radius;
+        }
+        self.center + from_center * (self.radius / length)
     }
 }
 
@@ -69,6 +74,14 @@ mod tests {
         let inward = sphere.intersect(&Ray::new(DVec3::X, DVec3::NEG_X), true);
         assert_eq!(inward, [None, Some(2.0)]);
         assert_eq!(sphere.intersect(&Ray::new(DVec3::X, DVec3::X), true), [None, None]);
+    }
+
+    #[test]
+    fn from_the_centre_any_point_is_the_nearest() {
+        let sphere = Sphere { center: DVec3::new(1.0, 2.0, 3.0), radius: 0.25 };
+        let point = sphere.project(sphere.center);
+        assert_eq!((point - sphere.center).length(), 0.25);
+        assert_eq!(sphere.project(DVec3::new(1.0, 2.0, 7.0)), DVec3::new(1.0, 2.0, 3.25));
     }
 
     #[test]

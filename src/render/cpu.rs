@@ -126,12 +126,13 @@ impl Pass<'_> {
                     .flat_map(|column| std::iter::repeat_n(column, range(first_pixel + column).len()));
                 let mut trace = |batch: &mut Batch<T::State>| {
                     tracer.trace(batch);
-                    let mut non_finite = 0;
+                    let (mut non_finite, mut overflows) = (0, 0);
                     for ((radiance, segments), column) in batch.drain().zip(&mut columns) {
                         // What has exact sums takes no sample that these cannot hold.
                         if exact.as_mut().map_or_else(|| radiance.is_finite(), |exact| exact.add(column, radiance)) {
                             sums[column] += radiance;
                             counts[column] += 1;
+                            overflows += u64::from(radiance.max_element() > f64::from(f32::MAX));
                         } else {
                             non_finite += 1;
                         }
@@ -140,6 +141,7 @@ impl Pass<'_> {
                         }
                     }
                     batch.events.non_finite += non_finite;
+                    batch.events.radiance_overflow += overflows;
                 };
                 for column in 0..width {
                     // A row can take a third of a second, which is too long to wait for an image that is out of date.

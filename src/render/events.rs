@@ -15,6 +15,9 @@ pub struct Events {
     pub inconsistent: u64,
     /// Samples that came out NaN or infinite; they are left out of the film's mean.
     pub non_finite: u64,
+    /// Samples of more radiance than the f32 of pictures and EXR files hold, 3.4e38. They are kept; a pixel whose mean is beyond that is
+    /// capped where it becomes f32.
+    pub radiance_overflow: u64,
     /// Crossings of refractors' surfaces in all: no event, but what others are a share of.
     pub crossings: u64,
     /// Of these, crossings of faces whose surroundings differ from place to place; `rectified` counts them.
@@ -23,13 +26,14 @@ pub struct Events {
 
 impl Events {
     /// Each count with its name, as in JSON.
-    pub fn named(&self) -> [(&'static str, u64); 5] {
+    pub fn named(&self) -> [(&'static str, u64); 6] {
         [
             ("stack_underflow", self.stack_underflow),
             ("stack_overflow", self.stack_overflow),
             ("ambiguous", self.ambiguous),
             ("inconsistent", self.inconsistent),
             ("non_finite", self.non_finite),
+            ("radiance_overflow", self.radiance_overflow),
         ]
     }
 
@@ -50,6 +54,7 @@ impl AddAssign for Events {
         self.ambiguous += other.ambiguous;
         self.inconsistent += other.inconsistent;
         self.non_finite += other.non_finite;
+        self.radiance_overflow += other.radiance_overflow;
         self.crossings += other.crossings;
         self.mixed += other.mixed;
     }

@@ -84,8 +84,27 @@ impl Film {
         self.sums[pixel] / f64::from(self.counts[pixel].max(1))
     }
 
-    /// Means of all pixels as linear RGB in f32.
+    /// Means of all pixels as linear RGB in f32, none beyond what that holds.
     pub fn to_rgb(&self) -> Vec<[f32; 3]> {
-        (0..self.sums.len()).map(|pixel| self.mean(pixel).as_vec3().to_array()).collect()
+        (0..self.sums.len()).map(|pixel| capped(self.mean(pixel).to_array())).collect()
+    }
+}
+
+/// Radiance in f32. What is beyond its largest number becomes that: such samples are counted ([`Events::radiance_overflow`]), and an infinite
+/// pixel would make every mean over the image infinite. NaN stays NaN.
+pub(super) fn capped(rgb: [f64; 3]) -> [f32; 3] {
+    rgb.map(|component| if component > f64::from(f32::MAX) { f32::MAX } else { component as f32 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn radiance_beyond_f32_is_capped_and_nothing_else_is() {
+        let most = f64::from(f32::MAX);
+        assert_eq!(capped([1e39, f64::INFINITY, most.next_up()]), [f32::MAX; 3]);
+        assert_eq!(capped([most, 1e38, 0.25]), [f32::MAX, 1e38, 0.25]);
+        assert!(capped([f64::NAN, 0.0, 0.0])[0].is_nan());
     }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::events::Events;
 use super::exact::ExactSums;
-use super::film::Film;
+use super::film::{Film, capped};
 use crate::scene::Fingerprint;
 use crate::tracking::Mode;
 
@@ -147,7 +147,7 @@ impl Partial {
 
     /// Mean radiance of all pixels.
     pub fn to_rgb(&self) -> Vec<[f32; 3]> {
-        let mean = |pixel: usize| self.sums.mean(pixel, self.counts[pixel]).map(|component| component as f32);
+        let mean = |pixel: usize| capped(self.sums.mean(pixel, self.counts[pixel]));
         (0..self.counts.len()).map(mean).collect()
     }
 

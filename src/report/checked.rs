@@ -5,10 +5,11 @@
 
 use std::path::Path;
 
-use crate::export::{ExportError, write_atomically};
+use crate::export::ExportError;
 use crate::render::Events;
 use crate::scene::Fingerprint;
 use crate::scene::files::{self, FileError, MAX_DATA_BYTES};
+use crate::writing::write_atomically;
 
 const CHECKSUM: usize = 32;
 
@@ -34,8 +35,17 @@ impl Writer {
     }
 
     pub fn events(&mut self, events: &Events) {
-        let Events { stack_underflow, stack_overflow, ambiguous, inconsistent, non_finite, crossings, mixed } = *events;
-        [stack_underflow, stack_overflow, ambiguous, inconsistent, non_finite, crossings, mixed]
+        let Events {
+            stack_underflow,
+            stack_overflow,
+            ambiguous,
+            inconsistent,
+            non_finite,
+            radiance_overflow,
+            crossings,
+            mixed,
+        } = *events;
+        [stack_underflow, stack_overflow, ambiguous, inconsistent, non_finite, radiance_overflow, crossings, mixed]
             .into_iter()
             .for_each(|count| self.integer(count));
     }
@@ -46,10 +56,10 @@ impl Writer {
     /// As [`write_atomically`].
     pub fn keep(self, path: &Path) -> Result<(), ExportError> {
         let checksum = checksum(&self.0);
-        write_atomically(path, |file| {
+        Ok(write_atomically(path, |file| {
             file.write_all(&checksum)?;
             file.write_all(&self.0)
-        })
+        })?)
     }
 }
 
@@ -107,6 +117,7 @@ impl Reader {
             ambiguous: self.integer()?,
             inconsistent: self.integer()?,
             non_finite: self.integer()?,
+            radiance_overflow: self.integer()?,
             crossings: self.integer()?,
             mixed: self.integer()?,
         })

@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::export::{ExportError, write_atomically};
+use crate::export::ExportError;
 use crate::scene::Fingerprint;
 use crate::scene::files::{self, FileError, MAX_DATA_BYTES};
+use crate::writing::{WriteError, require_writable, write_atomically};
 
 /// A folder of finished pieces.
 #[derive(Debug, Clone)]
@@ -37,9 +38,9 @@ impl Store {
     /// # Errors
     /// When the folder cannot be made or written into.
     pub fn open(folder: &Path) -> Result<Self, ExportError> {
-        let failed = |reason| ExportError::Write { path: folder.to_path_buf(), reason };
+        let failed = |reason| WriteError::System { path: folder.to_path_buf(), reason };
         fs::create_dir_all(folder).map_err(failed)?;
-        crate::export::require_writable(&folder.join("piece.json"))?;
+        require_writable(&folder.join("piece.json"))?;
         Ok(Self { folder: folder.to_path_buf(), build: build() })
     }
 
@@ -92,11 +93,11 @@ impl Store {
     }
 
     fn write(&self, path: &Path, made_from: serde_json::Value, piece: &impl Serialize) -> Result<(), ExportError> {
-        let failed = |error: serde_json::Error| ExportError::Write { path: path.to_path_buf(), reason: error.into() };
+        let failed = |error: serde_json::Error| WriteError::System { path: path.to_path_buf(), reason: error.into() };
         let piece = serde_json::to_string(piece).map_err(failed)?;
         let kept = Kept { made_from, sha256: Fingerprint::of_bytes(piece.as_bytes()), piece };
         let text = serde_json::to_string(&kept).map_err(failed)?;
-        write_atomically(path, |writer| writer.write_all(text.as_bytes()))
+        Ok(write_atomically(path, |writer| writer.write_all(text.as_bytes()))?)
     }
 }
 
@@ -144,6 +145,7 @@ mod tests {
             ambiguous: 3,
             inconsistent: 4,
             non_finite: 5,
+            radiance_overflow: 8,
             crossings: u64::MAX,
             mixed: 7,
         };

@@ -7,7 +7,8 @@ use super::data::{Report, SceneReport};
 use super::page;
 use super::pictures::Pictures;
 use super::summary;
-use crate::export::{ExportError, write_atomically};
+use crate::export::ExportError;
+use crate::writing::write_atomically;
 
 /// Writes `report.html`, `report.json`, `summary.md` and the tables into `folder`; returns what was written, the page first. The page goes last, so that
 /// where it stands all else does.

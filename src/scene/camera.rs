@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::description::CameraDescription;
 use super::error::SceneError;
+use super::shapes::{MAX_LENGTH, MIN_LENGTH};
 use crate::geometry::Ray;
 
 /// A thin-lens camera with its frame worked out. Right-handed: image right = forward × up; pixel (0, 0) is top left.
@@ -27,6 +28,12 @@ impl Camera {
         if !all_finite {
             return Err(SceneError::new("camera: position, target and up must be finite numbers"));
         }
+        for (key, point) in [("position", d.position), ("target", d.target)] {
+            if point.abs().max_element() > MAX_LENGTH {
+                let at = point.to_array();
+                return Err(SceneError::new(format!("camera: {key} is {at:?}, must be within {MAX_LENGTH:e}")));
+            }
+        }
         let to_target = d.target - d.position;
         let forward = to_target.try_normalize().ok_or_else(|| {
             SceneError::new("camera: `position` and `target` are the same point, so it has no direction; move one")
@@ -42,15 +49,18 @@ impl Camera {
                 d.vertical_fov
             )));
         }
-        if !(d.aperture_radius >= 0.0 && d.aperture_radius.is_finite()) {
+        if !(d.aperture_radius >= 0.0 && d.aperture_radius <= MAX_LENGTH) {
             return Err(SceneError::new(format!(
-                "camera: aperture_radius is {}, must be 0 or more",
+                "camera: aperture_radius is {}, must be 0 or more, and at most {MAX_LENGTH:e}",
                 d.aperture_radius
             )));
         }
         let focus_distance = d.focus_distance.unwrap_or(to_target.length());
-        if !(focus_distance > 0.0 && focus_distance.is_finite()) {
-            return Err(SceneError::new(format!("camera: focus_distance is {focus_distance}, must be greater than 0")));
+        if !(MIN_LENGTH..=4.0 * MAX_LENGTH).contains(&focus_distance) {
+            return Err(SceneError::new(format!(
+                "camera: focus_distance is {focus_distance:e}, must be from {MIN_LENGTH:e} to {:e}",
+                4.0 * MAX_LENGTH
+            )));
         }
         Ok(Self {
             position: d.position,

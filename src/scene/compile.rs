@@ -7,17 +7,20 @@ use std::time::Instant;
 use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 
-use super::description::{self, Description, Environment, Shape, Transform};
+use super::description::{self, Description, Environment, MAX_RADIANCE, Shape, Transform};
 use super::environment::EnvironmentLight;
 use super::error::SceneError;
 use super::light::Emitters;
 use super::needs::SceneNeeds;
-use super::shapes;
+use super::shapes::{self, MIN_LENGTH};
 use super::world::{Interfaces, MediumId, Object, ObjectId, Paint, Surface, World, WorldMedium};
 use crate::geometry::topology::MAX_FACES;
 use crate::geometry::{Enclosure, Frame, Geometry, Mesh, ObjectRange, Part, Topology, WindingTree};
 use crate::optics::dispersion::{IOR_RANGE, WAVELENGTH_D_UM};
 use crate::optics::{IorModel, medium};
+
+/// Least radius of a sphere relative to a coordinate of its centre: a few roundings.
+const LEAST_RADIUS: f64 = 8.0 * f64::EPSILON;
 
 /// Compiles `description`. With `previous`, the description and world compiled before it, geometry is kept where no shape has changed.
 ///
@@ -25,6 +28,7 @@ use crate::optics::{IorModel, medium};
 /// When an IOR, an absorption or a shape is impossible, or a medium is unknown. The loader finds such things with their line; this is
 /// for descriptions edited or made in memory.
 pub fn compile(description: &Description, previous: Option<(&Description, &World)>) -> Result<World, SceneError> {
+    require_radiances(description)?;
     let media = compile_media(description)?;
     let kept = previous.filter(|(before, _)| has_same_geometry(before, description)).map(|(_, world)| world);
     let (geometry, bodies, topology_secs) = match kept {
@@ -43,6 +47,7 @@ pub fn compile(description: &Description, previous: Option<(&Description, &World
             (Arc::clone(&geometry), bodies(description, unanalysed, &geometry, analyses), topology_secs)
         }
     };
+    require_distinct_spheres(description, &geometry)?;
     let objects = objects(description, geometry.origin, bodies)?;
     let environment = match previous {
         // An image's sampling tables are worth keeping.
@@ -80,6 +85,28 @@ pub fn compile(description: &Description, previous: Option<(&Description, &World
         world_is_vacuum,
         topology_secs,
     })
+}
+
+/// Refuses radiance that sums and squares could not hold.
+fn require_radiances(description: &Description) -> Result<(), SceneError> {
+    let require = |what: &dyn Fn() -> String, rgb: [f64; 3]| {
+        if rgb.iter().all(|x| (0.0..=MAX_RADIANCE).contains(x)) {
+            return Ok(());
+        }
+        let ([r, g, b], what) = (rgb, what());
+        Err(SceneError::new(format!(
+            "{what} has the radiance [{r:e}, {g:e}, {b:e}], each must be 0 or more and at most {MAX_RADIANCE:e}"
+        )))
+    };
+    let environment = || "the environment".to_owned();
+    match &description.environment {
+        Environment::Color(color) => require(&environment, *color)?,
+        Environment::Gradient { zenith, horizon, nadir } => {
+            [zenith, horizon, nadir].into_iter().try_for_each(|color| require(&environment, *color))?;
+        }
+        Environment::Image { scale, .. } => require(&environment, [scale * f64::from(f32::MAX); 3])?,
+    }
+    description.lights.iter().try_for_each(|light| require(&|| format!("light `{}`", light.name), light.radiance))
 }
 
 fn compile_media(description: &Description) -> Result<Vec<WorldMedium>, SceneError> {
@@ -222,9 +249,9 @@ fn part(shape: &Shape, repaired: Option<&Mesh>, transform: &Transform, smooth: b
             ));
         }
         let (center, radius) = (matrix.transform_point3(*center), radius * scale.x);
-        if !(center.is_finite() && radius.is_finite() && radius > 0.0) {
+        if !(center.is_finite() && radius.is_finite() && radius >= MIN_LENGTH) {
             return Err(SceneError::new(format!(
-                "the sphere's radius is {radius}, must be a finite number greater than 0"
+                "the sphere's radius is {radius:e}, must be a finite number and at least {MIN_LENGTH:e}"
             )));
         }
         return Ok(Part::Sphere { center, radius });
@@ -242,6 +269,11 @@ fn part(shape: &Shape, repaired: Option<&Mesh>, transform: &Transform, smooth: b
     let is_within_reach = |p: &DVec3| p.is_finite() && p.abs().max_element() <= 0.5 * f64::from(f32::MAX);
     if !mesh.positions.par_iter().all(is_within_reach) {
         return Err(SceneError::new("a vertex is not a finite number, or too large, after the transform"));
+    }
+    let bounds = mesh.positions.par_iter().map(|p| (*p, *p));
+    let bounds = bounds.reduce_with(|(min, max), (low, high)| (min.min(low), max.max(high)));
+    if bounds.is_some_and(|(min, max)| (max - min).max_element() < MIN_LENGTH) {
+        return Err(SceneError::new(format!("the mesh is smaller than {MIN_LENGTH:e} after the transform")));
     }
     Ok(Part::Mesh { mesh, smooth })
 }
@@ -262,6 +294,24 @@ fn transform_mesh(mesh: &mut Mesh, matrix: &DAffine3) {
         // A mirrored mesh keeps its outside outside. Its normals already point there.
         mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
+}
+
+/// Refuses spheres so small for their place that all their points round to their centre.
+fn require_distinct_spheres(description: &Description, geometry: &Geometry) -> Result<(), SceneError> {
+    for (name, object) in description.object_names().zip(0..) {
+        let ObjectRange::Sphere(id) = geometry.range(object) else { continue };
+        let Some(sphere) = geometry.sphere(*id) else { continue };
+        let distance = sphere.center.abs().max_element();
+        if sphere.radius < distance * LEAST_RADIUS {
+            return Err(SceneError::new(format!(
+                "`{name}`: the sphere's radius is {:e} at {distance:e} from the middle of the scene, where numbers do not tell its points \
+                 apart; must be at least {:e}",
+                sphere.radius,
+                distance * LEAST_RADIUS
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// What is kept of an object as long as the geometry is.

@@ -10,9 +10,12 @@ use glam::DVec3;
 
 use super::LoadNote;
 use super::environment::EnvironmentImage;
-use super::shapes::MAX_LENGTH;
+use super::shapes::{MAX_LENGTH, MIN_LENGTH};
 use crate::geometry::Mesh;
 use crate::optics::{IorModel, Medium};
+
+/// The most radiance of lights and environments. What can be made of it, such as squares of sums over all samples, stays finite.
+pub const MAX_RADIANCE: f64 = 1e100;
 
 /// A whole scene. Lengths are in scene units, angles in degrees, radiance in linear RGB (Rec. 709); right-handed, y up.
 #[derive(Debug, Clone, PartialEq)]
@@ -170,6 +173,8 @@ impl Transform {
             Some(format!("Numbers of a transform must be finite and at most {MAX_LENGTH:e}."))
         } else if size.min_element() == 0.0 {
             Some("A scale must not be 0.".to_owned())
+        } else if size.min_element() < MIN_LENGTH {
+            Some(format!("A scale must be at least {MIN_LENGTH:e}."))
         } else if matches!(shape, Shape::Sphere { .. }) && (size.x != size.y || size.y != size.z) {
             Some("A sphere is analytic and scales by the same amount along all axes; use an icosphere.".to_owned())
         } else {

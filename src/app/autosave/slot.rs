@@ -10,7 +10,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use serde::{Deserialize, Serialize};
 
 use super::Edits;
-use crate::export::write_atomically;
+use crate::writing::write_atomically;
 use crate::scene::{self, Description, SceneError};
 
 /// How the first line begins, a comment to TOML; JSON follows.

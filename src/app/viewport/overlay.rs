@@ -222,6 +222,7 @@ pub fn event_name(kind: &str) -> String {
         "stack_overflow" => "stack overflows".to_owned(),
         "ambiguous" => "ambiguous answers".to_owned(),
         "non_finite" => "samples not finite".to_owned(),
+        "radiance_overflow" => "samples too bright".to_owned(),
         other => other.replace('_', " "),
     }
 }
@@ -238,6 +239,9 @@ pub fn event_meaning(kind: &str) -> &'static str {
         "stack_overflow" => "More media inside each other than the stack can hold.",
         "ambiguous" => "The rays that ask what contains a point did not agree.",
         "non_finite" => "Samples that came out infinite or not a number; they are left out of the mean.",
+        "radiance_overflow" => {
+            "Samples of more radiance than pictures and EXR files hold; pixels are capped at 3.4e38."
+        }
         _ => "",
     }
 }

@@ -10,6 +10,9 @@ use crate::scene::SceneError;
 use crate::scene::description::Environment;
 use crate::scene::environment::EnvironmentImage;
 
+/// The most by which an image is multiplied: its brightest pixel, of f32, then stays below the most radiance.
+const MAX_SCALE: f64 = 1e60;
+
 pub(super) fn environment(root: &Table<'_>, files: Files<'_>) -> Result<Environment, SceneError> {
     const FORMS: [&str; 3] = ["color", "gradient", "image"];
     let Some(node) = root.get("environment") else { return Ok(Environment::Color([0.0; 3])) };
@@ -27,11 +30,11 @@ pub(super) fn environment(root: &Table<'_>, files: Files<'_>) -> Result<Environm
     }
     let node = table.need(form)?;
     match form {
-        "color" => node.non_negative3().map(Environment::Color),
+        "color" => node.radiance().map(Environment::Color),
         "gradient" => {
             let table = node.table()?;
             table.only(&["zenith", "horizon", "nadir"])?;
-            let color = |key| table.need(key)?.non_negative3();
+            let color = |key| table.need(key)?.radiance();
             Ok(Environment::Gradient { zenith: color("zenith")?, horizon: color("horizon")?, nadir: color("nadir")? })
         }
         _ => {
@@ -40,7 +43,11 @@ pub(super) fn environment(root: &Table<'_>, files: Files<'_>) -> Result<Environm
                 image: Arc::new(read(&node, &path, files)?),
                 path,
                 rotation: table.read("rotation", 0.0, Node::number)?,
-                scale: table.read("scale", 1.0, |node| node.number_that("0 or more", |x| x >= 0.0))?,
+                scale: table.read("scale", 1.0, |node| {
+                    node.number_that(&format!("0 or more, and at most {MAX_SCALE:e}"), |x| {
+                        (0.0..=MAX_SCALE).contains(&x)
+                    })
+                })?,
             })
         }
     }

@@ -20,6 +20,7 @@ mod polygon;
 mod shape;
 mod suggest;
 
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -36,6 +37,7 @@ use super::builtin;
 use super::camera::Camera;
 use super::description::{CameraDescription, Description, Source, WorldMedium};
 use super::files::{MAX_SCENE_BYTES, read_or_receive};
+use super::shapes::{MAX_LENGTH, MIN_LENGTH};
 use crate::optics::dispersion::IOR_RANGE;
 use crate::optics::{IorModel, Medium, catalog, medium};
 
@@ -146,7 +148,16 @@ fn camera(table: &Table<'_>) -> Result<CameraDescription, SceneError> {
             .read("focus_distance", None, |node| node.number_that("greater than 0", |x| x > 0.0).map(Some))?,
     };
     // What only all of it together can show: no direction, or an `up` along it.
-    let place_of_fault = if camera.position == camera.target { "target" } else { "up" };
+    let is_far = |point: glam::DVec3| point.abs().max_element() > MAX_LENGTH;
+    let place_of_fault = match camera {
+        CameraDescription { position, .. } if is_far(position) => "position",
+        CameraDescription { position, target, .. } if is_far(target) || position == target => "target",
+        CameraDescription { aperture_radius, .. } if aperture_radius > MAX_LENGTH => "aperture_radius",
+        CameraDescription { focus_distance: Some(distance), .. } if !(MIN_LENGTH..=MAX_LENGTH).contains(&distance) => {
+            "focus_distance"
+        }
+        _ => "up",
+    };
     Camera::new(&camera).map_err(|error| match table.get(place_of_fault) {
         Some(node) => node.error(error.message),
         None => table.error(error.message),
@@ -167,6 +178,7 @@ fn world(root: &Table<'_>) -> Result<WorldMedium, SceneError> {
 
 fn media(root: &Table<'_>) -> Result<Vec<Medium>, SceneError> {
     let mut media: Vec<Medium> = Vec::new();
+    let mut names = HashSet::new();
     let tables = root.read("medium", Vec::new(), Node::tables)?;
     for table in tables {
         let table = table.renamed("[[medium]]".into());
@@ -176,7 +188,7 @@ fn media(root: &Table<'_>) -> Result<Vec<Medium>, SceneError> {
         if matches!(name, medium::WORLD | medium::VACUUM) {
             return Err(node.error(format!("`{name}` is a reserved name; call the medium something else")));
         }
-        if media.iter().any(|other| other.name == name) {
+        if !names.insert(name) {
             return Err(node.error(format!("there are two media called `{name}`; names must be unique")));
         }
         let table = table.renamed(format!("medium `{name}`"));

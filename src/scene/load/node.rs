@@ -9,6 +9,7 @@ use toml_edit::{Item, TableLike, Value};
 
 use super::suggest::suggestion;
 use crate::scene::SceneError;
+use crate::scene::description::MAX_RADIANCE;
 
 /// The text of a scene file.
 #[derive(Debug, Clone, Copy)]
@@ -255,6 +256,11 @@ impl<'a> Node<'a> {
     /// Three numbers, each 0 or more.
     pub fn non_negative3(&self) -> Result<[f64; 3], SceneError> {
         self.numbers3_that("0 or more", |x| x >= 0.0)
+    }
+
+    /// Radiance in linear RGB.
+    pub fn radiance(&self) -> Result<[f64; 3], SceneError> {
+        self.numbers3_that(&format!("0 or more, and at most {MAX_RADIANCE:e}"), |x| (0.0..=MAX_RADIANCE).contains(&x))
     }
 
     /// Three numbers in [0, 1].

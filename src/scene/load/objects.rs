@@ -1,6 +1,6 @@
 //! Refractors, solids and lights.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 
@@ -11,7 +11,7 @@ use super::suggest::suggestion;
 use crate::optics::{Medium, catalog, medium};
 use crate::scene::SceneError;
 use crate::scene::description::{Light, Paint, Refractor, Shape, Solid, Transform};
-use crate::scene::shapes::MAX_LENGTH;
+use crate::scene::shapes::{MAX_LENGTH, MIN_LENGTH};
 
 /// Albedo of a solid that gives none.
 pub(crate) const DEFAULT_ALBEDO: [f64; 3] = [0.8; 3];
@@ -20,6 +20,7 @@ pub(crate) const DEFAULT_ALBEDO: [f64; 3] = [0.8; 3];
 pub(super) struct Reader<'a> {
     files: Files<'a>,
     media: &'a [Medium],
+    media_names: HashSet<&'a str>,
     /// Names of all objects so far, with what they are.
     names: HashMap<String, &'static str>,
     meshes: MeshCache,
@@ -27,7 +28,8 @@ pub(super) struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     pub fn new(files: Files<'a>, media: &'a [Medium]) -> Self {
-        Self { files, media, names: HashMap::new(), meshes: MeshCache::default() }
+        let media_names = media.iter().map(|medium| medium.name.as_str()).collect();
+        Self { files, media, media_names, names: HashMap::new(), meshes: MeshCache::default() }
     }
 
     pub fn refractors(&mut self, root: &Table<'_>) -> Result<Vec<Refractor>, SceneError> {
@@ -87,7 +89,7 @@ impl<'a> Reader<'a> {
         for table in root.read("light", Vec::new(), Node::tables)? {
             let (name, table) = self.begin(table, "light", &["name", "shape", "radiance", "visible", "transform"])?;
             let (shape, transform) = self.shape(&table)?;
-            let radiance = table.need("radiance")?.non_negative3()?;
+            let radiance = table.need("radiance")?.radiance()?;
             lights.push(Light {
                 name,
                 shape,
@@ -125,7 +127,7 @@ impl<'a> Reader<'a> {
     fn medium(&self, node: &Node<'_>) -> Result<String, SceneError> {
         let name = node.words()?;
         let names = || self.media.iter().map(|medium| medium.name.as_str());
-        if names().any(|other| other == name) {
+        if self.media_names.contains(name) {
             return Ok(name.to_owned());
         }
         let hint = if matches!(name, medium::WORLD | medium::VACUUM) {
@@ -168,6 +170,9 @@ fn transform(table: &Table<'_>) -> Result<Transform, SceneError> {
         let scale = if node.is_number() { DVec3::splat(node.number()?) } else { node.vec3()? };
         if scale.to_array().contains(&0.0) {
             return Err(node.error("`scale` must not be 0"));
+        }
+        if scale.abs().min_element() < MIN_LENGTH {
+            return Err(node.error(format!("`scale` is too small, must be at least {MIN_LENGTH:e}")));
         }
         within_reach(node, scale)
     })?;

@@ -3,14 +3,18 @@
 //! The text that a scene was read from is edited, so that comments, order and notation survive: only what differs is written anew.
 //! What differs is known by reading the old text again.
 
+mod lines;
+mod merge;
 mod paths;
 mod value;
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
 
-use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike, Value};
+use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
+use self::lines::ends_as_in;
+use self::merge::merge;
 use self::value::ToValue;
 use super::SceneError;
 use super::description::{
@@ -18,72 +22,77 @@ use super::description::{
 };
 use super::load;
 use crate::optics::{IorModel, Medium};
+use crate::writing::write_atomically;
 
-/// The scene as a file's text. Relative paths stay as they are.
+/// The scene as a file's text. Relative paths stay as they are. A scene that has not been edited is the text that was read, to the byte.
 pub fn to_text(description: &Description) -> String {
     let original = description.source.as_deref().and_then(|source| {
         let old = load::parse_text_only(&source.text, &source.path).ok()?;
-        Some((source.text.parse::<DocumentMut>().ok()?, old))
+        Some((source.text.as_str(), source.text.parse::<DocumentMut>().ok()?, old))
     });
-    let (mut document, old) = original.map_or_else(|| (DocumentMut::new(), None), |(text, old)| (text, Some(old)));
-    let root = document.as_table_mut();
-    let old = old.as_ref();
-
-    field(root, "name", old.map(|o| &o.name), &description.name, None);
-    camera(section(root, "camera"), old.map(|o| &o.camera), &description.camera);
-    if old.map_or(&default_world(), |o| &o.world) != &description.world {
-        world(section(root, "world"), old.map(|o| &o.world), &description.world);
+    match original {
+        Some((text, _, old)) if says_the_same(&old, description) => text.to_owned(),
+        Some((text, mut document, old)) => {
+            edit(&mut document, Some(&old), description);
+            ends_as_in(text, document.to_string())
+        }
+        None => {
+            let mut document = DocumentMut::new();
+            edit(&mut document, None, description);
+            document.to_string()
+        }
     }
-    if !same_environment(old.map_or(&Environment::Color([0.0; 3]), |o| &o.environment), &description.environment) {
-        environment(section(root, "environment"), &description.environment);
-    }
-    let media = List { key: "medium", name: |m: &Medium| &m.name, write: medium };
-    media.sync(root, old.map(|o| &o.media[..]), &description.media);
-    let refractors = List { key: "refractor", name: |r: &Refractor| &r.name, write: refractor };
-    refractors.sync(root, old.map(|o| &o.refractors[..]), &description.refractors);
-    let solids = List { key: "solid", name: |s: &Solid| &s.name, write: solid };
-    solids.sync(root, old.map(|o| &o.solids[..]), &description.solids);
-    let lights = List { key: "light", name: |l: &Light| &l.name, write: light };
-    lights.sync(root, old.map(|o| &o.lights[..]), &description.lights);
-    document.to_string()
 }
 
-/// Writes the scene to a file, beside it first and then renamed, so that the file is never half written. Paths that are relative to
-/// another folder are rewritten; what a built-in scene names is written beside the file.
+/// Whether `new` is what the text of `old` says, which alone does not hold meshes and images.
+fn says_the_same(old: &Description, new: &Description) -> bool {
+    let mut new = Description { source: old.source.clone(), ..new.clone() };
+    let shapes = (new.refractors.iter_mut().map(|r| &mut r.shape).zip(old.refractors.iter().map(|r| &r.shape)))
+        .chain(new.solids.iter_mut().map(|s| &mut s.shape).zip(old.solids.iter().map(|s| &s.shape)))
+        .chain(new.lights.iter_mut().map(|l| &mut l.shape).zip(old.lights.iter().map(|l| &l.shape)));
+    for (new, old) in shapes.filter(|(new, old)| value::same_shape(old, new)) {
+        new.clone_from(old);
+    }
+    if same_environment(&old.environment, &new.environment) {
+        new.environment.clone_from(&old.environment);
+    }
+    new == *old
+}
+
+/// Makes `document`, which says `old`, say `new`.
+fn edit(document: &mut DocumentMut, old: Option<&Description>, new: &Description) {
+    let root = document.as_table_mut();
+    field(root, "name", old.map(|o| &o.name), &new.name, None);
+    camera(section(root, "camera"), old.map(|o| &o.camera), &new.camera);
+    if old.map_or(&default_world(), |o| &o.world) != &new.world {
+        world(section(root, "world"), old.map(|o| &o.world), &new.world);
+    }
+    if !same_environment(old.map_or(&Environment::Color([0.0; 3]), |o| &o.environment), &new.environment) {
+        environment(section(root, "environment"), &new.environment);
+    }
+    let media = List { key: "medium", name: |m: &Medium| &m.name, write: medium };
+    media.sync(root, old.map(|o| &o.media[..]), &new.media);
+    let refractors = List { key: "refractor", name: |r: &Refractor| &r.name, write: refractor };
+    refractors.sync(root, old.map(|o| &o.refractors[..]), &new.refractors);
+    let solids = List { key: "solid", name: |s: &Solid| &s.name, write: solid };
+    solids.sync(root, old.map(|o| &o.solids[..]), &new.solids);
+    let lights = List { key: "light", name: |l: &Light| &l.name, write: light };
+    lights.sync(root, old.map(|o| &o.lights[..]), &new.lights);
+}
+
+/// Writes the scene to a file, whole or not at all. Paths that are relative to another folder are rewritten; what a built-in scene names
+/// is written beside the file.
 ///
 /// # Errors
 /// When a file cannot be written.
 pub fn save(description: &Description, path: &Path) -> Result<(), SceneError> {
     let mut copy = description.clone();
     paths::relocate(&mut copy, path)?;
-    write_atomically(path, to_text(&copy).as_bytes())
+    write(path, to_text(&copy).as_bytes())
 }
 
-fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), SceneError> {
-    // A link is written through, not replaced.
-    let path = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder.to_path_buf(),
-        _ => PathBuf::from("."),
-    };
-    let attempt = || -> std::io::Result<()> {
-        let mut builder = tempfile::Builder::new();
-        #[cfg(unix)]
-        {
-            // As any new file, less what the umask takes; a temporary file would be for its owner alone.
-            use std::os::unix::fs::PermissionsExt;
-            builder.permissions(std::fs::Permissions::from_mode(0o666));
-        }
-        let mut file = builder.tempfile_in(&folder)?;
-        file.write_all(bytes)?;
-        if let Ok(existing) = std::fs::metadata(&path) {
-            file.as_file().set_permissions(existing.permissions())?;
-        }
-        file.as_file().sync_all()?;
-        file.persist(&path)?;
-        Ok(())
-    };
-    attempt().map_err(|error| SceneError::in_file(path.clone(), format!("cannot be written: {error}")))
+fn write(path: &Path, bytes: &[u8]) -> Result<(), SceneError> {
+    write_atomically(path, |writer| writer.write_all(bytes)).map_err(|error| SceneError::new(error.to_string()))
 }
 
 /// Sets `key` unless it already says so: where `new` is what the file had (`old`), or the default of a key that is not there.
@@ -95,13 +104,13 @@ fn field<T: ToValue + PartialEq>(table: &mut dyn TableLike, key: &str, old: Opti
     set(table, key, new.to_value());
 }
 
-/// Puts a value in the place of an old one, keeping the comments around it.
-fn set(table: &mut dyn TableLike, key: &str, mut new: Value) {
-    if let Some(Item::Value(old)) = table.get_mut(key) {
-        *new.decor_mut() = old.decor().clone();
-        *old = new;
-    } else {
-        table.insert(key, Item::Value(new));
+/// Puts a value in the place of an old one, whose notation stays as far as it says the same.
+fn set(table: &mut dyn TableLike, key: &str, new: Value) {
+    match table.get_mut(key) {
+        Some(old) => merge(old, new),
+        None => {
+            table.insert(key, Item::Value(new));
+        }
     }
 }
 
@@ -177,23 +186,23 @@ fn environment(table: &mut dyn TableLike, new: &Environment) {
     }
 }
 
-fn medium(table: &mut Table, old: Option<&Medium>, new: &Medium) {
+fn medium(table: &mut dyn TableLike, old: Option<&Medium>, new: &Medium) {
     field(table, "name", old.map(|o| &o.name), &new.name, None);
     field(table, "ior", old.map(|o| &o.ior), &new.ior, None);
     field(table, "absorption", old.map(|o| &o.absorption), &new.absorption, Some(&[0.0; 3]));
 }
 
-fn refractor(table: &mut Table, old: Option<&Refractor>, new: &Refractor) {
+fn refractor(table: &mut dyn TableLike, old: Option<&Refractor>, new: &Refractor) {
     field(table, "name", old.map(|o| &o.name), &new.name, None);
     field(table, "medium", old.map(|o| &o.medium), &new.medium, None);
     shape(table, old.map(|o| &o.shape), &new.shape);
     field(table, "priority", old.map(|o| &o.priority), &new.priority, Some(&0));
     field(table, "smooth", old.map(|o| &o.smooth), &new.smooth, Some(&false));
     visible(table, old.map(|o| o.visible), new.visible);
-    field(table, "transform", old.map(|o| &o.transform), &new.transform, Some(&Transform::IDENTITY));
+    transform(table, old.map(|o| &o.transform), &new.transform);
 }
 
-fn solid(table: &mut Table, old: Option<&Solid>, new: &Solid) {
+fn solid(table: &mut dyn TableLike, old: Option<&Solid>, new: &Solid) {
     field(table, "name", old.map(|o| &o.name), &new.name, None);
     shape(table, old.map(|o| &o.shape), &new.shape);
     if old.map(|o| &o.paint) != Some(&new.paint) {
@@ -207,19 +216,19 @@ fn solid(table: &mut Table, old: Option<&Solid>, new: &Solid) {
     field(table, "mirror", old.map(|o| &o.mirror), &new.mirror, Some(&false));
     field(table, "smooth", old.map(|o| &o.smooth), &new.smooth, Some(&false));
     visible(table, old.map(|o| o.visible), new.visible);
-    field(table, "transform", old.map(|o| &o.transform), &new.transform, Some(&Transform::IDENTITY));
+    transform(table, old.map(|o| &o.transform), &new.transform);
 }
 
-fn light(table: &mut Table, old: Option<&Light>, new: &Light) {
+fn light(table: &mut dyn TableLike, old: Option<&Light>, new: &Light) {
     field(table, "name", old.map(|o| &o.name), &new.name, None);
     shape(table, old.map(|o| &o.shape), &new.shape);
     field(table, "radiance", old.map(|o| &o.radiance), &new.radiance, None);
     visible(table, old.map(|o| o.visible), new.visible);
-    field(table, "transform", old.map(|o| &o.transform), &new.transform, Some(&Transform::IDENTITY));
+    transform(table, old.map(|o| &o.transform), &new.transform);
 }
 
 /// Only said of what is not: an object that is shown again loses the key.
-fn visible(table: &mut Table, old: Option<bool>, new: bool) {
+fn visible(table: &mut dyn TableLike, old: Option<bool>, new: bool) {
     if new && old == Some(false) {
         table.remove("visible");
     } else {
@@ -227,9 +236,21 @@ fn visible(table: &mut Table, old: Option<bool>, new: bool) {
     }
 }
 
-fn shape(table: &mut Table, old: Option<&super::description::Shape>, new: &super::description::Shape) {
+fn shape(table: &mut dyn TableLike, old: Option<&super::description::Shape>, new: &super::description::Shape) {
     if !old.is_some_and(|old| value::same_shape(old, new)) {
         set(table, "shape", new.to_value());
+    }
+}
+
+/// Keys that are there stay, also where they say the default.
+fn transform(table: &mut dyn TableLike, old: Option<&Transform>, new: &Transform) {
+    if old == Some(new) {
+        return;
+    }
+    let there = table.get("transform").and_then(Item::as_table_like);
+    let value = value::transform(new, |key| there.is_some_and(|there| there.contains_key(key)));
+    if there.is_some() || *new != Transform::IDENTITY {
+        set(table, "transform", value);
     }
 }
 
@@ -237,27 +258,70 @@ fn shape(table: &mut Table, old: Option<&super::description::Shape>, new: &super
 struct List<T> {
     key: &'static str,
     name: fn(&T) -> &str,
-    write: fn(&mut Table, Option<&T>, &T),
+    write: fn(&mut dyn TableLike, Option<&T>, &T),
 }
 
 impl<T> List<T> {
     /// Each entry keeps the table that had its name; one that was renamed in its place keeps its place's.
     fn sync(&self, root: &mut Table, old: Option<&[T]>, new: &[T]) {
         let old = old.unwrap_or_default();
+        let sources = self.sources(old, new);
+        match root.get_mut(self.key) {
+            Some(Item::Value(Value::Array(array))) if !new.is_empty() => self.sync_inline(array, old, new, &sources),
+            _ => self.sync_tables(root, old, new, sources),
+        }
+    }
+
+    /// For each new entry the old one whose table it takes over.
+    fn sources(&self, old: &[T], new: &[T]) -> Vec<Option<usize>> {
+        let name = self.name;
+        // Of equal names, which the loader refuses, the first.
+        let was_at: HashMap<&str, usize> = old.iter().enumerate().rev().map(|(index, o)| (name(o), index)).collect();
+        let kept: HashSet<&str> = new.iter().map(name).collect();
+        let renamed = |index: usize| old.get(index).filter(|o| !kept.contains(name(o))).map(|_| index);
+        new.iter().enumerate().map(|(index, n)| was_at.get(name(n)).copied().or_else(|| renamed(index))).collect()
+    }
+
+    /// In an array of inline tables, as `medium = [{ … }, { … }]`.
+    fn sync_inline(&self, array: &mut Array, old: &[T], new: &[T], sources: &[Option<usize>]) {
+        let mut tables: Vec<Option<Value>> = array.iter().cloned().map(Some).collect();
+        tables.resize_with(old.len(), || None);
+        // New ones stand as the last one does.
+        let decor = array.iter().last().map(|last| last.decor().clone());
+        let mut values = Vec::with_capacity(new.len());
+        for (n, source) in new.iter().zip(sources) {
+            let found = source.and_then(|j| tables[j].take().map(|value| (value, &old[j])));
+            let (mut value, o) = match found {
+                Some((value, o)) => (value, Some(o)),
+                None => {
+                    let mut value = Value::InlineTable(InlineTable::new());
+                    if let Some(decor) = &decor {
+                        *value.decor_mut() = decor.clone();
+                    }
+                    (value, None)
+                }
+            };
+            if let Some(table) = value.as_inline_table_mut() {
+                let keys = table.len();
+                (self.write)(table, o, n);
+                if table.len() != keys {
+                    table.fmt();
+                }
+            }
+            values.push(value);
+        }
+        array.clear();
+        values.into_iter().for_each(|value| array.push_formatted(value));
+    }
+
+    /// In tables of their own, `[[medium]]`.
+    fn sync_tables(&self, root: &mut Table, old: &[T], new: &[T], sources: Vec<Option<usize>>) {
         let mut tables: Vec<Option<Table>> = match root.get(self.key).cloned().map(Item::into_array_of_tables) {
             Some(Ok(array)) => array.into_iter().map(Some).collect(),
             _ => Vec::new(),
         };
         // Were they not alike, the file would not have been read.
         tables.resize_with(old.len(), || None);
-        let name = self.name;
-        let was_at = |wanted: &str| old.iter().position(|o| name(o) == wanted);
-        let is_kept = |wanted: &str| new.iter().any(|n| name(n) == wanted);
-        let sources: Vec<Option<usize>> = new
-            .iter()
-            .enumerate()
-            .map(|(i, n)| was_at(name(n)).or_else(|| old.get(i).filter(|o| !is_kept(name(o))).map(|_| i)))
-            .collect();
         let kept: Vec<usize> = sources.iter().flatten().copied().collect();
         if !kept.is_sorted() {
             // A table that moves takes its subtables along only if they are part of it.

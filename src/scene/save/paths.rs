@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use super::write_atomically;
+use super::write;
 use crate::scene::SceneError;
 use crate::scene::builtin;
 use crate::scene::description::{Description, Environment, Shape};
@@ -64,7 +64,7 @@ fn copy_asset(asset: &Path, folder: &Path) -> Result<PathBuf, SceneError> {
         match files::read(&path, bytes.len() as u64) {
             Ok(there) if there == bytes => return Ok(name.into()),
             Err(FileError::NotFound) => {
-                write_atomically(&path, bytes)?;
+                write(&path, bytes)?;
                 return Ok(name.into());
             }
             _ => {}

@@ -100,21 +100,20 @@ impl ToValue for IorModel {
     }
 }
 
-/// Without what is as by default.
-impl ToValue for Transform {
-    fn to_value(&self) -> Value {
-        let mut table = InlineTable::new();
-        if self.scale != DVec3::ONE {
-            let is_uniform = self.scale.x == self.scale.y && self.scale.y == self.scale.z;
-            table.insert("scale", if is_uniform { self.scale.x.to_value() } else { self.scale.to_value() });
-        }
-        for (key, value) in [("rotate", self.rotate), ("translate", self.translate)] {
-            if value != DVec3::ZERO {
-                table.insert(key, value.to_value());
-            }
-        }
-        Value::InlineTable(table)
+/// Without what is as by default, unless its key is to be there.
+pub(super) fn transform(transform: &Transform, is_wanted: impl Fn(&str) -> bool) -> Value {
+    let Transform { scale, rotate, translate } = *transform;
+    let mut table = InlineTable::new();
+    if scale != DVec3::ONE || is_wanted("scale") {
+        let is_uniform = scale.x == scale.y && scale.y == scale.z;
+        table.insert("scale", if is_uniform { scale.x.to_value() } else { scale.to_value() });
     }
+    for (key, value) in [("rotate", rotate), ("translate", translate)] {
+        if value != DVec3::ZERO || is_wanted(key) {
+            table.insert(key, value.to_value());
+        }
+    }
+    Value::InlineTable(table)
 }
 
 /// What follows `color =` or `checker =`.

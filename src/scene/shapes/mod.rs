@@ -18,6 +18,8 @@ pub use validate::{ShapeError, validate};
 
 /// Largest coordinate and length: beyond, products of two would overflow in single precision.
 pub const MAX_LENGTH: f64 = 1e18;
+/// Least length and scale: below it, products of three lengths are 0.
+pub const MIN_LENGTH: f64 = 1e-100;
 /// Most triangles that a shape may be tessellated into.
 pub const MAX_TRIANGLES: u64 = 4_000_000;
 /// Most segments of a shape of revolution, and most rings of a torus.

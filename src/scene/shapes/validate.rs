@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::profile::{clean, from_points, pieces_cross};
-use super::{MAX_LENGTH, MAX_SEGMENTS, MAX_SUBDIVISIONS, MAX_TRIANGLES};
+use super::{MAX_LENGTH, MAX_SEGMENTS, MAX_SUBDIVISIONS, MAX_TRIANGLES, MIN_LENGTH};
 use crate::geometry::topology::MAX_FACES;
 use crate::scene::description::Shape;
 
@@ -142,9 +142,11 @@ fn length(key: &'static str, value: f64) -> Checked {
     if !(value > 0.0 && value <= MAX_LENGTH) {
         return fault(key, format!("{key} is {value}, must be greater than 0 (and at most {MAX_LENGTH:e})"));
     }
-    // Below this the products of three lengths are 0.
-    if value < 1e-100 {
-        return fault(key, format!("{key} is {value:e}, too small to be computed with"));
+    if value < MIN_LENGTH {
+        return fault(
+            key,
+            format!("{key} is {value:e}, too small to be computed with: must be at least {MIN_LENGTH:e}"),
+        );
     }
     Ok(())
 }
