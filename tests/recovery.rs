@@ -250,8 +250,3 @@ fn special_files_do_not_stop_the_window() {
     assert_eq!(harness.state().state().document.path, None);
     until(&mut harness, "it is shown", every_pane_has_an_image);
 }
-
-#[cfg(unix)]
-fn path_text(path: &Path) -> String {
-    path.to_str().expect("a plain path").to_owned()
-}
