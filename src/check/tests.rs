@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::geometry::Mesh;
+use crate::optics::IorModel;
 use crate::render::prepare;
 use crate::scene::description::{Description, Shape};
 use crate::scene::{LoadNote, builtin, load};
