@@ -77,7 +77,7 @@ fn edits_survive_a_crash_and_are_restored() {
     assert_eq!(desk.kept().len(), 1);
     let on_disk = fs::read(desk.scene()).unwrap();
 
-    let mut harness = desk.window("plain-glass");
+    let mut harness = desk.window("nested-spheres");
     until(&mut harness, "the edits are offered", |app| !app.state().left_behind.is_empty());
     harness.get_by_label_contains("Edits of “Nested spheres”");
     harness.get_by_label("Restore").click();
@@ -91,7 +91,7 @@ fn edits_survive_a_crash_and_are_restored() {
     // Crashed again, with one more edit that was not kept yet.
     set_ior(&mut harness, 1.62);
     drop(harness);
-    let mut harness = desk.window("plain-glass");
+    let mut harness = desk.window("nested-spheres");
     until(&mut harness, "the edits are offered", |app| !app.state().left_behind.is_empty());
     harness.get_by_label("Restore").click();
     until(&mut harness, "they are back", |app| app.state().document.path.is_some());
@@ -110,14 +110,14 @@ fn edits_survive_a_crash_and_are_restored() {
 fn edits_are_discarded_put_off_or_undone() {
     let desk = Desk::new();
     drop(desk.edited(1.61));
-    let mut harness = desk.window("plain-glass");
+    let mut harness = desk.window("nested-spheres");
     until(&mut harness, "the edits are offered", |app| !app.state().left_behind.is_empty());
     harness.get_by_label("Later").click();
     until(&mut harness, "the offer is gone", |app| app.state().left_behind.is_empty());
     assert_eq!(desk.kept().len(), 1);
     drop(harness);
 
-    let mut harness = desk.window("plain-glass");
+    let mut harness = desk.window("nested-spheres");
     until(&mut harness, "they are offered again", |app| !app.state().left_behind.is_empty());
     harness.get_by_label("Discard").click();
     until(&mut harness, "they are gone", |app| app.state().left_behind.is_empty() && desk.kept().is_empty());
@@ -138,7 +138,7 @@ fn instances_that_run_keep_their_edits_apart() {
     assert_eq!(desk.kept().len(), 2);
     assert!(second.state().state().left_behind.is_empty(), "the first one runs");
     drop(first);
-    let mut third = desk.window("plain-glass");
+    let mut third = desk.window("nested-spheres");
     until(&mut third, "the first one's edits are offered", |app| !app.state().left_behind.is_empty());
     assert_eq!(third.state().state().left_behind.len(), 1);
     // Restored over edits: asked about first.
@@ -162,7 +162,7 @@ fn what_cannot_be_restored_is_kept() {
     fs::write(desk.scene(), text).unwrap();
     drop(desk.edited(1.61));
     fs::remove_file(&mesh).unwrap();
-    let mut harness = desk.window("plain-glass");
+    let mut harness = desk.window("nested-spheres");
     until(&mut harness, "the edits are offered", |app| !app.state().left_behind.is_empty());
     harness.get_by_label("Restore").click();
     until(&mut harness, "the failure is told", |app| app.state().notices.iter().any(|notice| notice.is_error));
@@ -228,7 +228,7 @@ fn an_edit_during_opening_is_not_lost() {
 #[test]
 fn a_window_larger_than_a_texture_shows_images() {
     let settings = Settings { pane_count: 1, resolution_scale: 1.0, sample_limit: Some(1), ..quick() };
-    let mut harness = window_of("plain-glass", settings, [10_000.0, 400.0]);
+    let mut harness = window_of("nested-spheres", settings, [10_000.0, 400.0]);
     until(&mut harness, "there is an image", every_pane_has_an_image);
     let [width, height] = harness.state().state().film_size();
     assert!(width == 2048 && (40..120).contains(&height), "{width} × {height}");
