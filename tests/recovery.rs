@@ -5,7 +5,6 @@ mod harness;
 
 use std::fs;
 #[cfg(unix)]
-use std::path::Path;
 use std::path::PathBuf;
 
 use egui_kittest::Harness;

@@ -1,5 +1,4 @@
 use super::*;
-use crate::optics::IorModel;
 use std::path::Path;
 use std::sync::Arc;
 

@@ -10,8 +10,8 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use serde::{Deserialize, Serialize};
 
 use super::Edits;
-use crate::writing::write_atomically;
 use crate::scene::{self, Description, SceneError};
+use crate::writing::write_atomically;
 
 /// How the first line begins, a comment to TOML; JSON follows.
 const HEAD: &str = "# iorect autosave ";
