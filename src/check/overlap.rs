@@ -6,6 +6,7 @@ use super::rims::Rims;
 use super::{Problem, names, samples};
 use crate::rectify::PatchKind;
 use crate::rectify::containment::{containment_beside, medium_of, priority, top};
+use crate::rectify::copies::Copies;
 use crate::rectify::encounters::{Encounter, Meeting};
 use crate::render::Prepared;
 use crate::scene::World;
@@ -24,7 +25,9 @@ pub(super) fn problems(prepared: &Prepared, encounters: &[Encounter], rims: &Rim
     let are_joined = |a: ObjectId, b: ObjectId| rims.get(&a).is_some_and(|others| others.contains(&b));
     let ties: Vec<_> =
         pairs_of(Meeting::Overlap).filter(|&(a, b)| is_undecided(world, a, b) && !are_joined(a, b)).collect();
-    let copies: Vec<_> = pairs_of(Meeting::Copy).filter(|&(a, b)| is_filled(world, a, b)).collect();
+    let alike = Copies::find(world);
+    let copies: Vec<_> =
+        pairs_of(Meeting::Copy).filter(|&(a, b)| alike.are_alike(a, b) || is_filled(world, a, b)).collect();
     let mut problems = Vec::new();
     for group in groups(&ties) {
         if group.len() <= MOST_PAIRS {

@@ -212,9 +212,34 @@ impl Slots {
     }
 }
 
+/// Whether many of the boxes are at one place, as the triangles of repeated meshes are: more than a quarter of some that stand for all.
+fn lie_on_each_other(bounds: &[Bounds]) -> bool {
+    const SAMPLES: usize = 1024;
+    /// Fewer than this are built in no time.
+    const MANY_BOXES: usize = 4096;
+    if bounds.len() < MANY_BOXES {
+        return false;
+    }
+    let all = bounds.iter().fold(Bounds::EMPTY, |a, b| a.union(*b));
+    let cell = (all.max - all.min).max_element() / 65_536.0;
+    let stride = bounds.len() / SAMPLES;
+    let place = |b: &Bounds| (((b.min + b.max) / 2.0 - all.min) / cell).to_array().map(|x| x as i64);
+    let mut places: Vec<[i64; 3]> = bounds.iter().step_by(stride).map(place).collect();
+    places.sort_unstable();
+    places.chunk_by(|a, b| a == b).any(|same| 4 * same.len() > places.len())
+}
+
 /// The binary tree: PLOC, reinsertion. A primitive in each leaf.
 fn build_binary(bounds: &[Bounds]) -> Bvh2 {
-    let boxes: Vec<Aabb> = bounds.iter().map(|b| Aabb::new(Vec3A::from(b.min), Vec3A::from(b.max))).collect();
+    let mut boxes: Vec<Aabb> = bounds.iter().map(|b| Aabb::new(Vec3A::from(b.min), Vec3A::from(b.max))).collect();
+    if lie_on_each_other(bounds) {
+        // Among equal boxes the builder finds no nearest ones, and joins them one by one: each is made a little larger by an amount of its own.
+        for (index, aabb) in boxes.iter_mut().enumerate() {
+            let irregular = (index as u32).wrapping_mul(0x9E37_79B9) as f32 / u32::MAX as f32;
+            let more = (aabb.max - aabb.min).max_element() * 1e-4 * irregular;
+            *aabb = Aabb::new(aabb.min - more, aabb.max + more);
+        }
+    }
     let parameters = BvhBuildParams {
         max_prims_per_leaf: 1,
         post_collapse_reinsertion_batch_ratio_multiplier: 0.0,

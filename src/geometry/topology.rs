@@ -208,8 +208,14 @@ impl<'a> Analysis<'a> {
         let area: f64 = parts.iter().map(|part| part.area).sum();
         let bodies: Vec<Option<Body>> = parts.iter().map(|part| part.body(size)).collect();
         let tree = is_repaired.then(|| Hierarchy::build(self.faces.len(), |face| self.corners(face as usize)));
+        let crossings = (tree.as_ref())
+            .map(|tree| crossing::crossings(tree, &self.faces, &self.positions, &components.of_face))
+            .unwrap_or_default();
         let mut verdicts = match &tree {
-            Some(tree) => nesting::judge(&bodies, tree, &self.faces, &components.of_face, &self.positions),
+            Some(tree) => {
+                let meetings = &crossings.meetings;
+                nesting::judge(&bodies, tree, &self.faces, &components.of_face, &self.positions, meetings)
+            }
             None => vec![Verdict::default(); bodies.len()],
         };
         // What encloses something only as a whole is turned as a whole.
@@ -227,9 +233,6 @@ impl<'a> Analysis<'a> {
             filling = fill(&loops, &self.positions, self.reference());
         }
         let gap = if loops.is_empty() { 0.0 } else { filling.area / area };
-        let crossings = tree
-            .map(|tree| crossing::crossings(&tree, &self.faces, &self.positions, &components.of_face))
-            .unwrap_or_default();
         let is_union = !crossings.pairs.is_empty()
             || crossings.touches
             || crossings.is_given_up

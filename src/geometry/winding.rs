@@ -133,7 +133,7 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
 }
 
 /// Solid angle of a triangle seen from the origin, positive from behind.
-fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
+pub(super) fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
     let (la, lb, lc) = (a.length(), b.length(), c.length());
     let determinant = a.dot(b.cross(c));
     let denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;

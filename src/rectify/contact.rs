@@ -13,7 +13,7 @@ use super::copies::Copies;
 use super::progress::{Cancelled, Progress, Stage};
 use super::tolerance::{Margins, Tolerance, largest};
 use crate::geometry::sphere::Sphere;
-use crate::geometry::{Enclosure, Geometry, ObjectRange, PrimitiveId, SurfacePoint, closest_point};
+use crate::geometry::{Geometry, ObjectRange, PrimitiveId, SurfacePoint, closest_point};
 use crate::scene::World;
 use crate::scene::world::{ObjectId, Surface};
 
@@ -170,7 +170,7 @@ impl Seeker<'_> {
         let (min, max) = this.bounds();
         let margin = DVec3::splat(self.margin);
         let comparable_area = COMPARABLE * geometry.primitive_area(face);
-        let asks_itself = self.world.object(self.subject).enclosure == Enclosure::Union;
+        let asks_itself = self.world.object(self.subject).may_contain_itself();
         let except = (!asks_itself).then_some(self.subject.0);
         let before = to.contacts.len();
         let mut comparable = 0;
@@ -505,7 +505,7 @@ pub fn is_stood_for(world: &World, point: &SurfacePoint) -> bool {
     let geometry = &*world.geometry;
     let own = ObjectId(geometry.object_of(point.primitive));
     let this = Face::of(geometry, point.primitive);
-    let except = (world.object(own).enclosure != Enclosure::Union).then_some(own.0);
+    let except = (!world.object(own).may_contain_itself()).then_some(own.0);
     let margin = DVec3::splat(largest(geometry, own.0));
     let search = geometry.search_near_box(point.position - margin, point.position + margin, except, |primitive| {
         let object = ObjectId(geometry.object_of(primitive));

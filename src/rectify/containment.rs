@@ -180,7 +180,7 @@ impl Poll {
 /// The refractors, other than `except`, that contain `point` (local coordinates). Directions follow from the point alone.
 pub fn containment(world: &World, point: DVec3, except: Option<ObjectId>) -> Containment {
     let votes = poll(world, point, |random| Ray::new(point, random.direction()), |_| false);
-    settle(world, point, votes, except)
+    settle(world, point, votes, except, false)
 }
 
 /// The refractors that lie on a side of a surface: the outer one, or the inner one. Faces that coincide with the surface are no hits: which
@@ -189,8 +189,8 @@ pub fn containment(world: &World, point: DVec3, except: Option<ObjectId>) -> Con
 pub fn containment_beside(world: &World, point: &SurfacePoint, is_outer: bool) -> Containment {
     let own = ObjectId(world.geometry.object_of(point.primitive));
     let votes = votes_beside(world, point, is_outer);
-    let may_contain_itself = is_outer && world.object(own).enclosure == Enclosure::Union;
-    settle(world, point.position, votes, (!may_contain_itself).then_some(own))
+    let may_contain_itself = is_outer && world.object(own).may_contain_itself();
+    settle(world, point.position, votes, Some(own), may_contain_itself)
 }
 
 /// The votes of rays that leave a surface on one side. Faces that coincide with it there are no hits.
@@ -240,23 +240,20 @@ fn poll(world: &World, point: DVec3, ray: impl Fn(&mut Random) -> Ray, is_ignore
     })
 }
 
-/// Majorities, and the refractors with holes.
-fn settle(world: &World, point: DVec3, votes: Vec<Vote>, except: Option<ObjectId>) -> Containment {
+/// Majorities, and the refractors with holes. The point lies on the outer side of the surface of `own`, if that is one; it is asked about only if
+/// parts of it may lie in others.
+fn settle(world: &World, point: DVec3, votes: Vec<Vote>, own: Option<ObjectId>, is_own_asked: bool) -> Containment {
     let mut answer = Containment::default();
-    for vote in votes {
-        if Some(vote.refractor) == except {
-            continue;
-        }
+    let is_asked = |refractor: ObjectId| is_own_asked || Some(refractor) != own;
+    for vote in votes.into_iter().filter(|vote| is_asked(vote.refractor)) {
         if vote.is_inside() {
             answer.refractors.push(vote.refractor);
         }
         answer.is_ambiguous |= vote.share() < CLEAR_SHARE;
     }
-    for &holed in &world.holed {
-        if Some(holed) == except {
-            continue;
-        }
-        let winding = world.object(holed).winding_at(point);
+    for &holed in world.holed.iter().filter(|holed| is_asked(**holed)) {
+        let object = world.object(holed);
+        let winding = if Some(holed) == own { object.winding_beside(point) } else { object.winding_at(point) };
         if winding > 0.5 {
             answer.refractors.push(holed);
         }
@@ -294,6 +291,9 @@ pub fn is_inside_by_vote(world: &World, refractor: ObjectId, point: &SurfacePoin
                 rays += 1;
             }
             2 * inside > rays
+        }
+        Enclosure::Holed if world.geometry.object_of(point.primitive) == refractor.0 => {
+            world.object(refractor).winding_beside(point.position) > 0.5
         }
         Enclosure::Holed => world.object(refractor).winding_at(point.position) > 0.5,
         Enclosure::Union | Enclosure::Sheet => {

@@ -63,6 +63,12 @@ impl Copies {
         self.first_of_copy.contains_key(&object)
     }
 
+    /// Whether two refractors are copies of each other.
+    pub fn are_alike(&self, a: ObjectId, b: ObjectId) -> bool {
+        let first = |id: ObjectId| self.first_of_copy.get(&id).copied().unwrap_or(id);
+        first(a) == first(b)
+    }
+
     /// The refractors that `first` stands for, besides itself.
     pub fn of(&self, first: ObjectId) -> &[ObjectId] {
         self.of_first.get(&first).map_or(&[], Vec::as_slice)

@@ -10,7 +10,7 @@ use super::containment::{Poll, Vote, is_at_start, outward_ray, with_poll};
 use super::layout::{Layout, Site};
 use super::random::Random;
 use super::surroundings::{State, Surroundings};
-use crate::geometry::{Enclosure, Ray};
+use crate::geometry::Ray;
 use crate::scene::World;
 use crate::scene::world::ObjectId;
 
@@ -91,7 +91,7 @@ pub fn vote(world: &World, site: &Site, mut votes: SiteVotes) -> SiteVotes {
     if !world.needs.nesting || site.fixed.is_masked {
         return votes;
     }
-    let asks_itself = is_refractor(world, site.subject) && world.object(site.subject).enclosure == Enclosure::Union;
+    let asks_itself = is_refractor(world, site.subject) && world.object(site.subject).may_contain_itself();
     // Sites of one object have first faces of their own.
     let first = match &site.faces {
         super::layout::Faces::Whole => 0,
@@ -118,7 +118,11 @@ pub fn vote(world: &World, site: &Site, mut votes: SiteVotes) -> SiteVotes {
                 poll.ask_sheets(world, &Ray { direction: -ray.direction, ..ray }, is_ignored);
             }
             for vote in &mut holed {
-                vote.inside += u32::from(world.object(vote.refractor).winding_at(point.position) > 0.5);
+                let holed = world.object(vote.refractor);
+                let is_own = vote.refractor == site.subject;
+                let winding =
+                    if is_own { holed.winding_beside(point.position) } else { holed.winding_at(point.position) };
+                vote.inside += u32::from(winding > 0.5);
                 vote.asked += 1;
             }
             rays += 1;

@@ -4,6 +4,8 @@
 //! crossing that is reported is one. Different components touch if they are no farther apart than the rounding of vertices to single
 //! precision, which would let rays miss what is between them.
 
+use std::collections::BTreeMap;
+
 use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
@@ -18,13 +20,15 @@ pub(super) struct Crossings {
     pub touches: bool,
     /// Whether the search was given up, as it can be where countless long triangles lie side by side.
     pub is_given_up: bool,
+    /// Components that meet, the lower first, and whether their faces cross there.
+    pub meetings: BTreeMap<(u32, u32), bool>,
 }
 
 /// Nodes at which the search is cut into independent parts; a constant, so that the result is the same on any number of threads.
 const PARTS: usize = 256;
 /// Crossings that each part reports at the most.
 const MOST_PAIRS: usize = 64;
-/// Faces that touch in each part: with more of them, faces lie on each other without number, and the search is given up.
+/// Pairs of faces that meet in each part: with more of them, faces lie on each other without number, and the search is given up.
 const MOST_TOUCHES: usize = 4096;
 /// Pairs of nodes that each part looks at: so many, and so many for each leaf of the tree over all parts.
 const PATIENCE: (usize, usize) = (5_000, 100);
@@ -62,6 +66,7 @@ pub(super) fn crossings(
                 components: &components,
                 size,
                 found: Crossings::default(),
+                is_one,
                 touches_left: MOST_TOUCHES,
                 patience,
             };
@@ -77,6 +82,9 @@ pub(super) fn crossings(
         all.pairs.extend(part.pairs);
         all.touches |= part.touches;
         all.is_given_up |= part.is_given_up;
+        for (pair, crosses) in part.meetings {
+            *all.meetings.entry(pair).or_default() |= crosses;
+        }
     }
     all.pairs.sort_unstable();
     all
@@ -154,6 +162,8 @@ struct Search<'a> {
     /// The mesh's largest extent.
     size: f64,
     found: Crossings,
+    /// Whether there is but one component: then nothing is to be found out beyond some crossings.
+    is_one: bool,
     touches_left: usize,
     patience: usize,
 }
@@ -166,7 +176,7 @@ impl Search<'_> {
         } else {
             self.patience -= 1;
         }
-        self.found.is_given_up || self.found.pairs.len() >= MOST_PAIRS
+        self.found.is_given_up || (self.found.pairs.len() >= MOST_PAIRS && self.is_one)
     }
 
     /// Tests the faces below a node against each other.
@@ -246,17 +256,20 @@ impl Search<'_> {
             [Some(i), None, Some(j)] => meet_at_an_edge(a, 2, b, 3 - i - j, room),
             [Some(_), Some(_), Some(_)] => Contact::Touch,
         };
-        match contact {
-            Contact::None => {}
-            Contact::Touch => {
-                self.found.touches = true;
-                self.touches_left = self.touches_left.saturating_sub(1);
-            }
-            Contact::Cross => {
-                let mut ids = places.map(|place| self.tree.order[place]);
-                ids.sort_unstable();
-                self.found.pairs.push(ids);
-            }
+        let crosses = contact == Contact::Cross;
+        if !is_one_part && (contact != Contact::None || joints.iter().any(Option::is_some)) {
+            let pair = places.map(|place| self.components[place]);
+            *self.found.meetings.entry((pair[0].min(pair[1]), pair[0].max(pair[1]))).or_default() |= crosses;
+        }
+        if contact == Contact::None {
+            return;
+        }
+        self.touches_left = self.touches_left.saturating_sub(1);
+        self.found.touches |= !crosses;
+        if crosses && self.found.pairs.len() < MOST_PAIRS {
+            let mut ids = places.map(|place| self.tree.order[place]);
+            ids.sort_unstable();
+            self.found.pairs.push(ids);
         }
     }
 }

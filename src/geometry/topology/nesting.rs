@@ -3,11 +3,17 @@
 //! From the top of each component, in one fixed direction, a ray goes up. The first face of another component that it meets says all: met
 //! from inside, that component is the container; met from outside, both lie in the same container. Every component so met reaches higher
 //! than the one below it, so the answers can be worked out from the top down.
+//!
+//! Components that cross contain each other not at all. Of components that touch, the top of one may lie on the other: there the winding
+//! numbers around the middles of some faces tell.
+
+use std::collections::BTreeMap;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::geometry::hierarchy::Hierarchy;
+use crate::geometry::winding::solid_angle;
 
 /// A component that encloses something.
 #[derive(Debug, Clone, Copy)]
@@ -38,6 +44,7 @@ pub(super) const UP: DVec3 = DVec3::new(0.237_114, 0.353_571, 0.904_853);
 /// - A component that lies in no other and looks inward is turned over; if all that lie in it alternate with it, they are turned with it: the
 ///   whole body was inside out.
 /// - A component in which the surface would be wound less than zero times is turned over.
+/// - A component that touches the one that it lies in, and looks the same way, is turned as that is: a part of the same solid.
 /// - An inward component within an outward one is a cavity and stays; an outward one within an outward one stays too: a union.
 pub(super) fn judge(
     bodies: &[Option<Body>],
@@ -45,13 +52,15 @@ pub(super) fn judge(
     faces: &[[u32; 3]],
     component_of_face: &[u32],
     positions: &[DVec3],
+    meetings: &BTreeMap<(u32, u32), bool>,
 ) -> Vec<Verdict> {
+    let neighbourhood = Neighbourhood::new(bodies, faces, component_of_face, positions, meetings);
     // The first face above each component: its component, and whether it is met from outside.
     let first_above = |(index, body): (usize, &Option<Body>)| {
         let body = (*body)?;
         let is_asked = |face: u32| {
             let component = component_of_face[face as usize] as usize;
-            component != index && bodies[component].is_some()
+            component != index && bodies[component].is_some() && !neighbourhood.meet(index as u32, component as u32)
         };
         let (face, is_front) = first_above(tree, faces, positions, body.top, is_asked)?;
         let component = component_of_face[face as usize];
@@ -65,7 +74,8 @@ pub(super) fn judge(
     };
     let mut order: Vec<u32> = (0..bodies.len() as u32).filter(|&c| bodies[c as usize].is_some()).collect();
     let height = |c: u32| bodies[c as usize].map_or(f64::NEG_INFINITY, |b| b.height);
-    order.sort_by(|&a, &b| height(b).total_cmp(&height(a)).then(a.cmp(&b)));
+    let size = |c: u32| bodies[c as usize].map_or(0.0, |b| b.volume.abs());
+    order.sort_by(|&a, &b| height(b).total_cmp(&height(a)).then(size(b).total_cmp(&size(a))).then(a.cmp(&b)));
 
     let mut parents: Vec<Option<u32>> = vec![None; bodies.len()];
     // (outermost container, how deep within it)
@@ -76,13 +86,19 @@ pub(super) fn judge(
     let mut is_inverted = vec![true; bodies.len()];
     for &c in &order {
         // What is not known yet reaches no higher: the surfaces cross, and who contains whom is no question.
-        if let Some((other, from_outside)) = above[c as usize].filter(|&(other, _)| is_known[other as usize]) {
-            let parent = if from_outside { parents[other as usize] } else { Some(other) };
-            parents[c as usize] = parent;
-            if let Some(parent) = parent {
-                let (root, depth) = places[parent as usize];
-                places[c as usize] = (root, depth + 1);
-            }
+        let mut parent = (above[c as usize].filter(|&(other, _)| is_known[other as usize]))
+            .and_then(|(other, from_outside)| if from_outside { parents[other as usize] } else { Some(other) });
+        // What it meets may contain what is above it, and not contain it.
+        while let Some(met) = parent.filter(|&p| neighbourhood.meet(c, p)) {
+            parent = parents[met as usize];
+        }
+        if let Some(touched) = neighbourhood.container(c).filter(|&p| is_known[p as usize]) {
+            parent = Some(touched);
+        }
+        parents[c as usize] = parent;
+        if let Some(parent) = parent {
+            let (root, depth) = places[parent as usize];
+            places[c as usize] = (root, depth + 1);
         }
         is_known[c as usize] = true;
         let (root, depth) = places[c as usize];
@@ -93,7 +109,10 @@ pub(super) fn judge(
     for &c in &order {
         let root = places[c as usize].0;
         let winding_outside = parents[c as usize].map_or(0, |parent| verdicts[parent as usize].winding);
-        let mut is_turned = is_inverted[root as usize];
+        // A part that touches what it lies in and looks the same way is no cavity, whichever way that is.
+        let like =
+            neighbourhood.container(c).filter(|&p| parents[c as usize] == Some(p) && is_outward(p) == is_outward(c));
+        let mut is_turned = like.map_or(is_inverted[root as usize], |container| verdicts[container as usize].is_turned);
         let mut winding = winding_outside + if is_outward(c) != is_turned { 1 } else { -1 };
         if winding < 0 {
             is_turned = !is_turned;
@@ -109,6 +128,78 @@ pub(super) fn judge(
         }
     }
     verdicts
+}
+
+/// Which components meet, and which of those that only touch lie in which.
+struct Neighbourhood {
+    /// By component, in ascending order.
+    met: BTreeMap<u32, Vec<u32>>,
+    /// The smallest of the components that contain one and touch it.
+    containers: BTreeMap<u32, u32>,
+}
+
+impl Neighbourhood {
+    fn new(
+        bodies: &[Option<Body>],
+        faces: &[[u32; 3]],
+        component_of_face: &[u32],
+        positions: &[DVec3],
+        meetings: &BTreeMap<(u32, u32), bool>,
+    ) -> Self {
+        let mut found = Self { met: BTreeMap::new(), containers: BTreeMap::new() };
+        if meetings.is_empty() {
+            return found;
+        }
+        for &(a, b) in meetings.keys() {
+            found.met.entry(a).or_default().push(b);
+            found.met.entry(b).or_default().push(a);
+        }
+        found.met.values_mut().for_each(|others| others.sort_unstable());
+        let mut faces_of: BTreeMap<u32, Vec<[DVec3; 3]>> = BTreeMap::new();
+        for (face, component) in faces.iter().zip(component_of_face).filter(|(_, c)| found.met.contains_key(c)) {
+            faces_of.entry(*component).or_default().push(face.map(|v| positions[v as usize]));
+        }
+        let volume = |c: u32| bodies[c as usize].map_or(0.0, |body| body.volume.abs());
+        let touching: Vec<(u32, u32)> = (meetings.iter())
+            .filter(|(_, crosses)| !**crosses)
+            .map(|(&(a, b), _)| if volume(a) < volume(b) { (a, b) } else { (b, a) })
+            .filter(|&(inner, outer)| bodies[inner as usize].is_some() && bodies[outer as usize].is_some())
+            .collect();
+        let inside: Vec<(u32, u32)> =
+            touching.into_par_iter().filter(|(inner, outer)| lies_in(&faces_of[inner], &faces_of[outer])).collect();
+        for (inner, outer) in inside {
+            let smallest = found.containers.entry(inner).or_insert(outer);
+            if volume(outer) < volume(*smallest) {
+                *smallest = outer;
+            }
+        }
+        found
+    }
+
+    fn meet(&self, a: u32, b: u32) -> bool {
+        self.met.get(&a).is_some_and(|others| others.binary_search(&b).is_ok())
+    }
+
+    fn container(&self, c: u32) -> Option<u32> {
+        self.containers.get(&c).copied()
+    }
+}
+
+/// Whether most of some faces' middles lie within what other faces enclose; those on its surface do not count.
+fn lies_in(inner: &[[DVec3; 3]], outer: &[[DVec3; 3]]) -> bool {
+    const MOST_ASKED: usize = 15;
+    let asked = inner.iter().step_by(inner.len().div_ceil(MOST_ASKED));
+    let windings = asked.map(|[a, b, c]| {
+        let middle = (a + b + c) / 3.0;
+        let angle: f64 = outer.iter().map(|corners| solid_angle(corners.map(|p| p - middle))).sum();
+        (angle / (4.0 * std::f64::consts::PI)).abs()
+    });
+    let (mut within, mut beyond) = (0, 0);
+    for winding in windings {
+        within += usize::from(winding > 0.75);
+        beyond += usize::from(winding < 0.25);
+    }
+    within > beyond
 }
 
 /// The first face above `origin` for which `is_asked`, and whether it is met from the side that it looks to.
