@@ -66,6 +66,30 @@ fn every_module_has_its_layer() {
     }
 }
 
+/// Mode `reference` judges rectification and the analysis of meshes, so it must share none of their code.
+#[test]
+fn the_reference_shares_nothing_with_what_it_judges() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/tracking/reference");
+    let mut files = Vec::new();
+    collect(&root, &mut files);
+    assert!(files.len() > 4, "only {} files found", files.len());
+    for file in files {
+        let shared = shared_names(&fs::read_to_string(&file).unwrap());
+        assert!(shared.is_empty(), "{}: {shared:?}", file.display());
+    }
+    assert_eq!(shared_names("use crate::rectify::containment::top;"), ["rectify"]);
+    assert_eq!(shared_names("fn f(o: &Object) { o.enclosure; o.volume } // o.winding"), ["enclosure"]);
+}
+
+/// The names in a file's code that belong to rectification, or to what is known of a mesh by its analysis.
+fn shared_names(source: &str) -> Vec<&'static str> {
+    const NAMES: &[&str] =
+        &["rectify", "topology", "Topology", "Enclosure", "enclosure", "WindingTree", "holed", "has_sheets"];
+    let code = code_only(source);
+    let words: BTreeSet<&str> = code.split(|c: char| !(c.is_alphanumeric() || c == '_')).collect();
+    NAMES.iter().copied().filter(|name| words.contains(name)).collect()
+}
+
 /// The twin with planted errors: each must be found, and nothing else.
 #[test]
 fn planted_violations_are_found() {

@@ -4,14 +4,14 @@ use super::crossing::Met;
 use super::path::{PathTracer, dimension};
 use super::sampler::Sampler;
 use crate::geometry::Ray;
-use crate::rectify::start::{Start, start};
+use crate::rectify::containment::medium_at;
+use crate::rectify::start::{Start, start_by_asking};
 use crate::render::{Events, Prepared};
 use crate::scatter::dielectric::{self, Choice};
 use crate::scene::world::{ObjectId, Surface};
 use crate::tracking::naive::Naive;
 use crate::tracking::priority::Priority;
 use crate::tracking::rectified::{Rectified, RectifiedObject};
-use crate::tracking::reference::Reference;
 use crate::tracking::stack::Stack;
 use crate::tracking::{Mode, Tracker};
 
@@ -98,7 +98,7 @@ pub fn trace(
         Mode::Priority => tracing.run(&Priority { world: &prepared.world }, ray),
         Mode::RectifiedObject => tracing.run(&RectifiedObject::new(&prepared.world, &prepared.table), ray),
         Mode::Rectified => tracing.run(&Rectified { world: &prepared.world, table: &prepared.table }, ray),
-        Mode::Reference => tracing.run(&Reference { world: &prepared.world }, ray),
+        Mode::Reference => tracing.run(&prepared.reference(), ray),
     }
 }
 
@@ -117,7 +117,8 @@ impl Tracing<'_> {
         let ray = Ray::new(ray.origin - world.geometry.origin, ray.direction.normalize());
         let mut state = T::State::default();
         tracker.start(&mut state);
-        let Start { mut ray, mut medium, is_ambiguous } = start(world, ray);
+        let ask = |point| tracker.medium_at(point).unwrap_or_else(|| medium_at(world, point));
+        let Start { mut ray, mut medium, is_ambiguous } = start_by_asking(world, ray, &ask);
         let mut path = TracedPath {
             mode: self.mode,
             camera_medium: world.medium(medium).name.clone(),

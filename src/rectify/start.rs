@@ -33,9 +33,17 @@ pub struct StartRegion {
     whole: Option<(MediumId, bool)>,
 }
 
+/// Gives the medium at a point off all surfaces (local coordinates), and whether it is ambiguous.
+pub type Ask<'a> = &'a (dyn Fn(DVec3) -> (MediumId, bool) + Sync);
+
 impl StartRegion {
     /// The region within `radius` ≥ 0 of `center` (local coordinates).
     pub fn new(world: &World, center: DVec3, radius: f64) -> Self {
+        Self::by_asking(world, center, radius, &|point| medium_at(world, point))
+    }
+
+    /// The same, with another way to ask for media.
+    pub fn by_asking(world: &World, center: DVec3, radius: f64, ask: Ask<'_>) -> Self {
         let geometry = &world.geometry;
         let is_refractor = |primitive| {
             let object = ObjectId(geometry.object_of(primitive));
@@ -52,27 +60,33 @@ impl StartRegion {
             }
         });
         near.sort_unstable();
-        let whole = near.is_empty().then(|| medium_at(world, center));
+        let whole = near.is_empty().then(|| ask(center));
         Self { near, whole }
     }
 
     /// How a ray (local coordinates) starts whose origin lies in the region.
     #[inline]
     pub fn start(&self, world: &World, ray: Ray) -> Start {
+        self.start_by_asking(world, ray, &|point| medium_at(world, point))
+    }
+
+    /// The same, with another way to ask for media.
+    #[inline]
+    pub fn start_by_asking(&self, world: &World, ray: Ray, ask: Ask<'_>) -> Start {
         match self.whole {
             Some((medium, is_ambiguous)) => Start { ray, medium, is_ambiguous },
-            None => self.start_near_surface(world, ray),
+            None => self.start_near_surface(world, ray, ask),
         }
     }
 
-    fn start_near_surface(&self, world: &World, mut ray: Ray) -> Start {
+    fn start_near_surface(&self, world: &World, mut ray: Ray, ask: Ask<'_>) -> Start {
         let geometry = &world.geometry;
         let starts_on = |primitive: &PrimitiveId| {
             geometry.distance(*primitive, ray.origin) <= tolerance(world, *primitive, ray.origin)
         };
         let on: Vec<PrimitiveId> = self.near.iter().copied().filter(starts_on).collect();
         if on.is_empty() {
-            let (medium, is_ambiguous) = medium_at(world, ray.origin);
+            let (medium, is_ambiguous) = ask(ray.origin);
             return Start { ray, medium, is_ambiguous };
         }
         let mut next = geometry.closest(&ray);
@@ -85,7 +99,7 @@ impl StartRegion {
         }
         // Up to the next surface there is one medium. Halfway there it can be asked with room on all sides.
         let length = next.map_or_else(|| geometry.bounding_sphere().map_or(1.0, |s| s.radius), |hit| hit.t - ray.t_min);
-        let (medium, is_ambiguous) = medium_at(world, ray.at(ray.t_min + 0.5 * length));
+        let (medium, is_ambiguous) = ask(ray.at(ray.t_min + 0.5 * length));
         Start { ray, medium, is_ambiguous }
     }
 }
@@ -98,5 +112,10 @@ fn tolerance(world: &World, primitive: PrimitiveId, point: DVec3) -> f64 {
 
 /// How `ray` (local coordinates) starts.
 pub fn start(world: &World, ray: Ray) -> Start {
-    StartRegion::new(world, ray.origin, 0.0).start(world, ray)
+    start_by_asking(world, ray, &|point| medium_at(world, point))
+}
+
+/// The same, with another way to ask for media.
+pub fn start_by_asking(world: &World, ray: Ray, ask: Ask<'_>) -> Start {
+    StartRegion::by_asking(world, ray.origin, 0.0, ask).start_by_asking(world, ray, ask)
 }

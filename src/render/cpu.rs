@@ -10,13 +10,13 @@ use super::film::Film;
 use super::prepare::Prepared;
 use crate::estimator::path::{Batch, PathTracer, dimension};
 use crate::estimator::sampler::{Sampler, Sequence};
+use crate::rectify::containment::medium_at;
 use crate::rectify::start::StartRegion;
 use crate::scene::camera::Camera;
 use crate::scene::needs::SceneNeeds;
 use crate::tracking::naive::Naive;
 use crate::tracking::priority::Priority;
 use crate::tracking::rectified::{Rectified, RectifiedObject};
-use crate::tracking::reference::Reference;
 use crate::tracking::stack::Stack;
 use crate::tracking::{Mode, Tracker};
 
@@ -68,7 +68,7 @@ pub fn accumulate(
         Mode::Priority => pass.run(&Priority { world: &prepared.world }, film),
         Mode::RectifiedObject => pass.run(&RectifiedObject::new(&prepared.world, &prepared.table), film),
         Mode::Rectified => pass.run(&Rectified { world: &prepared.world, table: &prepared.table }, film),
-        Mode::Reference => pass.run(&Reference { world: &prepared.world }, film),
+        Mode::Reference => pass.run(&prepared.reference(), film),
     }
 }
 
@@ -94,7 +94,8 @@ impl Pass<'_> {
             splits: self.settings.variance.splits,
         };
         let camera = Camera { position: self.camera.position - world.geometry.origin, ..*self.camera };
-        let lens = StartRegion::new(world, camera.position, camera.aperture_radius);
+        let ask = |point| tracker.medium_at(point).unwrap_or_else(|| medium_at(world, point));
+        let lens = StartRegion::by_asking(world, camera.position, camera.aperture_radius, &ask);
         let width = film.width;
         let size = DVec2::new(f64::from(film.width), f64::from(film.height));
         let taken = film.samples + self.samples;
@@ -154,7 +155,7 @@ impl Pass<'_> {
                         let [x, y] = sampler.get_2d(dimension::PIXEL);
                         let at = DVec2::new(f64::from(column) + x, row as f64 + y);
                         let ray = camera.ray(at, size, lens_point(&camera, &sampler));
-                        batch.add(&lens.start(world, ray), sampler, &tracer);
+                        batch.add(&lens.start_by_asking(world, ray, &ask), sampler, &tracer);
                         if batch.is_full() {
                             trace(batch);
                         }

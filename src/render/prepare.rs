@@ -1,11 +1,12 @@
 //! From a description to something that can be traced, doing again only what an edit can have changed.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use crate::rectify::InterfaceTable;
 use crate::scene::compile::{changed_objects, compile};
 use crate::scene::{Description, SceneError, World};
+use crate::tracking::reference::{Bodies, Reference};
 
 /// A compiled and rectified scene. Cheap to clone.
 #[derive(Debug, Clone)]
@@ -13,6 +14,8 @@ pub struct Prepared {
     pub description: Arc<Description>,
     pub world: Arc<World>,
     pub table: Arc<InterfaceTable>,
+    /// What mode `reference` asks, once it has been asked for.
+    pub bodies: Arc<OnceLock<Bodies>>,
     pub seconds: PrepareSeconds,
 }
 
@@ -43,5 +46,17 @@ pub fn prepare(description: Arc<Description>, previous: Option<&Prepared>) -> Re
         None => InterfaceTable::new(&world),
     };
     let seconds = PrepareSeconds { bvh, rectify: start.elapsed().as_secs_f64() };
-    Ok(Prepared { description, world: Arc::new(world), table: Arc::new(table), seconds })
+    let bodies = match previous {
+        Some(previous) if Arc::ptr_eq(&previous.world.geometry, &world.geometry) => Arc::clone(&previous.bodies),
+        _ => Arc::default(),
+    };
+    Ok(Prepared { description, world: Arc::new(world), table: Arc::new(table), bodies, seconds })
+}
+
+impl Prepared {
+    /// Mode `reference` at work. The first call reads all refractors' meshes anew.
+    pub fn reference(&self) -> Reference<'_> {
+        let bodies = self.bodies.get_or_init(|| Bodies::new(&self.description, &self.world));
+        Reference { world: &self.world, bodies }
+    }
 }

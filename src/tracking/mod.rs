@@ -9,6 +9,8 @@ pub mod stack;
 use std::fmt;
 use std::str::FromStr;
 
+use glam::DVec3;
+
 use crate::geometry::{Mask, SurfacePoint};
 use crate::render::Events;
 use crate::scene::world::{MediumId, ObjectId};
@@ -57,6 +59,12 @@ pub trait Tracker: Sync {
     #[inline]
     fn can_skip(&self) -> bool {
         false
+    }
+
+    /// The medium at a point off all surfaces (local coordinates), and whether there is doubt; `None` where the mode has no way of its own to
+    /// ask, and takes what rectification finds.
+    fn medium_at(&self, _point: DVec3) -> Option<(MediumId, bool)> {
+        None
     }
 
     /// Primitives of refractors that are no interface anywhere: rays need not meet them.
@@ -128,7 +136,7 @@ impl Mode {
                 "Looks up what rectification found outside each refractor: no state per path, right wherever it starts."
             }
             Self::Reference => {
-                "Asks what contains both sides of every hit, with voting rays: slow, the truth the others are measured against."
+                "Asks what contains both sides of every hit, by winding numbers: slow, the truth the others are measured against."
             }
         }
     }

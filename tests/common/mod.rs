@@ -1,6 +1,9 @@
 //! Scenes made in memory, and ways to ask them, shared by the whole-system tests.
 #![allow(dead_code, unused_imports)]
 
+pub mod meshes;
+pub mod parts;
+pub mod touch;
 pub mod truth;
 
 use iorect::render::{Film, Prepared};

@@ -16,9 +16,56 @@ use iorect::tracking::Mode;
 
 use super::Numbers;
 
+/// Triangles that look outward, or what is left of them where there are holes.
+pub struct Shell {
+    triangles: Vec<[DVec3; 3]>,
+    min: DVec3,
+    max: DVec3,
+}
+
+impl Shell {
+    pub fn new(triangles: Vec<[DVec3; 3]>) -> Self {
+        let min = triangles.iter().flatten().fold(DVec3::INFINITY, |m, p| m.min(*p));
+        let max = triangles.iter().flatten().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
+        Self { triangles, min, max }
+    }
+
+    /// Enclosed; of holes nothing is known.
+    pub fn volume(&self) -> f64 {
+        let middle = (self.min + self.max) / 2.0;
+        self.triangles.iter().map(|t| (t[0] - middle).dot((t[1] - middle).cross(t[2] - middle)) / 6.0).sum()
+    }
+
+    /// Times that it encloses `point`; 0 beyond its bounding box.
+    fn winding(&self, point: DVec3) -> f64 {
+        let is_in_box = point.cmpge(self.min).all() && point.cmple(self.max).all();
+        if is_in_box { winding_number(&self.triangles, point) } else { 0.0 }
+    }
+}
+
+/// What a shell encloses, but for what the shells of its cavities enclose.
+pub struct Solid {
+    pub shell: Shell,
+    pub cavities: Vec<Shell>,
+}
+
+impl Solid {
+    fn shells(&self) -> impl Iterator<Item = &Shell> {
+        std::iter::once(&self.shell).chain(&self.cavities)
+    }
+
+    fn contains(&self, point: DVec3) -> bool {
+        self.shell.winding(point) > 0.5 && self.cavities.iter().all(|cavity| cavity.winding(point) < 0.5)
+    }
+}
+
 enum Surface {
-    Ball { center: DVec3, radius: f64 },
-    Mesh(Vec<[DVec3; 3]>),
+    Ball {
+        center: DVec3,
+        radius: f64,
+    },
+    /// The union of solids.
+    Solids(Vec<Solid>),
 }
 
 struct Body {
@@ -45,8 +92,10 @@ pub struct Truth {
     pub grazing: f64,
     /// How overlaps are resolved. Made wrong on purpose by tests of the tests.
     top: fn(Candidate, Candidate) -> bool,
-    /// Places so far where surfaces of several bodies were one.
+    /// Places so far where surfaces of several bodies, or of several parts of one, were one.
     coincident: Cell<usize>,
+    /// Whether some shell has holes, through which a ray comes into it without meeting it.
+    has_holes: bool,
 }
 
 /// A refractor that contains a point.
@@ -77,6 +126,8 @@ struct Meeting {
     /// Distance to the nearest edge; infinite on spheres.
     edge: f64,
     body: usize,
+    /// Which of the body's shells.
+    shell: usize,
 }
 
 /// The next thing on a ray that is more than a surface between equals.
@@ -110,28 +161,41 @@ impl Truth {
         let solids = description.solids.iter().map(|s| body(&s.shape, &s.transform, None, 0));
         let lights = description.lights.iter().map(|l| body(&l.shape, &l.transform, None, 0));
         let bodies: Vec<Body> = refractors.chain(solids).chain(lights).collect();
-        let min = bodies.iter().fold(DVec3::INFINITY, |m, b| m.min(b.min));
-        let max = bodies.iter().fold(DVec3::NEG_INFINITY, |m, b| m.max(b.max));
+        let (size, together, margin) = (0.0, 0.0, 0.0);
+        let (top, coincident) = (is_above as fn(Candidate, Candidate) -> bool, Cell::new(0));
+        Self { bodies, media, size, together, margin, grazing: 0.02, top, coincident, has_holes: false }.measured()
+    }
+
+    /// With distances that fit the bodies' size.
+    fn measured(self) -> Self {
+        let (min, max) = self.bounds();
         let size = (max - min).max_element();
-        Self {
-            bodies,
-            media,
-            size,
-            together: 1e-6 * size,
-            margin: 1e-5 * size,
-            grazing: 0.02,
-            top: is_above,
-            coincident: Cell::new(0),
-        }
+        Self { size, together: 1e-6 * size, margin: 1e-5 * size, ..self }
+    }
+
+    fn bounds(&self) -> (DVec3, DVec3) {
+        let min = self.bodies.iter().fold(DVec3::INFINITY, |m, b| m.min(b.min));
+        let max = self.bodies.iter().fold(DVec3::NEG_INFINITY, |m, b| m.max(b.max));
+        (min, max)
+    }
+
+    /// The same where the refractor of that index is the union of these solids, in scene coordinates, of that `volume`: for meshes whose
+    /// parts their maker knows.
+    pub fn with_solids(mut self, refractor: usize, solids: Vec<Solid>, volume: f64, has_holes: bool) -> Self {
+        let body = &mut self.bodies[refractor];
+        body.min = solids.iter().fold(DVec3::INFINITY, |m, s| m.min(s.shell.min));
+        body.max = solids.iter().fold(DVec3::NEG_INFINITY, |m, s| m.max(s.shell.max));
+        body.surface = Surface::Solids(solids);
+        body.volume = volume;
+        self.has_holes |= has_holes;
+        self.measured()
     }
 
     /// The refractors that contain a point, by index.
     pub fn containers(&self, point: DVec3) -> Vec<usize> {
         let contains = |body: &Body| match &body.surface {
             Surface::Ball { center, radius } => point.distance(*center) < *radius,
-            Surface::Mesh(triangles) => {
-                point.cmpge(body.min).all() && point.cmple(body.max).all() && winding_number(triangles, point) > 0.5
-            }
+            Surface::Solids(solids) => solids.iter().any(|solid| solid.contains(point)),
         };
         (0..self.bodies.len()).filter(|&b| self.bodies[b].medium.is_some() && contains(&self.bodies[b])).collect()
     }
@@ -203,17 +267,19 @@ impl Truth {
                     for t in [along - half_chord, along + half_chord] {
                         if t > t_min {
                             let normal = (ray.at(t) - *center) / *radius;
-                            meetings.push(Meeting { t, normal, edge: f64::INFINITY, body: index });
+                            meetings.push(Meeting { t, normal, edge: f64::INFINITY, body: index, shell: 0 });
                         }
                     }
                 }
-                Surface::Mesh(triangles) => {
-                    if !line_meets_box(ray, body.min, body.max) {
-                        continue;
-                    }
-                    for &triangle in triangles {
-                        if let Some(meeting) = meet_triangle(ray, triangle).filter(|m| m.t > t_min) {
-                            meetings.push(Meeting { body: index, ..meeting });
+                Surface::Solids(solids) => {
+                    for (number, shell) in solids.iter().flat_map(Solid::shells).enumerate() {
+                        if !line_meets_box(ray, shell.min, shell.max) {
+                            continue;
+                        }
+                        for &triangle in &shell.triangles {
+                            if let Some(meeting) = meet_triangle(ray, triangle).filter(|m| m.t > t_min) {
+                                meetings.push(Meeting { body: index, shell: number, ..meeting });
+                            }
                         }
                     }
                 }
@@ -223,23 +289,49 @@ impl Truth {
         meetings
     }
 
-    /// Distance from a point to the nearest surface of any body but those of `except`.
-    fn clearance(&self, point: DVec3, except: &[usize]) -> f64 {
+    /// Distance from a point to the nearest surface but those of the shells `except`, which are given by body and number.
+    fn clearance(&self, point: DVec3, except: &[(usize, usize)]) -> f64 {
         let mut nearest = f64::INFINITY;
-        for (index, body) in self.bodies.iter().enumerate().filter(|(index, _)| !except.contains(index)) {
-            let outside = (body.min - point).max(point - body.max).max(DVec3::ZERO).length();
-            if outside >= nearest || outside > 10.0 * self.margin {
-                continue;
-            }
-            let distance = match &self.bodies[index].surface {
-                Surface::Ball { center, radius } => (point.distance(*center) - radius).abs(),
-                Surface::Mesh(triangles) => {
-                    triangles.iter().map(|t| distance_to_triangle(*t, point)).fold(f64::INFINITY, f64::min)
+        for (index, body) in self.bodies.iter().enumerate() {
+            match &body.surface {
+                Surface::Ball { center, radius } if !except.contains(&(index, 0)) => {
+                    nearest = nearest.min((point.distance(*center) - radius).abs());
                 }
-            };
-            nearest = nearest.min(distance);
+                Surface::Ball { .. } => {}
+                Surface::Solids(solids) => {
+                    let shells = solids.iter().flat_map(Solid::shells).enumerate();
+                    for (_, shell) in shells.filter(|(number, _)| !except.contains(&(index, *number))) {
+                        let outside = (shell.min - point).max(point - shell.max).max(DVec3::ZERO).length();
+                        if outside < nearest && outside <= 10.0 * self.margin {
+                            let distances = shell.triangles.iter().map(|t| distance_to_triangle(*t, point));
+                            nearest = distances.fold(nearest, f64::min);
+                        }
+                    }
+                }
+            }
         }
         nearest
+    }
+
+    /// Whether the same refractors contain all of a piece of a ray, with no doubt: a shell with holes has none where its winding number
+    /// is far from ½.
+    fn is_steady(&self, ray: &Ray, from: f64, to: f64) -> bool {
+        const STEPS: u32 = 8;
+        let (first, last) = (from + 0.5 * self.margin, to - 0.5 * self.margin);
+        let at = |step: u32| ray.at(first + (last - first) * f64::from(step) / f64::from(STEPS));
+        let there = self.containers(at(0));
+        (0..=STEPS).map(at).all(|point| self.is_clear(point) && self.containers(point) == there)
+    }
+
+    /// Whether every winding number around a point is far from ½.
+    fn is_clear(&self, point: DVec3) -> bool {
+        const CLEAR: f64 = 0.2;
+        self.bodies.iter().all(|body| match &body.surface {
+            Surface::Ball { .. } => true,
+            Surface::Solids(solids) => {
+                solids.iter().flat_map(Solid::shells).all(|shell| (shell.winding(point) - 0.5).abs() > CLEAR)
+            }
+        })
     }
 
     /// The next interface or opaque surface on a ray that starts on a surface, or anywhere.
@@ -255,7 +347,7 @@ impl Truth {
             let group = &meetings[first..=last];
             let nearest = &group[0];
             let position = ray.at(nearest.t);
-            let here: Vec<usize> = group.iter().map(|m| m.body).collect();
+            let here: Vec<(usize, usize)> = group.iter().map(|m| (m.body, m.shell)).collect();
             let is_clear =
                 group.iter().all(|m| m.normal.dot(ray.direction).abs() >= self.grazing && m.edge >= self.margin)
                     && self.clearance(position, &here) >= self.margin;
@@ -264,7 +356,11 @@ impl Truth {
             if !is_clear || nearest.t - previous < self.margin || until - group[group.len() - 1].t < self.margin {
                 return Found::IllConditioned;
             }
-            let is_coincident = here.iter().any(|&body| body != here[0]);
+            let end = group[group.len() - 1].t;
+            if self.has_holes && !(self.is_steady(ray, previous, nearest.t) && self.is_steady(ray, end, until)) {
+                return Found::IllConditioned;
+            }
+            let is_coincident = here.iter().any(|&shell| shell != here[0]);
             self.coincident.set(self.coincident.get() + usize::from(is_coincident));
             let from = *before.get_or_insert_with(|| self.medium_index_at(ray.at(0.5 * (previous + nearest.t))));
             if group.iter().any(|m| self.bodies[m.body].medium.is_none()) {
@@ -289,7 +385,7 @@ impl Truth {
         // Faces that coincide but for rounding are met up to this far apart at a grazing angle, and any of them may stand for all.
         let tolerance = 4e-6 * self.size;
         let mut ray = Ray::new(ray.origin, ray.direction.normalize());
-        if self.clearance(ray.origin, &[]) < self.margin {
+        if self.clearance(ray.origin, &[]) < self.margin || (self.has_holes && !self.is_clear(ray.origin)) {
             return Ok(0);
         }
         let here = self.medium_at(ray.origin);
@@ -370,11 +466,10 @@ fn body(shape: &Shape, transform: &Transform, medium: Option<usize>, priority: i
     let corner = |i: u32| matrix.transform_point3(mesh.positions[i as usize]).as_vec3().as_dvec3();
     let triangles: Vec<[DVec3; 3]> =
         (mesh.triangles.iter()).map(|&[a, b, c]| if is_mirrored { [a, c, b] } else { [a, b, c] }.map(corner)).collect();
-    let middle = triangles.iter().flatten().sum::<DVec3>() / (3 * triangles.len()) as f64;
-    let volume: f64 = triangles.iter().map(|t| (t[0] - middle).dot((t[1] - middle).cross(t[2] - middle)) / 6.0).sum();
-    let min = triangles.iter().flatten().fold(DVec3::INFINITY, |m, p| m.min(*p));
-    let max = triangles.iter().flatten().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
-    Body { surface: Surface::Mesh(triangles), medium, priority, volume: volume.abs(), min, max }
+    let shell = Shell::new(triangles);
+    let (volume, min, max) = (shell.volume().abs(), shell.min, shell.max);
+    let surface = Surface::Solids(vec![Solid { shell, cavities: Vec::new() }]);
+    Body { surface, medium, priority, volume, min, max }
 }
 
 /// Times that the triangles enclose `point`: the sum of their solid angles over 4π (Van Oosterom and Strackee 1983).
@@ -416,11 +511,11 @@ fn meet_triangle(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<Meeting> {
     // Heights over the three edges.
     let edge =
         (w * double_area / (c - b).length()).min(u * double_area / ac.length()).min(v * double_area / ab.length());
-    Some(Meeting { t: ac.dot(q) / determinant, normal: area_vector / double_area, edge, body: 0 })
+    Some(Meeting { t: ac.dot(q) / determinant, normal: area_vector / double_area, edge, body: 0, shell: 0 })
 }
 
 /// The least of the distances to the plane, where the foot lies in the triangle, and to the three edges.
-fn distance_to_triangle([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
+pub fn distance_to_triangle([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
     let to_segment = |a: DVec3, b: DVec3| {
         let along = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
         p.distance(a + (b - a) * along)
@@ -489,8 +584,7 @@ pub fn rays(count: usize, seed: u64, min: DVec3, max: DVec3) -> Vec<Ray> {
 impl Truth {
     /// Rays into and within the bounding box of everything.
     pub fn rays(&self, count: usize, seed: u64) -> Vec<Ray> {
-        let min = self.bodies.iter().fold(DVec3::INFINITY, |m, b| m.min(b.min));
-        let max = self.bodies.iter().fold(DVec3::NEG_INFINITY, |m, b| m.max(b.max));
+        let (min, max) = self.bounds();
         rays(count, seed, min, max)
     }
 }

@@ -1,0 +1,65 @@
+//! `reference`: containment asked anew on both sides of every hit. Slow; the truth that the other modes are measured against.
+//!
+//! So that it can judge rectification, it shares none of its code: neither contacts, patches and votes nor the analysis and repair of meshes.
+//! What it has in common with every mode is the shapes, the geometry that rays meet, and the estimator.
+//!
+//! - Each refractor's mesh is read anew, as it was loaded: vertices a few roundings apart are one, parts hang together by edges, inverted
+//!   parts are turned ([`reading`]).
+//! - A point lies inside where the parts wind around it more than half a time ([`winding`]): union, cavities, overlaps and small holes need no
+//!   rule of their own. Sheets, which enclose nothing, have one ([`sheet`]).
+//! - On a surface the winding number jumps. The faces at the hit, in its plane, whichever object's they are, are left out of the sum
+//!   and add or take a half on either side, by the way they look: so no point has to be moved off the surface, and
+//!   surfaces that coincide are one place with two sides. One of them, the first, stands for all.
+
+mod bodies;
+mod boxes;
+mod reading;
+mod sheet;
+mod vertices;
+mod winding;
+
+use glam::DVec3;
+
+use super::{Crossing, Sides, Tracker};
+use crate::render::Events;
+use crate::scene::World;
+use crate::scene::world::MediumId;
+
+pub use bodies::Bodies;
+
+#[derive(Debug, Clone, Copy)]
+pub struct Reference<'a> {
+    pub world: &'a World,
+    pub bodies: &'a Bodies,
+}
+
+impl Tracker for Reference<'_> {
+    type State = ();
+
+    #[inline]
+    fn start(&self, (): &mut ()) {}
+
+    fn sides(&self, (): &(), crossing: &Crossing, events: &mut Events) -> Option<Sides> {
+        let primitive = crossing.point.primitive;
+        let place = self.bodies.place(&self.world.geometry, &crossing.point);
+        if self.bodies.is_stood_for(self.world, &place, primitive) {
+            return None;
+        }
+        let beside = self.bodies.beside(self.world, &place, primitive);
+        events.ambiguous += u64::from(beside.is_doubtful);
+        let (front, back) = (beside.front, beside.back);
+        let (from, to) = if crossing.is_entering { (front, back) } else { (back, front) };
+        Some(Sides { from, to })
+    }
+
+    #[inline]
+    fn transmit(&self, (): &mut (), _: &Crossing) {}
+
+    fn can_skip(&self) -> bool {
+        true
+    }
+
+    fn medium_at(&self, point: DVec3) -> Option<(MediumId, bool)> {
+        Some(self.bodies.medium_at(self.world, point))
+    }
+}
