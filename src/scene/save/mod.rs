@@ -19,6 +19,9 @@ use super::description::{
 use super::load;
 use crate::optics::{IorModel, Medium};
 
+/// What some editors begin a file with.
+const MARK: &str = "\u{feff}";
+
 /// The scene as a file's text. Relative paths stay as they are.
 pub fn to_text(description: &Description) -> String {
     let original = description.source.as_deref().and_then(|source| {
@@ -45,7 +48,14 @@ pub fn to_text(description: &Description) -> String {
     solids.sync(root, old.map(|o| &o.solids[..]), &description.solids);
     let lights = List { key: "light", name: |l: &Light| &l.name, write: light };
     lights.sync(root, old.map(|o| &o.lights[..]), &description.lights);
-    document.to_string()
+    in_form_of(description.source.as_deref().map_or("", |source| &source.text), document.to_string())
+}
+
+/// The text with the byte-order mark and the line ends of the original, which are no part of a document.
+fn in_form_of(original: &str, text: String) -> String {
+    let has_crlf = original.contains('\n') && original.matches('\n').count() == original.matches("\r\n").count();
+    let text = if has_crlf { text.replace('\n', "\r\n") } else { text };
+    if original.starts_with(MARK) { format!("{MARK}{text}") } else { text }
 }
 
 /// Writes the scene to a file, beside it first and then renamed, so that the file is never half written. Paths that are relative to
