@@ -27,7 +27,9 @@ impl Text<'_> {
         }
         let before = &self.text[..end];
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+        // A byte-order mark is no character of the first line.
+        let line = before[line_start..].trim_start_matches('\u{feff}');
+        (before.matches('\n').count() + 1, line.chars().count() + 1)
     }
 
     pub fn error(&self, byte: usize, message: impl Into<String>) -> SceneError {
