@@ -1,8 +1,11 @@
 //! OpenEXR files written byte by byte, of kinds that no encoder at hand makes.
 
 use exr::compression::Compression;
-use exr::math::Vec2;
-use exr::meta::attribute::{ChannelDescription, ChannelList, IntegerBounds, SampleType, Text};
+use exr::math::{RoundingMode, Vec2};
+use exr::meta::BlockDescription;
+use exr::meta::attribute::{
+    ChannelDescription, ChannelList, IntegerBounds, LevelMode, SampleType, Text, TileDescription,
+};
 use exr::meta::header::Header;
 use exr::prelude::f16;
 
@@ -163,6 +166,14 @@ impl Part {
         let mut header = Header::new(Text::from(self.name), (w as usize, h as usize), Default::default());
         header.channels = ChannelList::new(channels.collect());
         header.compression = self.compression;
+        header.blocks = match self.tiles {
+            None => BlockDescription::ScanLines,
+            Some((side, _)) => BlockDescription::Tiles(TileDescription {
+                tile_size: Vec2(side as usize, side as usize),
+                level_mode: LevelMode::Singular,
+                rounding_mode: RoundingMode::Down,
+            }),
+        };
         let section = IntegerBounds::new((left, top), (width as usize, height as usize));
         self.compression.compress_image_section_to_le(&header, bytes, section).unwrap()
     }

@@ -8,6 +8,7 @@ mod chroma;
 mod layer;
 
 use std::io::Cursor;
+use std::ops::Range;
 
 use exr::meta::MetaData;
 use exr::meta::attribute::EnvironmentMap;
@@ -104,32 +105,34 @@ impl Windows {
             data_width: data.size.0,
             data_height: data.size.1,
         };
-        if windows.columns().is_empty() || (0..windows.data_height).all(|row| windows.row(row).is_none()) {
+        if windows.columns().is_empty() || windows.rows().is_empty() {
             return Err("has no data within its display window: its windows must overlap".into());
         }
         Ok(windows)
     }
 
     /// Columns of the data that are within the display window.
-    fn columns(&self) -> std::ops::Range<usize> {
-        let first = (-self.left).clamp(0, self.data_width as i64);
-        let end = (self.width as i64 - self.left).clamp(first, self.data_width as i64);
-        first as usize..end as usize
+    fn columns(&self) -> Range<usize> {
+        overlap(self.left, self.data_width, self.width)
+    }
+
+    /// Rows of the data that are within the display window.
+    fn rows(&self) -> Range<usize> {
+        overlap(self.top, self.data_height, self.height)
     }
 
     /// The row of the image that a row of the data is, if it is within the display window.
     fn row(&self, data_row: usize) -> Option<usize> {
-        usize::try_from(self.top + data_row as i64).ok().filter(|row| *row < self.height)
+        self.rows().contains(&data_row).then(|| (self.top + data_row as i64) as usize)
     }
 
-    /// Of the data's column 0; negative when it is left of the image.
+    /// The column of the image that a column of the data is, which must be within the display window.
     fn column(&self, data_column: usize) -> usize {
         (self.left + data_column as i64) as usize
     }
 
     fn note(&self) -> Option<LoadNote> {
-        let rows = (0..self.data_height).filter(|row| self.row(*row).is_some()).count();
-        let seen = self.columns().len() * rows;
+        let seen = self.columns().len() * self.rows().len();
         let (empty, cropped) = (self.width * self.height - seen, self.data_width * self.data_height - seen);
         let what = match (empty, cropped) {
             (0, 0) => return None,
@@ -144,6 +147,13 @@ impl Windows {
             message: format!("the data of the environment image do not fill its display window: {what}"),
         })
     }
+}
+
+/// Which of `data` places, the first of which lies at `offset`, are among the first `size`.
+fn overlap(offset: i64, data: usize, size: usize) -> Range<usize> {
+    let first = (-offset).clamp(0, data as i64);
+    let end = (size as i64 - offset).clamp(first, data as i64);
+    first as usize..end as usize
 }
 
 /// Names from files, such as may be shown.
