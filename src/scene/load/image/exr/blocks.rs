@@ -115,7 +115,7 @@ impl<'a> Part<'a> {
             let Vec2(x, y) = channel.sampling;
             is_subsampled |= (x, y) != (1, 1);
             let divides = |position: i32, size: usize, by: usize| {
-                i32::try_from(by).is_ok_and(|by| by > 0 && position % by == 0) && size % by == 0
+                i32::try_from(by).is_ok_and(|by| by > 0 && position % by == 0) && size.is_multiple_of(by)
             };
             if !divides(window.position.0, window.size.0, x) || !divides(window.position.1, window.size.1, y) {
                 return Err("cannot be decoded: the sampling of a channel does not divide its data window".into());
@@ -185,7 +185,7 @@ impl<'a> Part<'a> {
                     bounds = IntegerBounds::new((0, 0), (count / 2, 1));
                 }
                 // These know of sampling, but for the size of the result.
-                _ if count % (width * height) == 0 => header.channels.bytes_per_pixel = count / (width * height),
+                _ if count.is_multiple_of(width * height) => header.channels.bytes_per_pixel = count / (width * height),
                 other => {
                     return Err(format!("has subsampled channels with {other}, which are not read: save it with ZIP"));
                 }
@@ -198,7 +198,7 @@ impl<'a> Part<'a> {
     /// Samples of a channel in a row of a block of this width, if it has any there.
     fn samples_in_row(channel: &ChannelDescription, width: usize, row: usize) -> Option<usize> {
         let Vec2(x, y) = channel.sampling;
-        (row % y == 0).then_some(width / x)
+        row.is_multiple_of(y).then_some(width / x)
     }
 
     fn byte_count(&self, section: IntegerBounds) -> usize {
