@@ -241,7 +241,18 @@ fn what_is_said_not_to_be_seen_is_not_missed() {
             refractor.medium = medium;
         }
         let scene = ready(description.clone());
-        for problem in check(&scene) {
+        let problems = check(&scene);
+        let bounds = |name: &str| {
+            let refractor = description.refractors.iter().find(|r| r.name == name).unwrap();
+            refractor.shape.bounds()
+        };
+        // Whether an object of that medium lies wholly in another one.
+        let holds = |outer: &str, medium: &str| {
+            let (min, max) = bounds(outer);
+            let mut inner = description.refractors.iter().filter(|r| r.name != outer && r.medium == medium);
+            inner.any(|r| min.cmple(bounds(&r.name).0).all() && bounds(&r.name).1.cmple(max).all())
+        };
+        for problem in &problems {
             let hidden: Vec<&str> = match problem.kind {
                 "coincident" => {
                     let list =
@@ -261,8 +272,10 @@ fn what_is_said_not_to_be_seen_is_not_missed() {
                     let (medium, _) = medium_at(&scene.world, point - scene.world.geometry.origin);
                     scene.world.medium(medium).name.clone()
                 };
-                // Another that lies in what is hidden by the same one may appear in its place: it was not to be seen either.
-                assert_eq!(medium(&scene), medium(&without), "round {round} at {point}: {problem:#?}");
+                let (was, is) = (medium(&scene), medium(&without));
+                // One of the same medium as its container may hide what lies in it by its priority; that it be removed is not said.
+                let uncovers = problem.kind == "same_medium" && holds(&problem.place, &is);
+                assert!(was == is || uncovers, "round {round} at {point}: {was}, then {is}; {problem:#?}");
             }
         }
     }
