@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::environment::EnvironmentLight;
 use super::light::Emitters;
 use super::world::{Object, Surface, World, WorldMedium};
-use crate::geometry::{Enclosure, Geometry};
+use crate::geometry::Geometry;
 
 /// Worked out once per compile. Each `false` removes work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,7 +72,7 @@ impl SceneNeeds {
         };
         Self {
             nesting: media[0].ior_minus_one != 0.0
-                || refractors.iter().any(|r| objects[r.0].enclosure == Enclosure::Union)
+                || refractors.iter().any(|r| objects[r.0].may_contain_itself())
                 || boxes_overlap(geometry, refractors.iter().map(|r| r.0)),
             absorption: refractors.iter().map(|r| r.1).chain([0]).any(|medium| media[medium].absorption != DVec3::ZERO),
             index_matching: indices.windows(2).any(|pair| pair[0] == pair[1]),

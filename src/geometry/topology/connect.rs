@@ -1,6 +1,6 @@
 //! Which vertices are the same and which faces meet at which edges.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use glam::DVec3;
 
@@ -55,8 +55,6 @@ pub(super) struct Edges {
     pub crowds: Vec<Vec<u32>>,
     /// Half-edges on crowded edges that belong together: two faces of one part.
     pub partners: HashMap<u32, u32>,
-    /// All half-edges on crowded edges.
-    crowded: HashSet<u32>,
 }
 
 /// Finds the neighbours of `faces`, three different vertices each, all below `vertices`.
@@ -96,11 +94,6 @@ pub(super) fn connect(faces: &[[u32; 3]], vertices: usize) -> Edges {
 }
 
 impl Edges {
-    /// Whether edge `k` of a face is shared by three or more.
-    pub fn is_crowded(&self, face: usize, k: usize) -> bool {
-        !self.crowded.is_empty() && self.crowded.contains(&((3 * face + k) as u32))
-    }
-
     /// The face across edge `k` of a face: its neighbour, or on a crowded edge its partner; [`NONE`] if there is none.
     pub fn across(&self, face: usize, k: usize) -> u32 {
         match self.neighbours[face][k] {
@@ -132,7 +125,6 @@ impl Edges {
             }
             _ => {
                 let crowd: Vec<u32> = edge.iter().map(|&half_edge| half_edge as u32).collect();
-                self.crowded.extend(&crowd);
                 self.crowds.push(crowd);
                 let mut opposites: Vec<u32> = edge.iter().map(|&half_edge| opposite(half_edge)).collect();
                 opposites.sort_unstable();

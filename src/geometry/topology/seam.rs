@@ -1,13 +1,14 @@
 //! Seams: where a surface was cut open and its two rims written a few roundings apart, as generators do at the angle 2π and exporters at the
 //! borders of texture coordinates.
 //!
-//! Only free edges, those of a single face, are joined, and only with a free edge that runs the other way between the same two places. So two
+//! Only free edges are joined, those along which more faces run one way than the other, and only with one that runs the other way between the same
+//! two places. So two
 //! closed surfaces are never drawn together, however near they are, and a hole stays a hole. Besides, edges of no length but rounding, as around
 //! the pole of a sphere whose last row is computed vertex by vertex, become points. How far apart the same place may lie follows
 //! from the mesh: a few roundings of its coordinates, then a few roundings of single precision at its size, but always little beside
 //! the faces that meet there.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -66,7 +67,7 @@ pub(super) fn short_edges(faces: &[[u32; 3]], positions: &[DVec3], rounding: f64
     joined.pairs()
 }
 
-/// An edge of a single face.
+/// One side of an edge whose faces do not cancel.
 #[derive(Debug, Clone, Copy)]
 struct FreeEdge {
     from: u32,
@@ -116,9 +117,10 @@ fn ends((_, _, is_down, edge): &(u32, u32, bool, FreeEdge)) -> (u32, u32) {
 fn free_edges(faces: &[[u32; 3]], edges: &Edges, positions: &[DVec3]) -> (Vec<FreeEdge>, HashMap<u32, f64>) {
     let mut free = Vec::new();
     let mut scales: HashMap<u32, f64> = HashMap::new();
+    let balanced = balanced_crowds(faces, edges);
     for (index, (face, across)) in faces.iter().zip(&edges.neighbours).enumerate() {
         for (k, &other) in across.iter().enumerate() {
-            if other != NONE || edges.is_crowded(index, k) {
+            if other != NONE || balanced.contains(&((3 * index + k) as u32)) {
                 continue;
             }
             let [a, b, c] = face.map(|v| positions[v as usize]);
@@ -132,6 +134,19 @@ fn free_edges(faces: &[[u32; 3]], edges: &Edges, positions: &[DVec3]) -> (Vec<Fr
         }
     }
     (free, scales)
+}
+
+/// The half-edges on edges of three or more faces of which as many run one way as the other.
+fn balanced_crowds(faces: &[[u32; 3]], edges: &Edges) -> HashSet<u32> {
+    let runs_up = |half_edge: u32| {
+        let (face, k) = (faces[(half_edge / 3) as usize], half_edge as usize % 3);
+        face[k] < face[(k + 1) % 3]
+    };
+    (edges.crowds.iter())
+        .filter(|crowd| 2 * crowd.iter().filter(|half_edge| runs_up(**half_edge)).count() == crowd.len())
+        .flatten()
+        .copied()
+        .collect()
 }
 
 /// Which vertices of free edges lie at one place.
