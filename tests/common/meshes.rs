@@ -296,7 +296,9 @@ impl Assembly {
         let is_within = |a: usize, b: usize| {
             let [a, b] = [a, b].map(|k| &self.parts[k].0);
             let triangles: Vec<[DVec3; 3]> = b.corners().collect();
-            a.points != b.points && a.points.iter().all(|p| winding_number(&triangles, *p) > 0.01)
+            // Its corners, moved inward by so much that rounding does not take them out where the parts touch.
+            let corner = |p: &DVec3| p.lerp(a.middle(), 1e-6);
+            a.points != b.points && a.points.iter().all(|p| winding_number(&triangles, corner(p)) > 0.01)
         };
         let count = self.parts.len();
         has_cavities || (0..count).all(|a| (0..count).all(|b| a == b || !is_within(a, b)))
@@ -593,8 +595,8 @@ impl Case {
 
     /// The same where the last part of the mesh with most parts is forgotten, or nothing is.
     pub fn truth_without(&self, origin: DVec3, forgotten: Option<usize>) -> Truth {
-        let rounded = |p: DVec3| (p - origin).as_vec3().as_dvec3() + origin;
-        self.known.iter().fold(Truth::new(&self.description), |truth, known| {
+        let rounded = |p: DVec3| (p - origin).as_vec3().as_dvec3();
+        self.known.iter().fold(Truth::new(&self.description).relative_to(origin), |truth, known| {
             let shell = |part: usize| Shell::new(known.triangles[part].iter().map(|t| t.map(rounded)).collect());
             let cavities = |part: usize| {
                 (0..known.roles.len()).filter(|&other| known.roles[other] == Role::CavityOf(part)).map(shell).collect()

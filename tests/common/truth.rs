@@ -55,6 +55,13 @@ impl Solid {
         std::iter::once(&self.shell).chain(&self.cavities)
     }
 
+    fn shift(&mut self, by: DVec3) {
+        for shell in std::iter::once(&mut self.shell).chain(&mut self.cavities) {
+            shell.triangles.iter_mut().flatten().for_each(|p| *p += by);
+            (shell.min, shell.max) = (shell.min + by, shell.max + by);
+        }
+    }
+
     fn contains(&self, point: DVec3) -> bool {
         self.shell.winding(point) > 0.5 && self.cavities.iter().all(|cavity| cavity.winding(point) < 0.5)
     }
@@ -80,7 +87,9 @@ struct Body {
 }
 
 pub struct Truth {
+    /// In coordinates relative to `origin`.
     bodies: Vec<Body>,
+    origin: DVec3,
     /// Names and indices of refraction; first the global medium.
     media: Vec<(String, f64)>,
     /// Size of the scene: the largest extent of its bounding box.
@@ -167,7 +176,21 @@ impl Truth {
         let bodies: Vec<Body> = refractors.chain(solids).chain(lights).collect();
         let (size, together, margin) = (0.0, 0.0, 0.0);
         let (top, coincident) = (is_above as fn(Candidate, Candidate) -> bool, Cell::new(0));
-        Self { bodies, media, size, together, margin, grazing: 0.02, top, coincident, has_holes: false }.measured()
+        let (origin, grazing, has_holes) = (DVec3::ZERO, 0.02, false);
+        Self { bodies, origin, media, size, together, margin, grazing, top, coincident, has_holes }.measured()
+    }
+
+    /// The same, computed relative to a point of the scene, so that what is far from zero for its size keeps its digits. Meshes have been
+    /// rounded by then: those of [`Truth::with_solids`] are not.
+    pub fn relative_to(mut self, origin: DVec3) -> Self {
+        for body in &mut self.bodies {
+            match &mut body.surface {
+                Surface::Ball { center, .. } => *center -= origin,
+                Surface::Solids(solids) => solids.iter_mut().for_each(|solid| solid.shift(-origin)),
+            }
+            (body.min, body.max) = (body.min - origin, body.max - origin);
+        }
+        Self { origin: self.origin + origin, ..self }
     }
 
     /// With distances that fit the bodies' size.
@@ -183,8 +206,8 @@ impl Truth {
         (min, max)
     }
 
-    /// The same where the refractor of that index is the union of these solids, in scene coordinates, of that `volume`: for meshes whose
-    /// parts their maker knows.
+    /// The same where the refractor of that index is the union of these solids of that `volume`, given relative to the truth's own origin: for
+    /// meshes whose parts their maker knows.
     pub fn with_solids(mut self, refractor: usize, solids: Vec<Solid>, volume: f64, has_holes: bool) -> Self {
         let body = &mut self.bodies[refractor];
         body.min = solids.iter().fold(DVec3::INFINITY, |m, s| m.min(s.shell.min));
@@ -195,7 +218,7 @@ impl Truth {
         self.measured()
     }
 
-    /// The refractors that contain a point, by index.
+    /// The refractors that contain a point relative to the origin, by index.
     pub fn containers(&self, point: DVec3) -> Vec<usize> {
         let contains = |body: &Body| match &body.surface {
             Surface::Ball { center, radius } => point.distance(*center) < *radius,
@@ -219,7 +242,7 @@ impl Truth {
         best.and_then(|best| self.bodies[best.index].medium).unwrap_or(0)
     }
 
-    /// Name of the medium at a point.
+    /// Name of the medium at a point relative to the origin.
     pub fn medium_at(&self, point: DVec3) -> &str {
         &self.media[self.medium_index_at(point)].0
     }
@@ -388,11 +411,12 @@ impl Truth {
     pub fn check(&self, ray: &Ray, path: &TracedPath) -> Result<usize, String> {
         // Faces that coincide but for rounding are met up to this far apart at a grazing angle, and any of them may stand for all.
         let tolerance = 4e-6 * self.size;
-        let mut ray = Ray::new(ray.origin, ray.direction.normalize());
+        let mut ray = Ray::new(ray.origin - self.origin, ray.direction.normalize());
         if self.clearance(ray.origin, &[]) < self.margin || (self.has_holes && !self.is_clear(ray.origin)) {
             return Ok(0);
         }
         let here = self.medium_at(ray.origin);
+        let local = |position: [f64; 3]| DVec3::from(position) - self.origin;
         if path.camera_medium != here {
             return Err(format!("it starts in {}, not in {here}", path.camera_medium));
         }
@@ -400,7 +424,7 @@ impl Truth {
         let vertices: Vec<_> =
             path.vertices.iter().filter(|v| v.event != VertexEvent::Skip || v.from != v.to).collect();
         for (k, vertex) in vertices.iter().enumerate() {
-            let position = DVec3::from(vertex.position);
+            let position = local(vertex.position);
             let next = match self.next(&ray) {
                 Found::IllConditioned => return Ok(k),
                 Found::Nothing => return Err(format!("vertex {k} at {position}: nothing is there")),
@@ -419,7 +443,7 @@ impl Truth {
                 return Err(format!("vertex {k} at {position}: {} to {}, not {from} to {to}", seen.0, seen.1));
             }
             let onward = match vertices.get(k + 1) {
-                Some(next) => (DVec3::from(next.position) - position).normalize(),
+                Some(next) => (local(next.position) - position).normalize(),
                 None if path.escaped => DVec3::from(path.final_direction),
                 // The cap on depth.
                 None => return Ok(k + 1),
@@ -590,7 +614,7 @@ impl Truth {
     /// Rays into and within the bounding box of everything.
     pub fn rays(&self, count: usize, seed: u64) -> Vec<Ray> {
         let (min, max) = self.bounds();
-        rays(count, seed, min, max)
+        rays(count, seed, min + self.origin, max + self.origin)
     }
 }
 

@@ -10,7 +10,7 @@ use glam::{DAffine3, DVec3};
 
 use super::boxes::{Bounds, Tree};
 use super::vertices::clustered;
-use super::winding::Winding;
+use super::winding::{Allowed, Place, Winding};
 use crate::geometry::Mesh;
 
 /// A surface encloses nothing if closing it would take more than this share of its own area.
@@ -386,6 +386,18 @@ fn measured(triangles: &[[DVec3; 3]], parts: &[u32], count: usize, faces: &[Face
     bodies
 }
 
+/// How often a surface winds around places on a triangle: in its middle and near its corners. Halfway where the two coincide.
+fn numbers_on(&[a, b, c]: &[DVec3; 3], winding: &Winding) -> [f64; 4] {
+    let middle = (a + b + c) / 3.0;
+    let normal = (b - a).cross(c - a).normalize_or(DVec3::Z);
+    let bounds = winding.bounds();
+    let allowed = |_| Allowed { length: (bounds.max - bounds.min).length() / 2.0, is_of_one_surface: false };
+    [middle, a.lerp(middle, 0.01), b.lerp(middle, 0.01), c.lerp(middle, 0.01)].map(|point| {
+        let sides = winding.beside(&Place::new(point, normal, DVec3::ZERO), allowed);
+        (sides.front + sides.back).abs() / 2.0
+    })
+}
+
 /// Which parts must be turned over.
 ///
 /// - One that lies in no other and looks inward; and with it all that lies in it, if that alternates: then the whole was inside out.
@@ -429,11 +441,9 @@ fn judged(bodies: &[Body], triangles: &[[DVec3; 3]], parts: &[u32]) -> Vec<bool>
         let faces = faces_of(outer);
         let winding = Winding::build(&faces, &vec![0; faces.len()]);
         for inner in candidates {
-            let faces = faces_of(inner);
-            // On the surface the number lies in between: a part may touch its container from inside, and a part written twice is in none.
-            let is_out = |p: &DVec3| winding.around(*p).abs() < 0.05;
-            let is_in = |[a, b, c]: &[DVec3; 3]| winding.around((*a + *b + *c) / 3.0).abs() > 0.75;
-            if !faces.iter().flatten().any(is_out) && faces.iter().any(is_in) {
+            // On the surface itself the number lies halfway: a part may touch its container from inside, and one that is written twice lies in none.
+            let numbers: Vec<f64> = faces_of(inner).iter().flat_map(|face| numbers_on(face, &winding)).collect();
+            if numbers.iter().all(|number| *number > 0.05) && numbers.iter().any(|number| *number > 0.75) {
                 containers[inner].push(outer);
             }
         }
