@@ -125,7 +125,9 @@ fn errors_quote_what_is_wrong_and_obey_none_of_it() {
         ("ending.toml", mesh(&format!("m.{HOSTILE}"))),
     ] {
         desk.put(name, contents);
-        for command in ["render", "compare", "rectify", "trace --pixel 1,1", "check", ""] {
+        // All commands load alike; that each prints its errors alike is seen once.
+        let commands = ["check", "render", "compare", "rectify", "trace --pixel 1,1", ""];
+        for command in &commands[..if name == "key.toml" { commands.len() } else { 2 }] {
             let (output, said) = harmless(&desk, &format!("{command} {name}"));
             assert_eq!(output.status.code(), Some(2), "{command} {name}: {said}");
         }

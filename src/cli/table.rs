@@ -1,6 +1,6 @@
 //! Plain tables for terminals: columns as wide as they need, no lines to trip over.
 
-use crate::export::escape::{elided, escaped};
+use crate::export::escape::elided;
 
 /// How a column is aligned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,9 +57,14 @@ impl Table {
 /// Columns that a line of running text may have.
 const LINE: usize = 100;
 
-/// `text` behind `label`, broken between words; further lines are indented by `indent`.
+/// Characters of a label, and of a text, that are shown at the most: both may hold names.
+const MOST_OF_LABEL: usize = 200;
+const MOST_OF_TEXT: usize = 2000;
+
+/// `text` behind `label`, broken between words; further lines are indented by `indent`. What is very long is elided.
 pub fn wrapped(label: &str, text: &str, indent: usize) -> String {
-    let mut lines = escaped(label).into_owned();
+    let mut lines = elided(label, MOST_OF_LABEL);
+    let text = elided(text, MOST_OF_TEXT);
     let mut used = lines.chars().count();
     for (index, word) in text.split_whitespace().enumerate() {
         let width = word.chars().count();
@@ -94,6 +99,8 @@ mod tests {
         // A word that fits nowhere stands on a line of its own; nothing is lost.
         let long = "x".repeat(300);
         assert_eq!(wrapped("a", &format!("b {long} c"), 2), format!("a b\n  {long}\n  c\n"));
+        let endless = wrapped(&"l".repeat(1 << 20), &"word ".repeat(1 << 20), 2);
+        assert!(endless.len() < 4000 && endless.trim_end().ends_with('…'), "{} bytes", endless.len());
     }
 
     #[test]

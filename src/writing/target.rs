@@ -113,9 +113,8 @@ impl Replaced {
             return Err(WriteError::ReadOnly { path: asked.to_path_buf() });
         }
         // Finds what permissions do not tell, such as immutable files and file systems that are read-only. Nothing is written.
-        match OpenOptions::new().write(true).open(&self.path) {
-            Ok(_) => {}
-            Err(reason) => return Err(WriteError::System { path: asked.to_path_buf(), reason }),
+        if let Err(reason) = OpenOptions::new().write(true).open(&self.path) {
+            return Err(WriteError::System { path: asked.to_path_buf(), reason });
         }
         if is_mount_point(&self.path) {
             return Err(WriteError::MountPoint { path: asked.to_path_buf() });

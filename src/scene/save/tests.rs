@@ -213,7 +213,7 @@ fn a_place_that_cannot_be_written_is_an_error() {
 /// Notations that the editor of TOML would not write itself.
 const ODD: [&str; 5] = [
     // Inline tables, in arrays and of their own; a table of dotted keys; odd spaces; numbers in every form.
-    "name   =   'odd'\ncamera={position=[ 0,1 , +4.0 ],target=[0e0,0_0,-0.0], }\n\
+    "name   =   'odd'\ncamera={position=[ 0,1 , +4.0 ],target=[0e0,0.0_0,-0.0], }\n\
      medium = [ { name = \"glass\",   ior=1.50 } , # clear\n   { name=\"water\" , ior = {catalog=\"water\"} },\n]\n\
      [[refractor]]\n  name=\"ball\"\n  medium = \"glass\"\n  shape.sphere.center = [0,0,0]\n  shape.sphere.radius = 1\n\
      \n  transform.translate = [ 0 , 1e0, 0]  # up\n  transform.scale = 2\n",
