@@ -13,7 +13,7 @@
 //! | [`scene`] | the scene as the user wrote it ([`scene::Description`]), its files, and its compiled form ([`scene::World`]) |
 //! | [`rectify`] | what lies on both sides of every place on every refractor: contacts, cells, patches, votes, the interface table |
 //! | [`tracking`] | the modes: given a crossing, which medium is left and which is entered |
-//! | [`scatter`] | dielectric and diffuse scattering, given a pair of indices |
+//! | [`scatter`] | dielectric, mirroring and diffuse scattering about interpolated normals, given a pair of indices |
 //! | [`estimator`] | one sample of one pixel; one path, vertex by vertex |
 //! | [`render`] | film, samples in bulk on all cores, the worker behind the window |
 //! | [`check`] | what is wrong or doubtful in a scene, with advice |

@@ -125,14 +125,15 @@ fn mean_and_least(film: &Film) -> (f64, f64) {
     (mean(film).0, least)
 }
 
-/// Asserts that nothing is seen: every pixel is as bright as `radiance`, but for the roulette that paths of over 64 segments play.
+/// Asserts that nothing is seen: every path gets out and brings `radiance`. Only those of over 64 segments may be ended by roulette, and the others
+/// of them then count for more: at the most two of a pixel's, and in the mean that evens out. On round shapes it was one path in 100,000.
 fn assert_white(scene: &Prepared, mode: Mode, radiance: f64, what: &str) {
-    let film = plain(scene, mode, 40, if mode == Mode::Reference { 8 } else { 48 });
+    let film = plain(scene, mode, 32, if mode == Mode::Reference { 4 } else { 16 });
     let (mean, least) = mean_and_least(&film);
     println!("{what}, {mode}: mean {:.6}, least {:.4}", mean / radiance, least / radiance);
     assert_eq!(film.events.total(), 0, "{what}, {mode}");
-    assert!((mean / radiance - 1.0).abs() < 2e-4, "{what}, {mode}: mean {mean}");
-    assert!(least / radiance > 0.95, "{what}, {mode}: a pixel of {least}");
+    assert!((mean / radiance - 1.0).abs() < 5e-4, "{what}, {mode}: mean {mean}");
+    assert!(least / radiance > 0.86, "{what}, {mode}: a pixel of {least}");
 }
 
 /// The case of its kind: the mean was 0.995 and the darkest pixel 0.5.
@@ -142,6 +143,8 @@ fn the_rims_of_a_coarse_glass_ball_are_bright() {
     let scene = ready(load::file(&path).expect("the scene is fine"));
     for mode in Mode::ALL {
         assert_white(&scene, mode, 1.0, "the case");
+        let (_, least) = mean_and_least(&plain(&scene, mode, 32, 4));
+        assert!(least > 0.9999, "{mode}: {least}");
     }
     // As it is rendered by default, paths split and play roulette.
     let (measured, error) = mean(&render(&scene, Mode::Rectified, (64, 64), 64, None));
@@ -378,6 +381,6 @@ fn smooth_meshes_look_round() {
         let [coarse, fine, flat] = [(16, 8, true), (64, 32, true), (64, 32, false)]
             .map(|(segments, rings, smooth)| difference_to_sphere(given(round(1.0, segments, rings)), ior, smooth));
         println!("{ior}: {coarse:.3e} {fine:.3e} flat {flat:.3e}");
-        assert!(fine < 4e-4 && fine < 0.2 * coarse && flat > 1e-3, "{ior}: {coarse} {fine} {flat}");
+        assert!(fine < 2e-4 && fine < 0.1 * coarse && flat > 3.0 * fine, "{ior}: {coarse} {fine} {flat}");
     }
 }
