@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::contact;
 use super::tolerance::largest;
-use crate::geometry::{Enclosure, Hit, Ray, SurfacePoint, uniform_direction};
+use crate::geometry::{Enclosure, Hit, NO_PRIMITIVE, Ray, SurfacePoint, uniform_direction};
 use crate::rectify::random::Random;
 use crate::scene::World;
 use crate::scene::world::{MediumId, ObjectId, Surface};
@@ -180,7 +180,8 @@ impl Poll {
 /// The refractors, other than `except`, that contain `point` (local coordinates). Directions follow from the point alone.
 pub fn containment(world: &World, point: DVec3, except: Option<ObjectId>) -> Containment {
     let votes = poll(world, point, |random| Ray::new(point, random.direction()), |_| false);
-    settle(world, point, votes, except, false)
+    let nowhere = SurfacePoint { position: point, normal: DVec3::ZERO, primitive: NO_PRIMITIVE };
+    settle(world, &nowhere, votes, except)
 }
 
 /// The refractors that lie on a side of a surface: the outer one, or the inner one. Faces that coincide with the surface are no hits: which
@@ -190,7 +191,17 @@ pub fn containment_beside(world: &World, point: &SurfacePoint, is_outer: bool) -
     let own = ObjectId(world.geometry.object_of(point.primitive));
     let votes = votes_beside(world, point, is_outer);
     let may_contain_itself = is_outer && world.object(own).may_contain_itself();
-    settle(world, point.position, votes, Some(own), may_contain_itself)
+    settle(world, point, votes, (!may_contain_itself).then_some(own))
+}
+
+/// Generalised winding number of a surface with holes around a point: next to it, on the outer side, where the point lies on that very surface.
+/// On the surface rounding would decide between the numbers of its two sides.
+pub(super) fn winding_beside(world: &World, holed: ObjectId, point: &SurfacePoint) -> f64 {
+    /// Share of the object's radius: beyond the rounding of vertices.
+    const BESIDE: f64 = 1e-6;
+    let is_own = point.primitive != NO_PRIMITIVE && world.geometry.object_of(point.primitive) == holed.0;
+    let away = if is_own { point.normal * (BESIDE * world.geometry.radius_of(holed.0)) } else { DVec3::ZERO };
+    world.object(holed).winding_at(point.position + away)
 }
 
 /// The votes of rays that leave a surface on one side. Faces that coincide with it there are no hits.
@@ -240,11 +251,10 @@ fn poll(world: &World, point: DVec3, ray: impl Fn(&mut Random) -> Ray, is_ignore
     })
 }
 
-/// Majorities, and the refractors with holes. The point lies on the outer side of the surface of `own`, if that is one; it is asked about only if
-/// parts of it may lie in others.
-fn settle(world: &World, point: DVec3, votes: Vec<Vote>, own: Option<ObjectId>, is_own_asked: bool) -> Containment {
+/// Majorities, and the refractors with holes, all but `except`.
+fn settle(world: &World, point: &SurfacePoint, votes: Vec<Vote>, except: Option<ObjectId>) -> Containment {
     let mut answer = Containment::default();
-    let is_asked = |refractor: ObjectId| is_own_asked || Some(refractor) != own;
+    let is_asked = |refractor: ObjectId| Some(refractor) != except;
     for vote in votes.into_iter().filter(|vote| is_asked(vote.refractor)) {
         if vote.is_inside() {
             answer.refractors.push(vote.refractor);
@@ -252,8 +262,7 @@ fn settle(world: &World, point: DVec3, votes: Vec<Vote>, own: Option<ObjectId>, 
         answer.is_ambiguous |= vote.share() < CLEAR_SHARE;
     }
     for &holed in world.holed.iter().filter(|holed| is_asked(**holed)) {
-        let object = world.object(holed);
-        let winding = if Some(holed) == own { object.winding_beside(point) } else { object.winding_at(point) };
+        let winding = winding_beside(world, holed, point);
         if winding > 0.5 {
             answer.refractors.push(holed);
         }
@@ -292,10 +301,7 @@ pub fn is_inside_by_vote(world: &World, refractor: ObjectId, point: &SurfacePoin
             }
             2 * inside > rays
         }
-        Enclosure::Holed if world.geometry.object_of(point.primitive) == refractor.0 => {
-            world.object(refractor).winding_beside(point.position) > 0.5
-        }
-        Enclosure::Holed => world.object(refractor).winding_at(point.position) > 0.5,
+        Enclosure::Holed => winding_beside(world, refractor, point) > 0.5,
         Enclosure::Union | Enclosure::Sheet => {
             let votes = poll(world, point.position, |random| outward_ray(point, random), |_| false);
             votes.iter().any(|vote| vote.refractor == refractor && vote.is_inside())

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::contact::is_refractor;
-use super::containment::{Poll, Vote, is_at_start, outward_ray, with_poll};
+use super::containment::{Poll, Vote, is_at_start, outward_ray, winding_beside, with_poll};
 use super::layout::{Layout, Site};
 use super::random::Random;
 use super::surroundings::{State, Surroundings};
@@ -118,11 +118,7 @@ pub fn vote(world: &World, site: &Site, mut votes: SiteVotes) -> SiteVotes {
                 poll.ask_sheets(world, &Ray { direction: -ray.direction, ..ray }, is_ignored);
             }
             for vote in &mut holed {
-                let holed = world.object(vote.refractor);
-                let is_own = vote.refractor == site.subject;
-                let winding =
-                    if is_own { holed.winding_beside(point.position) } else { holed.winding_at(point.position) };
-                vote.inside += u32::from(winding > 0.5);
+                vote.inside += u32::from(winding_beside(world, vote.refractor, &point) > 0.5);
                 vote.asked += 1;
             }
             rays += 1;

@@ -109,11 +109,6 @@ impl Object {
         self.winding.as_ref().map_or(0.0, |tree| tree.winding(point))
     }
 
-    /// The same on the outer side of a point of the surface itself, where it is ½ less than on the surface.
-    pub fn winding_beside(&self, point: DVec3) -> f64 {
-        self.winding_at(point) - 0.5
-    }
-
     /// Whether a part of the surface may lie inside another part.
     pub fn may_contain_itself(&self) -> bool {
         match self.enclosure {
