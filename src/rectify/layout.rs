@@ -212,8 +212,8 @@ fn coarseness(world: &World, contacts: &Contacts) -> f64 {
     coarseness
 }
 
-/// Cells and the refractors that they name, all together, at the most: some hundreds of megabytes.
-const MOST_ENTRIES: f64 = 4e6;
+/// Cells and the refractors that they name, all together, at the most: each costs a question when it is made, and a hundred bytes.
+const MOST_ENTRIES: f64 = 5e5;
 
 /// About how many entries there will be: cells lie along the curves where others meet a face, until they fill it.
 fn predicted_entries(faces: &[(f64, f64)], coarseness: f64) -> f64 {
