@@ -10,6 +10,8 @@ pub(super) fn ends_as_in(source: &str, edited: String) -> String {
         None => (false, source),
     };
     let (ends, returns) = (body.matches('\n').count(), body.matches("\r\n").count());
+    // White space within values keeps its own ends.
+    let edited = edited.replace("\r\n", "\n");
     let edited = if returns == 0 {
         edited
     } else if returns == ends {

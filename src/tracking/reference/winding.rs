@@ -13,7 +13,7 @@ use glam::{DMat3, DVec2, DVec3};
 use super::boxes::{Below, Bounds, Tree};
 
 /// Groups that are farther from the point than this many times their radius are expanded; the error is then below 1 % of a whole turn.
-const FAR: f64 = 3.0;
+const FAR: f64 = 4.0;
 /// Cosine of the angle between planes up to which faces count as lying in one.
 const PARALLEL: f64 = 0.9;
 
@@ -345,6 +345,8 @@ mod tests {
                     let sides = tree.beside(&Place::new(point, normal, DVec3::ZERO), allowed);
                     assert!(sides.is_on_surface);
                     assert!(sides.front.abs() < 0.01 && (sides.back - 1.0).abs() < 0.01, "{sides:?}");
+                    // Asked about by another surface, which looks the other way.
+                    let allowed = |_| Allowed { length: 0.1, is_of_one_surface: false };
                     let turned = tree.beside(&Place::new(point, -normal, DVec3::ZERO), allowed);
                     assert!(turned.back.abs() < 0.01 && (turned.front - 1.0).abs() < 0.01, "{turned:?}");
                 }
