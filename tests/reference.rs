@@ -7,7 +7,7 @@ use std::path::Path;
 
 use common::{add, empty, mean, ready, render};
 use glam::DVec3;
-use iorect::estimator::trace::{Follow, trace};
+use iorect::estimator::trace::{Follow, VertexEvent, trace};
 use iorect::geometry::Ray;
 use iorect::render::Prepared;
 use iorect::scene::description::Shape;
@@ -44,8 +44,9 @@ fn a_ring_with_seams_in_a_ball() {
     let scene = scene("torus-seam/nested.toml");
     let ray = Ray::new(DVec3::new(1.0, 0.1, 5.0), DVec3::NEG_Z);
     let path = trace(&scene, Mode::Reference, ray, Follow::Transmit, 0, None);
-    let media: Vec<(&str, &str)> =
-        path.vertices.iter().map(|v| (v.from.as_deref().unwrap(), v.to.as_deref().unwrap())).collect();
+    // Inside the ring it is totally reflected once.
+    let crossed = path.vertices.iter().filter(|v| v.event == VertexEvent::Transmit);
+    let media: Vec<(&str, &str)> = crossed.map(|v| (v.from.as_deref().unwrap(), v.to.as_deref().unwrap())).collect();
     assert_eq!(media, [("world", "water"), ("water", "glass"), ("glass", "water"), ("water", "world")]);
     assert_eq!(path.events.total(), 0);
 }
