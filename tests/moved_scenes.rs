@@ -201,7 +201,7 @@ fn a_moved_scene_has_the_same_table_and_image() {
 fn a_bystander_changes_nothing() {
     for (name, description) in scenes() {
         let expected = rows(&ready(description.clone()));
-        for (distance, radius) in [(10.0, 0.5), (1e3, 1.0), (1e6, 1e3), (2e12, 1.0), (2e12, 1e-3), (2e12, 1e11)] {
+        for (distance, radius) in [(10.0, 0.5), (1e3, 1.0), (1e6, 1e3), (2e12, 1.0), (2e12, 1e-2), (2e12, 1e11)] {
             for is_analytic in [false, true] {
                 let mut more = description.clone();
                 let center = DVec3::new(0.6, -0.8, 0.0) * distance;
