@@ -491,7 +491,8 @@ fn survives(ending: &str, bytes: &[u8]) {
 fn no_damage_makes_it_panic() {
     for (ending, bytes) in samples() {
         assert!(read(&format!("e.{ending}"), &bytes).is_ok(), "{ending}");
-        for place in 0..bytes.len() {
+        // Every byte of the header, and some of the rest.
+        for place in (0..bytes.len()).filter(|place| *place < 400 || place % 7 == 0) {
             for flip in [0x01, 0x80] {
                 let mut damaged = bytes.clone();
                 damaged[place] ^= flip;

@@ -213,7 +213,7 @@ fn binary_ply(positions: &[DVec3], faces: &[[usize; 3]]) -> Vec<u8> {
         faces.len()
     );
     let mut bytes = header.into_bytes();
-    positions.iter().flat_map(|p| p.to_array()).for_each(|x| bytes.extend(x.to_be_bytes()));
+    positions.iter().flat_map(DVec3::to_array).for_each(|x| bytes.extend(x.to_be_bytes()));
     for face in faces {
         bytes.push(3);
         face.iter().for_each(|corner| bytes.extend((*corner as u32).to_be_bytes()));

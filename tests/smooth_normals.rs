@@ -130,7 +130,6 @@ fn mean_and_least(film: &Film) -> (f64, f64) {
 fn assert_white(scene: &Prepared, mode: Mode, radiance: f64, what: &str) {
     let film = plain(scene, mode, 32, if mode == Mode::Reference { 4 } else { 16 });
     let (mean, least) = mean_and_least(&film);
-    println!("{what}, {mode}: mean {:.6}, least {:.4}", mean / radiance, least / radiance);
     assert_eq!(film.events.total(), 0, "{what}, {mode}");
     assert!((mean / radiance - 1.0).abs() < 5e-4, "{what}, {mode}: mean {mean}");
     assert!(least / radiance > 0.86, "{what}, {mode}: a pixel of {least}");

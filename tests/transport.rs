@@ -325,7 +325,7 @@ mod against_another_renderer {
     }
 
     fn load_scene(name: &str) -> Description {
-        load::open(&format!("tests/data/reference/{name}.toml")).expect("the scene is in the repository")
+        load::open(format!("tests/data/reference/{name}.toml")).expect("the scene is in the repository")
     }
 
     /// relMSE of the image and of its 16×16 block means, against the image of `name`.

@@ -97,7 +97,7 @@ pub fn run_with(launch: Launch) -> Result<(), RunError> {
         Box::new(move |cc| {
             let settings = launch.settings.clone();
             let mut app = match take(&scene_of_window) {
-                Some(Waited::Done(description)) => App::new(cc, description?, settings)?,
+                Some(Waited::Done(description)) => App::new(cc, *description?, settings)?,
                 Some(Waited::NotYet(reading)) => App::reading(cc, name, reading, settings)?,
                 None => return Err("the scene was taken already".into()),
             };

@@ -36,7 +36,7 @@ impl Opening {
 
 /// What came of a wait.
 pub enum Waited {
-    Done(Result<Description, SceneError>),
+    Done(Result<Box<Description>, SceneError>),
     /// It takes longer.
     NotYet(Reading),
 }
@@ -58,7 +58,7 @@ impl Reading {
     /// Waits for so long.
     pub fn wait_for(self, patience: Duration) -> Waited {
         match self.outcome.recv_timeout(patience) {
-            Ok(outcome) => Waited::Done(outcome),
+            Ok(outcome) => Waited::Done(outcome.map(Box::new)),
             Err(RecvTimeoutError::Timeout) => Waited::NotYet(self),
             Err(RecvTimeoutError::Disconnected) => Waited::Done(Err(Self::broken())),
         }

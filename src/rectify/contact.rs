@@ -189,7 +189,7 @@ impl Seeker<'_> {
             // Opaque surfaces contain nothing: only where they lie on a refractor do they matter.
             let is_coincident = matches!(relation, Relation::Coincides { .. });
             let is_other_refractor = is_refractor(self.world, object);
-            if !is_other_refractor && !(self.is_refractor && is_coincident) {
+            if !(is_other_refractor || self.is_refractor && is_coincident) {
                 return ControlFlow::Continue(());
             }
             let pair = (self.subject, object);

@@ -273,7 +273,7 @@ fn false_counts_fail_at_once() {
     }
     // Rows without values take no room, however many there are said to be.
     assert_eq!(
-        loaded(square(&format!("element nothing 18446744073709551615\n{}", face), "3 0 1 2\n")).0.triangles.len(),
+        loaded(square(&format!("element nothing 18446744073709551615\n{face}"), "3 0 1 2\n")).0.triangles.len(),
         1
     );
 }
