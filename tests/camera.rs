@@ -28,8 +28,9 @@ fn disc(count: u32) -> impl Iterator<Item = DVec2> {
     })
 }
 
+/// Of a ray in scene coordinates.
 fn name_at_start(scene: &Prepared, ray: Ray) -> &str {
-    let started = start(&scene.world, ray);
+    let started = start(&scene.world, Ray::new(ray.origin - scene.world.geometry.origin, ray.direction));
     assert!(!started.is_ambiguous);
     &scene.world.medium(started.medium).name
 }
@@ -69,7 +70,7 @@ fn a_pinhole_on_the_face_of_the_water() {
                     continue;
                 }
                 let expected = if side < 0.0 { "object 0" } else { "world" };
-                let ray = Ray::new(eye, direction);
+                let ray = Ray::new(eye + scene.world.geometry.origin, direction);
                 assert_eq!(name_at_start(&scene, ray), expected, "at {eye} along {direction}");
                 wrong_if_asked_as_a_point +=
                     u32::from(scene.world.medium(medium_at(&scene.world, eye).0).name != expected);
@@ -166,11 +167,12 @@ fn next_to_the_face_the_height_decides() {
 fn check_lens(scene: &Prepared, center: DVec3, radius: f64, expected: impl Fn(DVec3) -> bool) -> u32 {
     // Tilted, looking along −z and a little down.
     let (right, up) = (DVec3::X, DVec3::new(0.0, 0.98, -0.199).normalize());
-    let lens = StartRegion::new(&scene.world, center, radius);
+    let to_local = -scene.world.geometry.origin;
+    let lens = StartRegion::new(&scene.world, center + to_local, radius);
     let mut inside = 0;
     for (point, direction) in disc(4000).zip(directions(4000)) {
         let origin = center + (right * point.x + up * point.y) * radius;
-        let started = lens.start(&scene.world, Ray::new(origin, direction));
+        let started = lens.start(&scene.world, Ray::new(origin + to_local, direction));
         assert!(!started.is_ambiguous);
         assert_eq!(scene.world.medium(started.medium).name == "object 0", expected(origin), "at {origin}");
         inside += u32::from(expected(origin));
