@@ -39,11 +39,11 @@ fn leaves_all_shells(geometry: &Geometry, ray: &Ray, count: usize) -> bool {
     hits.len() == count && hits.iter().all(|hit| !hit.is_front)
 }
 
-/// Möller–Trumbore in f64 over all triangles: slow and separate.
-fn brute_force(mesh: &Mesh, ray: &Ray) -> Option<(f64, usize)> {
+/// Möller–Trumbore in f64 over all triangles, rounded as `origin` rounds them: slow and separate. The ray is in local coordinates.
+fn brute_force(mesh: &Mesh, origin: DVec3, ray: &Ray) -> Option<(f64, usize)> {
     let mut best: Option<(f64, usize)> = None;
     for (index, triangle) in mesh.triangles.iter().enumerate() {
-        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_vec3().as_dvec3());
+        let [a, b, c] = triangle.map(|i| (mesh.positions[i as usize] - origin).as_vec3().as_dvec3());
         let (e1, e2) = (b - a, c - a);
         let p = ray.direction.cross(e2);
         let determinant = e1.dot(p);
@@ -78,7 +78,7 @@ fn the_tree_finds_what_brute_force_finds() {
         let aim = numbers.direction() * numbers.next();
         let ray = Ray::new(origin, (aim - origin).normalize());
         let found = geometry.closest(&ray);
-        let expected = brute_force(&mesh, &ray);
+        let expected = brute_force(&mesh, geometry.origin, &ray);
         match (found, expected) {
             (Some(hit), Some((t, index))) => {
                 hits += 1;
