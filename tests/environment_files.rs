@@ -16,6 +16,7 @@ use iorect::check::{Severity, check};
 use iorect::scene::description::Environment;
 use iorect::scene::environment::{EnvironmentImage, EnvironmentLight};
 use iorect::scene::load;
+use rayon::prelude::*;
 
 /// Reads an image through a scene that names it.
 fn read(name: &str, bytes: &[u8]) -> Result<Arc<EnvironmentImage>, String> {
@@ -491,8 +492,7 @@ fn survives(ending: &str, bytes: &[u8]) {
 fn no_damage_makes_it_panic() {
     for (ending, bytes) in samples() {
         assert!(read(&format!("e.{ending}"), &bytes).is_ok(), "{ending}");
-        // Every byte of the header, and some of the rest.
-        for place in (0..bytes.len()).filter(|place| *place < 400 || place % 7 == 0) {
+        (0..bytes.len()).into_par_iter().for_each(|place| {
             for flip in [0x01, 0x80] {
                 let mut damaged = bytes.clone();
                 damaged[place] ^= flip;
@@ -505,7 +505,7 @@ fn no_damage_makes_it_panic() {
                 damaged[place..end].copy_from_slice(&value[..end - place]);
                 survives(ending, &damaged);
             }
-        }
+        });
     }
 }
 

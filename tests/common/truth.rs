@@ -423,12 +423,7 @@ impl Truth {
         // Surfaces with one medium on both sides are none.
         let vertices: Vec<_> =
             path.vertices.iter().filter(|v| v.event != VertexEvent::Skip || v.from != v.to).collect();
-        // A chain of lenses multiplies the rounding of its first vertices: what comes later is another path's.
-        const MOST_VERTICES: usize = 8;
         for (k, vertex) in vertices.iter().enumerate() {
-            if k == MOST_VERTICES {
-                return Ok(k);
-            }
             let position = local(vertex.position);
             let next = match self.next(&ray) {
                 Found::IllConditioned => return Ok(k),
@@ -458,8 +453,10 @@ impl Truth {
             if expected.distance(onward) > 1e-5 {
                 return Err(format!("vertex {k} at {position}: it goes on along {onward}, not along {expected}"));
             }
-            // The next surface may be near, but the direction to it must be known.
-            ray = Ray::new(position, if k + 1 < vertices.len() { expected } else { onward });
+            // Along the path's own direction, which has just been checked: each vertex would multiply the rounding of those before it. Where
+            // the next one is too near to tell that direction, along the expected one.
+            let is_known = vertices.get(k + 1).is_none_or(|v| local(v.position).distance(position) > 1e-6 * self.size);
+            ray = Ray::new(position, if is_known { onward } else { expected });
         }
         match self.next(&ray) {
             Found::Nothing if path.escaped => Ok(vertices.len() + 1),

@@ -286,8 +286,9 @@ impl<T> List<T> {
     fn sync_inline(&self, array: &mut Array, old: &[T], new: &[T], sources: &[Option<usize>]) {
         let mut tables: Vec<Option<Value>> = array.iter().cloned().map(Some).collect();
         tables.resize_with(old.len(), || None);
-        // New ones stand as the last one does.
-        let decor = array.iter().last().map(|last| last.decor().clone());
+        // New ones stand on a line of their own where the last one does, without its comment.
+        let prefix = array.iter().last().and_then(|last| last.decor().prefix()?.as_str());
+        let prefix = prefix.map(|prefix| prefix[prefix.rfind('\n').unwrap_or(0)..].to_owned());
         let mut values = Vec::with_capacity(new.len());
         for (n, source) in new.iter().zip(sources) {
             let found = source.and_then(|j| tables[j].take().map(|value| (value, &old[j])));
@@ -295,8 +296,8 @@ impl<T> List<T> {
                 Some((value, o)) => (value, Some(o)),
                 None => {
                     let mut value = Value::InlineTable(InlineTable::new());
-                    if let Some(decor) = &decor {
-                        *value.decor_mut() = decor.clone();
+                    if let Some(prefix) = &prefix {
+                        value.decor_mut().set_prefix(prefix.as_str());
                     }
                     (value, None)
                 }

@@ -307,6 +307,7 @@ fn inline_lists_come_go_and_move() {
     scene.media.push(Medium { name: "ice".into(), absorption: [0.1; 3], ..glass });
     let text = assert_faithful(&scene);
     assert!(text.contains("{ name = \"glass\",   ior=1.50 }") && !text.contains("[[medium]]"), "{text}");
+    assert_eq!(text.matches("# clear").count(), 1, "{text}");
     scene.media.rotate_left(1);
     assert_faithful(&scene);
     scene.refractors.clear();

@@ -22,6 +22,9 @@ const LEAST_GAP: f64 = 1e-9;
 const ROUNDING_OF_BALLS: f64 = 1e-12;
 /// Volumes that differ by less than this, relatively, are equal.
 const SAME_VOLUME: f64 = 1e-6;
+/// How far from a face's edges it is asked at least, as a share of the largest coordinate: below half a rounding to f32, far above those
+/// to f64.
+const LEAST_DISTANCE: f64 = 1.0 / (1u64 << 28) as f64;
 /// The primitive is none that the mesh as read has.
 const NO_PART: u32 = u32::MAX;
 
@@ -119,11 +122,12 @@ impl Bodies {
 
     /// The place of a surface point.
     pub(super) fn place(&self, geometry: &Geometry, point: &SurfacePoint) -> Place {
-        let reach = match geometry.sphere(point.primitive) {
-            Some(_) => DVec3::ZERO,
-            None => geometry.corners(point.primitive).into_iter().fold(DVec3::ZERO, |reach, p| reach.max(p.abs())),
-        };
-        Place::new(point.position, point.normal, reach)
+        if geometry.sphere(point.primitive).is_some() {
+            return Place::new(point.position, point.normal, DVec3::ZERO);
+        }
+        let corners = geometry.corners(point.primitive);
+        let reach = corners.into_iter().fold(DVec3::ZERO, |reach, p| reach.max(p.abs()));
+        Place::new(off_the_edges(point.position, &corners), point.normal, reach)
     }
 
     /// How near faces of a part of `body` must come to those of the primitive to lie in one plane with it.
@@ -245,6 +249,25 @@ impl Bodies {
         });
         is_stood_for
     }
+}
+
+/// A point of a triangle moved away from the edges, where it is as near to one as roundings of f64: there it would be chance which of the
+/// faces that meet lies at the point, and from where the others are seen. The way is shorter than what rounding to f32 leaves of corners.
+fn off_the_edges(point: DVec3, corners: &[DVec3; 3]) -> DVec3 {
+    let [a, b, c] = *corners;
+    let normal = (b - a).cross(c - a);
+    let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
+    // By corner: its share of the point, and the share that a point has at the least distance from the edge opposite to it.
+    let [shares, least] = {
+        let share = |p: DVec3, q: DVec3| (q - p).cross(point - p).dot(normal) / normal.length_squared();
+        let least = |p: DVec3, q: DVec3| LEAST_DISTANCE * largest * (q - p).length() / normal.length();
+        [[share(b, c), share(c, a), share(a, b)], [least(b, c), least(c, a), least(a, b)]]
+    };
+    if (0..3).all(|k| shares[k] >= least[k]) || !normal.length_squared().is_normal() {
+        return point;
+    }
+    let moved: [f64; 3] = std::array::from_fn(|k| shares[k].max(least[k].min(0.25)));
+    (a * moved[0] + b * moved[1] + c * moved[2]) / moved.iter().sum::<f64>()
 }
 
 /// Of a ball around an object.

@@ -24,12 +24,6 @@ use crate::scene::environment::EnvironmentImage;
 /// # Errors
 /// When the file is too large, damaged, cut off, or of a kind that is not read.
 pub(super) fn read(bytes: &[u8]) -> Result<EnvironmentImage, String> {
-    // The decoder of B44 counts on numbers that damage may have changed.
-    std::panic::catch_unwind(|| decode(bytes))
-        .unwrap_or_else(|_| Err("is damaged: its compressed data do not make sense".into()))
-}
-
-fn decode(bytes: &[u8]) -> Result<EnvironmentImage, String> {
     let mut rest = Cursor::new(bytes);
     let meta = MetaData::read_from_buffered(&mut rest, false).map_err(decoding)?;
     if meta.requirements.has_deep_data || meta.headers.iter().any(|header| header.deep) {
