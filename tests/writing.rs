@@ -73,6 +73,13 @@ fn read_only_files_are_refused_before_any_work() {
         assert_eq!(desk.get(name), b"old");
     }
     assert!(desk.wrong("compare sky.toml --spp 1000000 -o a.png").contains("is read-only"));
+    for name in ["report.json", "summary.md", "curves.csv"] {
+        fs::create_dir_all(desk.path().join("report")).unwrap();
+        desk.put(&format!("report/{name}"), "old");
+        set_mode(&desk.path().join("report").join(name), 0o444);
+        assert!(desk.wrong("report --only editing -o report sky.toml").contains(&format!("{name}: is read-only")));
+        fs::remove_file(desk.path().join("report").join(name)).unwrap();
+    }
     // Through a link as well; and what is asked late is refused too.
     symlink("a.png", desk.path().join("link.png")).unwrap();
     assert!(desk.wrong(&render("link.png")).contains("link.png: is read-only"));

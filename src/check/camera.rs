@@ -21,7 +21,7 @@ pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
             "camera",
             "camera_inside",
             format!(
-                "the camera is inside {}: `naive` and `stack` begin each path as if it were not, `rectified` and `reference` do not",
+                "the camera is inside {}: `naive`, `stack` and `priority` begin each path as if it were not, `rectified` and `reference` do not",
                 names.join(", ")
             ),
         ));

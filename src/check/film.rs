@@ -12,6 +12,7 @@ use crate::geometry::{Ray, SurfacePoint};
 use crate::rectify::contact::is_refractor;
 use crate::rectify::containment::{medium_of, priority};
 use crate::rectify::tolerance;
+use crate::rectify::{PatchKind, Progress};
 use crate::render::Prepared;
 use crate::scene::World;
 use crate::scene::world::{MediumId, ObjectId};
@@ -19,6 +20,9 @@ use crate::scene::world::{MediumId, ObjectId};
 /// Points of each refractor that are looked at first, and all of them where some of those lie near another surface.
 const FIRST: u32 = 6;
 const ALL: u32 = 96;
+/// Points of all refractors together at the most, unless that leaves fewer than these for each; then fewer are looked at first as well.
+const MOST_TOGETHER: usize = 1 << 16;
+const FEWEST: u32 = 16;
 /// A surface is near within this share of the object's size, the diagonal of its bounds.
 const NEAR: f64 = 0.02;
 /// Share of an object's surface that a film covers at the least: a liquid's wall and bottom, without its top.
@@ -31,13 +35,21 @@ const FACETS_NEAR: f64 = 0.01;
 /// Share of them that lie on the rarer side, gap or overlap: where there is less, it is a film.
 const RARER: f64 = 0.05;
 
-pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
+/// Incomplete once `progress` is cancelled.
+pub(super) fn problems(prepared: &Prepared, progress: &Progress) -> Vec<Problem> {
     let world = &*prepared.world;
     let refractors: Vec<ObjectId> = world.refractors().map(|(id, _)| id).collect();
     if refractors.len() < 2 {
         return Vec::new();
     }
-    let found: Vec<Found> = refractors.into_par_iter().filter_map(|id| look(prepared, id)).collect();
+    let points = ((MOST_TOGETHER / refractors.len()) as u32).clamp(FEWEST, ALL);
+    // Of what cannot be seen it does not matter what is beside it.
+    let is_seen = |id: &ObjectId| {
+        let is_interface = |kind| !matches!(kind, PatchKind::Masked | PatchKind::Null);
+        !progress.is_cancelled() && prepared.table.patches_of(*id).iter().any(|patch| is_interface(patch.kind))
+    };
+    let found: Vec<Found> =
+        refractors.into_par_iter().filter(is_seen).filter_map(|id| look(prepared, id, points)).collect();
     // Both of a pair may say the same: the smaller one is the liquid.
     let mut of_pairs: BTreeMap<(ObjectId, ObjectId), Found> = BTreeMap::new();
     for found in found {
@@ -76,7 +88,8 @@ struct Found {
     spot: Spot,
 }
 
-fn look(prepared: &Prepared, id: ObjectId) -> Option<Found> {
+/// Looks at so many points of a refractor.
+fn look(prepared: &Prepared, id: ObjectId, points: u32) -> Option<Found> {
     let world = &*prepared.world;
     let geometry = &*world.geometry;
     let (min, max) = geometry.bounds_of(id.0);
@@ -85,17 +98,18 @@ fn look(prepared: &Prepared, id: ObjectId) -> Option<Found> {
         let points = samples::of_surface(geometry, id.0, range);
         points.filter_map(|(point, _)| beside(world, id, point, NEAR * size)).collect()
     };
-    let mut near = beside(0..FIRST);
+    let first = FIRST.min(points / 8);
+    let mut near = beside(0..first);
     if near.is_empty() {
         return None;
     }
-    near.extend(beside(FIRST..ALL));
+    near.extend(beside(first..points));
     // The surface that it lies along most.
     let mut counts: BTreeMap<ObjectId, usize> = BTreeMap::new();
     near.iter().for_each(|b| *counts.entry(b.other).or_default() += 1);
     let (outer, _) = counts.into_iter().max_by_key(|&(other, count)| (count, std::cmp::Reverse(other)))?;
     near.retain(|b| b.other == outer);
-    film(prepared, id, outer, &near).or_else(|| facets(world, id, outer, size, &near))
+    film(prepared, id, outer, points, &near).or_else(|| facets(world, id, outer, size, points, &near))
 }
 
 /// What lies beside a point: the other surface that a ray along the normal enters, or that a ray against it leaves, within `reach`.
@@ -113,12 +127,12 @@ fn beside(world: &World, id: ObjectId, point: SurfacePoint, reach: f64) -> Optio
 }
 
 /// A film of what surrounds both, around most of the object.
-fn film(prepared: &Prepared, inner: ObjectId, outer: ObjectId, near: &[Beside]) -> Option<Found> {
+fn film(prepared: &Prepared, inner: ObjectId, outer: ObjectId, points: u32, near: &[Beside]) -> Option<Found> {
     let world = &*prepared.world;
     let gaps: Vec<&Beside> = near.iter().filter(|b| b.distance > 0.0).collect();
     let overlaps = near.len() - gaps.len();
     let mean_normal = gaps.iter().map(|b| b.point.normal).sum::<DVec3>() / gaps.len().max(1) as f64;
-    if (gaps.len() as f64) < FILM * f64::from(ALL)
+    if (gaps.len() as f64) < FILM * f64::from(points)
         || overlaps as f64 >= RARER * near.len() as f64
         || mean_normal.length() > ALL_ROUND
     {
@@ -132,11 +146,11 @@ fn film(prepared: &Prepared, inner: ObjectId, outer: ObjectId, near: &[Beside]) 
 }
 
 /// Gaps and overlaps by turns.
-fn facets(world: &World, inner: ObjectId, outer: ObjectId, size: f64, near: &[Beside]) -> Option<Found> {
+fn facets(world: &World, inner: ObjectId, outer: ObjectId, size: f64, points: u32, near: &[Beside]) -> Option<Found> {
     let near: Vec<&Beside> = near.iter().filter(|b| b.distance.abs() <= FACETS_NEAR * size).collect();
     let gaps = near.iter().filter(|b| b.distance > 0.0).count();
     let rarer = gaps.min(near.len() - gaps);
-    let is_so = near.len() as f64 >= FACETS * f64::from(ALL) && rarer as f64 >= RARER * near.len() as f64;
+    let is_so = near.len() as f64 >= FACETS * f64::from(points) && rarer as f64 >= RARER * near.len() as f64;
     let is_seen = medium_of(world, Some(inner)) != medium_of(world, Some(outer));
     (is_so && is_seen).then(|| Found::new(world, Kind::Facets, inner, outer, &near))
 }

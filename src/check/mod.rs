@@ -19,6 +19,7 @@ mod samples;
 
 use glam::DVec3;
 
+use crate::rectify::{Cancelled, Progress};
 use crate::render::Prepared;
 use crate::scene::LoadNote;
 use crate::scene::description::Environment;
@@ -76,27 +77,43 @@ impl Problem {
 }
 
 /// Everything doubtful that can be found in a scene that could be prepared, worst first. Takes milliseconds, or some tenths of a second
-/// where meshes have a million triangles.
+/// where meshes have a million triangles; with thousands of objects in each other seconds.
 pub fn check(prepared: &Prepared) -> Vec<Problem> {
+    check_watched(prepared, &Progress::new()).expect("nobody can cancel it")
+}
+
+/// [`check`], which can be ended early.
+///
+/// # Errors
+/// When `progress` is cancelled.
+pub fn check_watched(prepared: &Prepared, progress: &Progress) -> Result<Vec<Problem>, Cancelled> {
     let mut doubts = confidence::doubts(prepared);
     let rims = rims::joined(prepared);
     let mut problems = mesh::problems(prepared, &rims, &mut doubts);
-    problems.extend(notes::problems(prepared));
+    progress.go_on()?;
     let encounters = prepared.table.encounters(&prepared.world);
-    problems.extend(overlap::problems(prepared, &encounters, &rims));
-    problems.extend(crowded::problems(prepared));
-    problems.extend(confidence::problems(prepared, &doubts));
-    problems.extend(film::problems(prepared));
-    problems.extend(enclosed::problems(prepared));
-    problems.extend(index::problems(prepared));
-    problems.extend(flush::problems(prepared, &encounters));
-    problems.extend(media::problems(prepared));
-    problems.extend(light(prepared));
-    problems.extend(lamp::problems(prepared));
-    problems.extend(camera::problems(prepared));
+    let parts: [&dyn Fn() -> Vec<Problem>; 12] = [
+        &|| notes::problems(prepared),
+        &|| overlap::problems(prepared, &encounters, &rims),
+        &|| crowded::problems(prepared),
+        &|| confidence::problems(prepared, &doubts),
+        &|| film::problems(prepared, progress),
+        &|| enclosed::problems(prepared),
+        &|| index::problems(prepared),
+        &|| flush::problems(prepared, &encounters).into_iter().collect(),
+        &|| media::problems(prepared),
+        &|| light(prepared),
+        &|| lamp::problems(prepared),
+        &|| camera::problems(prepared),
+    ];
+    for part in parts {
+        progress.go_on()?;
+        problems.extend(part());
+    }
+    progress.go_on()?;
     // Stable: findings of one severity stay in the order above.
     problems.sort_by_key(|problem| problem.severity);
-    problems
+    Ok(problems)
 }
 
 fn light(prepared: &Prepared) -> Vec<Problem> {

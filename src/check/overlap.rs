@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::rims::Rims;
 use super::{Problem, names, samples};
 use crate::rectify::PatchKind;
-use crate::rectify::containment::{containment_beside, medium_of, priority, top};
+use crate::rectify::containment::{containment_beside, is_same_volume, medium_of, priority, top};
 use crate::rectify::copies::Copies;
 use crate::rectify::encounters::{Encounter, Meeting};
 use crate::render::Prepared;
@@ -81,8 +81,14 @@ fn is_undecided(world: &World, a: ObjectId, b: ObjectId) -> bool {
 
 /// What decides a tie.
 fn reason(world: &World, objects: &[ObjectId]) -> &'static str {
-    let are_all_infinite = objects.iter().all(|id| world.object(*id).volume.is_infinite());
-    if are_all_infinite { "the later one wins" } else { "the smaller volume wins" }
+    let volumes = || objects.iter().map(|id| world.object(*id).volume);
+    if volumes().all(f64::is_infinite) {
+        "the later one wins"
+    } else if volumes().all(|volume| is_same_volume(volume, world.object(objects[0]).volume)) {
+        "their volumes are equal, so the later one wins"
+    } else {
+        "the smaller volume wins"
+    }
 }
 
 fn tie(world: &World, a: ObjectId, b: ObjectId) -> Problem {

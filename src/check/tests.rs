@@ -116,6 +116,12 @@ fn overlaps_by_tie_and_by_priority() {
     assert!(problems[0].message.contains("overlap with equal priority: the smaller volume wins, here b"));
     spheres.refractors[0].priority = 1;
     assert_eq!(found(spheres), []);
+    let equal = problems_of(scene(&(sphere("a", "glass", 0.0, 1.0) + &sphere("b", "water", 1.2, 1.0))));
+    assert!(
+        equal[0].message.contains("their volumes are equal, so the later one wins, here b"),
+        "{}",
+        equal[0].message
+    );
 
     let crossing = object("box", "glass", "box = { min = [-1, -1, -1], max = [1, 1, 1] }");
     let boxes = scene(

@@ -138,7 +138,7 @@ pub struct ImageArguments {
     /// Interfaces seen from the camera at which a path may split, so that both the reflected and the transmitted light are followed; 0: none
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=8), allow_negative_numbers = true)]
     pub splits: u32,
-    /// Where random numbers come from: sobol, whose samples keep out of each other's way, or independent
+    /// Where random numbers come from: sobol, whose samples are spread evenly, or independent
     #[arg(long, value_name = "SEQUENCE", default_value = "sobol", value_parser = sequence)]
     pub sampler: Sequence,
     /// Whether image environments are sampled where they are bright: on or off

@@ -111,6 +111,7 @@ fn whole_objects(prepared: &Prepared) -> Vec<Patch> {
                 rays: answer.rays(),
                 confidence: answer.confidence(),
                 votes: Arc::default(),
+                within: None,
             }
         })
         .collect()

@@ -19,9 +19,8 @@ use crate::report::extent::Extent;
 use crate::report::make::{Part, ReportError, Request, Subject, make};
 use crate::report::progress::Progress;
 use crate::report::store::Store;
-use crate::report::write::{json, write};
+use crate::report::write::{json, require_all_writable, write};
 use crate::scene::{builtin, load};
-use crate::writing::require_writable;
 
 /// Steps of the progress bar.
 const STEPS: u64 = 10_000;
@@ -34,7 +33,7 @@ pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
         Failure::Wrong(anyhow::Error::new(error).context(advice))
     };
     let store = Store::open(&arguments.output.join("cache")).map_err(unwritable)?;
-    require_writable(&arguments.output.join("report.html")).map_err(|error| unwritable(error.into()))?;
+    require_all_writable(&arguments.output).map_err(|error| unwritable(error.into()))?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads.unwrap_or(0) as usize)
         .build()

@@ -8,7 +8,7 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sequence {
-    /// Sobol points: the samples of a pixel keep out of each other's way.
+    /// Sobol points: the samples of a pixel are spread evenly.
     Sobol,
     /// Hashes, each for itself.
     Independent,

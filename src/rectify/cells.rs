@@ -12,7 +12,7 @@ use super::contact::{Contact, Cover, Face, Relation, is_refractor, is_stood_for}
 use super::containment::{containment_beside, fills_beside, is_inside, is_inside_by_vote};
 use super::surroundings::{Answer, State, Surroundings};
 use super::tolerance::Tolerance;
-use crate::geometry::{Enclosure, PrimitiveId, SurfacePoint};
+use crate::geometry::{PrimitiveId, SurfacePoint};
 use crate::scene::World;
 use crate::scene::world::ObjectId;
 
@@ -121,8 +121,8 @@ impl Ask {
             let state = match member.coincident.iter().find(|(primitive, _)| covers(*primitive)) {
                 // Of twins, the first one stands for both.
                 Some((primitive, _)) if *primitive < point.primitive => return None,
-                Some(_) if is_union(world, member.refractor) => {
-                    state_of_union(world, member.refractor, self.base.subject, point)?
+                Some(_) if world.object(member.refractor).may_contain_itself() => {
+                    state_of_parts(world, member.refractor, self.base.subject, point)?
                 }
                 Some((_, same)) => State::of_coincident(*same),
                 None if is_inside(world, member.refractor, point) => State::In,
@@ -162,15 +162,11 @@ impl Member {
     }
 }
 
-fn is_union(world: &World, refractor: ObjectId) -> bool {
-    world.object(refractor).enclosure == Enclosure::Union
-}
-
-/// How a union lies at a point of a surface that faces of its own coincide with: several of them may, of parts on either side. `None` where the
-/// union is the subject itself and its faces there enclose nothing between them.
-fn state_of_union(world: &World, union: ObjectId, subject: ObjectId, point: &SurfacePoint) -> Option<State> {
-    let [is_outer, is_inner] = [true, false].map(|is_outer| fills_beside(world, union, point, is_outer));
-    (is_inner || union != subject).then(|| State::of_sides(is_outer, is_inner))
+/// How a refractor of several parts lies at a point of a surface that faces of its own coincide with: several of them may, of parts on either
+/// side, and other parts may contain all of it. `None` where the refractor is the subject itself and its faces there enclose nothing between them.
+fn state_of_parts(world: &World, refractor: ObjectId, subject: ObjectId, point: &SurfacePoint) -> Option<State> {
+    let [is_outer, is_inner] = [true, false].map(|is_outer| fills_beside(world, refractor, point, is_outer));
+    (is_inner || refractor != subject).then(|| State::of_sides(is_outer, is_inner))
 }
 
 /// A touched face, divided. Children come after their parents; a triangle has one root, a sphere one for each octant.
@@ -381,7 +377,7 @@ impl Divider<'_> {
         let radius = ends.iter().map(|end| end.distance(middle.position)).fold(0.0, f64::max);
         let mut remaining = Vec::with_capacity(actives.len());
         for mut active in actives {
-            let is_union = is_union(self.world, active.object);
+            let has_several_parts = self.world.object(active.object).may_contain_itself();
             let mut covering: Option<u32> = None;
             let mut has_parts = false;
             active.coincident.retain(|&index| match self.pool[index as usize].1.cover(&ends, active.tolerance) {
@@ -395,7 +391,7 @@ impl Divider<'_> {
                     true
                 }
             });
-            if let Some(index) = covering.filter(|_| !is_union) {
+            if let Some(index) = covering.filter(|_| !has_several_parts) {
                 let contact = self.pool[index as usize].0;
                 let Relation::Coincides { same } = contact.relation else { continue };
                 base.is_masked |= !active.is_refractor || contact.primitive < self.face;
@@ -405,9 +401,9 @@ impl Divider<'_> {
             let reach = radius * (1.0 + 1e-9) + 4.0 * active.tolerance.least;
             active.crossing.retain(|&index| self.pool[index as usize].1.distance(middle.position) <= reach);
             if let Some(index) = covering.filter(|_| !has_parts && active.crossing.is_empty()) {
-                // Contacts are in the order of primitives, so this is the first of the union's faces here.
+                // Contacts are in the order of primitives, so this is the first of the object's faces here.
                 base.is_masked |= self.pool[index as usize].0.primitive < self.face;
-                match state_of_union(self.world, active.object, base.subject, &middle) {
+                match state_of_parts(self.world, active.object, base.subject, &middle) {
                     Some(state) => base.add(active.object, state),
                     None => base.is_masked = true,
                 }

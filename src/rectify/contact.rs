@@ -181,6 +181,9 @@ impl Seeker<'_> {
                 return ControlFlow::Continue(());
             }
             let other = Face::of(geometry, primitive);
+            if this.is_clear_of(&other, self.margin) {
+                return ControlFlow::Continue(());
+            }
             let tolerance = Tolerance::between(geometry, self.subject.0, object.0);
             let Some(relation) = this.relation(&other, tolerance) else { return ControlFlow::Continue(()) };
             if is_own && relation == Relation::Touches && !this.touches_beyond_corners(&other, tolerance) {
@@ -248,6 +251,14 @@ impl Face {
             Self::Triangle { corners: [a, b, c], .. } => (a.min(*b).min(*c), a.max(*b).max(*c)),
             Self::Sphere(s) => (s.center - s.radius, s.center + s.radius),
         }
+    }
+
+    /// Whether this and another are spheres farther apart than `margin`, the one in the other or beside it. Quick: most spheres are, of many.
+    fn is_clear_of(&self, other: &Self, margin: f64) -> bool {
+        let (Self::Sphere(a), Self::Sphere(b)) = (self, other) else { return false };
+        let squared = a.center.distance_squared(b.center);
+        let (apart, within) = (a.radius + b.radius + margin, (a.radius - b.radius).abs() - margin);
+        squared > apart * apart || (within > 0.0 && squared < within * within)
     }
 
     /// Largest magnitude of each coordinate.

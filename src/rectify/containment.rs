@@ -195,13 +195,17 @@ pub fn containment_beside(world: &World, point: &SurfacePoint, is_outer: bool) -
 }
 
 /// Generalised winding number of a surface with holes around a point: next to it, on the outer side, where the point lies on that very surface.
-/// On the surface rounding would decide between the numbers of its two sides.
 pub(super) fn winding_beside(world: &World, holed: ObjectId, point: &SurfacePoint) -> f64 {
+    let is_own = point.primitive != NO_PRIMITIVE && world.geometry.object_of(point.primitive) == holed.0;
+    if is_own { winding_on_side(world, holed, point, true) } else { world.object(holed).winding_at(point.position) }
+}
+
+/// The same on a side of a surface that faces of the object lie on: on them rounding would decide between the numbers of their two sides.
+fn winding_on_side(world: &World, holed: ObjectId, point: &SurfacePoint, is_outer: bool) -> f64 {
     /// Share of the object's radius: beyond the rounding of vertices.
     const BESIDE: f64 = 1e-6;
-    let is_own = point.primitive != NO_PRIMITIVE && world.geometry.object_of(point.primitive) == holed.0;
-    let away = if is_own { point.normal * (BESIDE * world.geometry.radius_of(holed.0)) } else { DVec3::ZERO };
-    world.object(holed).winding_at(point.position + away)
+    let away = point.normal * (BESIDE * world.geometry.radius_of(holed.0));
+    world.object(holed).winding_at(point.position + if is_outer { away } else { -away })
 }
 
 /// The votes of rays that leave a surface on one side. Faces that coincide with it there are no hits.
@@ -309,9 +313,12 @@ pub fn is_inside_by_vote(world: &World, refractor: ObjectId, point: &SurfacePoin
     }
 }
 
-/// Whether `refractor`, a union, fills the outer side of a surface, or the inner side, next to a point where faces of its own may coincide with
-/// that surface: rays that leave on that side tell, and those faces are no hits.
+/// Whether `refractor`, of several parts, fills the outer side of a surface, or the inner side, next to a point where faces of its own may
+/// coincide with that surface: rays that leave on that side tell, and those faces are no hits.
 pub(super) fn fills_beside(world: &World, refractor: ObjectId, point: &SurfacePoint, is_outer: bool) -> bool {
+    if world.object(refractor).enclosure == Enclosure::Holed {
+        return winding_on_side(world, refractor, point, is_outer) > 0.5;
+    }
     let votes = votes_beside(world, point, is_outer);
     votes.iter().any(|vote| vote.refractor == refractor && vote.is_inside())
 }
@@ -334,10 +341,15 @@ pub fn top(world: &World, refractors: impl IntoIterator<Item = ObjectId>) -> Opt
         match priority(world, low).cmp(&priority(world, high)) {
             std::cmp::Ordering::Less => high,
             std::cmp::Ordering::Greater => low,
-            std::cmp::Ordering::Equal if volume_low * (1.0 + SAME_VOLUME) < volume_high => low,
+            std::cmp::Ordering::Equal if volume_low < volume_high && !is_same_volume(volume_low, volume_high) => low,
             std::cmp::Ordering::Equal => high,
         }
     })
+}
+
+/// Whether two volumes count as equal.
+pub fn is_same_volume(a: f64, b: f64) -> bool {
+    a.min(b) * (1.0 + SAME_VOLUME) >= a.max(b)
 }
 
 /// The priority of a refractor; the lowest of all for other objects.

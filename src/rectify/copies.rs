@@ -63,6 +63,11 @@ impl Copies {
         self.first_of_copy.contains_key(&object)
     }
 
+    /// Whether there is a copy of this refractor, or it is one.
+    pub fn is_copied(&self, refractor: ObjectId) -> bool {
+        self.is_copy(refractor) || self.of_first.contains_key(&refractor)
+    }
+
     /// Whether two refractors are copies of each other.
     pub fn are_alike(&self, a: ObjectId, b: ObjectId) -> bool {
         let first = |id: ObjectId| self.first_of_copy.get(&id).copied().unwrap_or(id);

@@ -17,6 +17,7 @@ use super::cells::{self, Ask, Division, Node};
 use super::contact::{self, Contacts, primitives_of};
 use super::containment::containment_beside;
 use super::copies::Copies;
+use super::nest::Nest;
 use super::pretrace::{self, SiteVotes};
 use super::progress::{Cancelled, Progress, Stage};
 use super::surroundings::{State, Surroundings};
@@ -159,10 +160,19 @@ pub fn lay_out(
     let coarseness = coarseness(world, &contacts);
     seconds.patches = start.elapsed().as_secs_f64();
     progress.enter(Stage::Votes, anew.len())?;
+    let nest = Nest::new(world, |refractor| match kept.get(&refractor) {
+        Some(found) => {
+            matches!(found.sites[..], [(Site { faces: Faces::Whole, .. }, _)]) && !copies.is_copied(refractor)
+        }
+        None => {
+            contacts.of_range(primitives_of(&world.geometry, refractor)).next().is_none()
+                && !copies.is_copied(refractor)
+        }
+    });
     let whole: Vec<Option<SubjectLayout>> = (anew.par_iter())
         .map(|&subject| {
             progress.go_on()?;
-            let whole = whole_object(world, subject, &contacts, &copies);
+            let whole = whole_object(world, subject, &contacts, &copies, &nest);
             progress.advance(1);
             Ok(whole)
         })
@@ -334,7 +344,13 @@ impl Layout {
 }
 
 /// The site of an object that need not be split.
-fn whole_object(world: &World, subject: ObjectId, contacts: &Contacts, copies: &Copies) -> Option<SubjectLayout> {
+fn whole_object(
+    world: &World,
+    subject: ObjectId,
+    contacts: &Contacts,
+    copies: &Copies,
+    nest: &Nest,
+) -> Option<SubjectLayout> {
     let range = primitives_of(&world.geometry, subject);
     if contacts.of_range(range).next().is_some() || world.object(subject).has_several_components() {
         return None;
@@ -342,7 +358,7 @@ fn whole_object(world: &World, subject: ObjectId, contacts: &Contacts, copies: &
     let mut fixed = Surroundings::new(subject);
     copies.complete(&mut fixed);
     let site = Site { subject, faces: Faces::Whole, fixed, settled: copies.of(subject).to_vec() };
-    let votes = pretrace::vote(world, &site, SiteVotes::default());
+    let votes = pretrace::vote(world, &site, nest, SiteVotes::default());
     let is_one = !depends_on_place(world, subject, &votes);
     is_one.then(|| SubjectLayout { sites: vec![(site, votes)], divided: Vec::new(), crossed_by: Vec::new() })
 }
@@ -453,9 +469,12 @@ impl Splitter<'_> {
         let mut sets = Sets::new(touched.len());
         if !self.world.has_sheets && self.world.holed.is_empty() {
             let number = |face: PrimitiveId| touched.binary_search_by_key(&face, |(face, _)| *face).ok();
-            for (at, (face, _)) in touched.iter().enumerate() {
+            // Where one face stands for all of another, that face's other contacts are not listed.
+            let is_complete = |at: usize| !matches!(touched[at].1, [contact] if matches!(contact.relation, contact::Relation::Coincides { .. }));
+            for (at, (face, _)) in touched.iter().enumerate().filter(|(at, _)| is_complete(*at)) {
                 for &across in neighbours[(face - range.start) as usize].iter().filter(|across| **across != u32::MAX) {
                     if let Some(other) = number(range.start + across)
+                        && is_complete(other)
                         && touching[at] == touching[other]
                     {
                         sets.join(at as u32, other as u32);
@@ -497,11 +516,11 @@ impl Splitter<'_> {
                     .filter(|_| !surroundings.is_masked)
                     .filter(|contact| matches!(contact.relation, contact::Relation::Coincides { .. }))
                     .map(|contact| ObjectId(self.world.geometry.object_of(contact.primitive)))
-                    // Those that coincide next to it and do not reach it lie on both sides or on neither. So may a union's parts on either side
+                    // Those that coincide next to it and do not reach it lie on both sides or on neither. So may parts of one object on either side
                     // of it, which rays that start on it cannot tell.
                     .filter(|object| {
-                        let is_union = self.world.object(*object).enclosure == Enclosure::Union;
-                        is_union || surroundings.outer.contains(object) != surroundings.inner.contains(object)
+                        let has_several_parts = self.world.object(*object).may_contain_itself();
+                        has_several_parts || surroundings.outer.contains(object) != surroundings.inner.contains(object)
                     });
                 let mut settled: Vec<ObjectId> = settled.collect();
                 settled.sort_unstable();
@@ -545,7 +564,7 @@ impl Splitter<'_> {
         let pieces = self.pieces(range, &mut sets, |face| is_untouched[face]);
         let voted: Vec<(Site, SiteVotes)> = (pieces.into_par_iter())
             .map(|site| {
-                let votes = pretrace::vote(self.world, &site, SiteVotes::default());
+                let votes = pretrace::vote(self.world, &site, &Nest::default(), SiteVotes::default());
                 (site, votes)
             })
             .collect();
@@ -594,7 +613,7 @@ impl Splitter<'_> {
                 let votes = match (earlier.next(), earlier.next()) {
                     // The votes of the piece that it consists of, but for a few faces.
                     (Some(votes), None) => votes.clone(),
-                    _ => pretrace::vote(self.world, &site, SiteVotes::default()),
+                    _ => pretrace::vote(self.world, &site, &Nest::default(), SiteVotes::default()),
                 };
                 (site, votes)
             })

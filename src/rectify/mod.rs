@@ -5,6 +5,7 @@
 //! cells      touched faces, divided until each part has one answer         │ geometry alone
 //! layout     the rest, joined into connected patches                      ┘
 //! pretrace   rays from every patch vote about every refractor
+//! nest       where there are many, what lies in each other inherits its containers
 //! surroundings, table   votes, priorities and media come to two media for every place
 //! ```
 
@@ -15,6 +16,7 @@ pub mod containment;
 pub mod copies;
 pub mod encounters;
 pub mod layout;
+mod nest;
 pub mod object;
 pub mod pretrace;
 pub mod progress;

@@ -90,7 +90,7 @@ fn vote(world: &World, refractor: ObjectId) -> Vec<(Option<ObjectId>, u32)> {
 }
 
 /// The first refractor along `ray` whose first hit is from behind. Opaque objects are looked through, and `own` never counts.
-fn container_along(world: &World, mut ray: Ray, own: ObjectId) -> Option<ObjectId> {
+pub(super) fn container_along(world: &World, mut ray: Ray, own: ObjectId) -> Option<ObjectId> {
     /// Hits that are looked for one by one: most containers are near. Where there are more, all are found in one walk.
     const NEAR: u32 = 8;
     let mut met_from_outside: HashSet<ObjectId> = HashSet::new();

@@ -8,6 +8,8 @@ use rayon::prelude::*;
 use super::contact::is_refractor;
 use super::containment::{Poll, Vote, is_at_start, outward_ray, winding_beside, with_poll};
 use super::layout::{Layout, Site};
+use super::nest::{self, Nest};
+use super::progress::{Cancelled, Progress, Stage};
 use super::random::Random;
 use super::surroundings::{State, Surroundings};
 use crate::geometry::Ray;
@@ -31,10 +33,12 @@ pub struct SiteVotes {
     pub rays: u32,
     /// About every refractor that some ray found to contain the site, in ascending order. Shared: of deep nests it is long.
     pub list: Arc<Vec<Vote>>,
+    /// The innermost container, where that is enough to know: what contains it contains the site too, and is not listed.
+    pub within: Option<ObjectId>,
 }
 
 impl SiteVotes {
-    /// What the majorities say, next to what is fixed.
+    /// What the majorities say, next to what is fixed; of a site with an innermost container nothing beyond that one.
     pub fn surroundings(&self, site: &Site) -> Surroundings {
         self.surroundings_but_for(site, None)
     }
@@ -81,12 +85,27 @@ impl SiteVotes {
 }
 
 /// Another pre-trace of all sites, with fresh directions; its votes are added to `votes`.
-pub fn repeat(world: &World, layout: &Layout, votes: &[SiteVotes]) -> Vec<SiteVotes> {
-    layout.sites.par_iter().zip(votes).map(|(site, votes)| vote(world, site, votes.clone())).collect()
+///
+/// # Errors
+/// When `progress` is cancelled.
+pub fn repeat(
+    world: &World,
+    layout: &Layout,
+    votes: &[SiteVotes],
+    progress: &Progress,
+) -> Result<Vec<SiteVotes>, Cancelled> {
+    let nest = Nest::of_layout(world, layout);
+    progress.enter(Stage::Votes, layout.sites.len())?;
+    (layout.sites.par_iter().zip(votes))
+        .map(|(site, votes)| {
+            progress.go_on()?;
+            Ok(vote(world, site, &nest, votes.clone()))
+        })
+        .collect()
 }
 
 /// Adds a pre-trace of one site to its votes.
-pub fn vote(world: &World, site: &Site, mut votes: SiteVotes) -> SiteVotes {
+pub fn vote(world: &World, site: &Site, nest: &Nest, mut votes: SiteVotes) -> SiteVotes {
     // With nothing that could contain anything, the answer is known.
     if !world.needs.nesting || site.fixed.is_masked {
         return votes;
@@ -99,6 +118,17 @@ pub fn vote(world: &World, site: &Site, mut votes: SiteVotes) -> SiteVotes {
     };
     let seed = (u64::from(site.subject.0) << 32) ^ (u64::from(first) << 12) ^ (u64::from(votes.rays) << 44);
     let mut random = Random::new(seed);
+    if votes.rays == 0 || votes.within.is_some() {
+        match nest.container(world, site, &mut random) {
+            Some(within) if votes.rays == 0 || within == votes.within => {
+                let about = within.map(|refractor| Vote { refractor, inside: nest::RAYS, asked: nest::RAYS });
+                votes.add(about.as_slice(), nest::RAYS);
+                return SiteVotes { within, ..votes };
+            }
+            // Asked about everything.
+            _ => votes = SiteVotes::default(),
+        }
+    }
     let mut holed: Vec<Vote> = world.holed.iter().map(|&refractor| Vote { refractor, inside: 0, asked: 0 }).collect();
     let mut rays = 0;
     let mut round = with_poll(world, |poll| {

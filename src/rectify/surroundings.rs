@@ -1,6 +1,7 @@
 //! What lies on the two sides of a piece of surface: sets of refractors, and the media that they come to.
 
 use super::containment::{medium_of, top};
+use super::nest::Fillers;
 use crate::scene::World;
 use crate::scene::world::{MediumId, ObjectId};
 
@@ -85,13 +86,8 @@ impl Surroundings {
     }
 
     pub fn resolve(&self, world: &World) -> Answer {
-        if self.is_masked {
-            return Answer::MASKED;
-        }
-        Answer {
-            outside: medium_of(world, self.outer_refractor(world)),
-            inside: medium_of(world, self.inner_refractor(world)),
-        }
+        let fillers = Fillers { outer: self.outer_refractor(world), inner: self.inner_refractor(world) };
+        Answer::of(world, self.is_masked, fillers)
     }
 }
 
@@ -105,6 +101,14 @@ pub struct Answer {
 impl Answer {
     /// Not to be met: a coincident surface stands for this one.
     pub const MASKED: Self = Self { outside: MediumId(u32::MAX), inside: MediumId(u32::MAX) };
+
+    /// The media of what fills the two sides, unless the piece is masked.
+    pub fn of(world: &World, is_masked: bool, Fillers { outer, inner }: Fillers) -> Self {
+        if is_masked {
+            return Self::MASKED;
+        }
+        Self { outside: medium_of(world, outer), inside: medium_of(world, inner) }
+    }
 
     #[inline]
     pub fn is_masked(self) -> bool {

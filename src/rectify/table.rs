@@ -7,6 +7,7 @@ use super::cells::{self, Node};
 use super::containment::Vote;
 use super::encounters::{self, Encounter};
 use super::layout::{BY_FACE, DIVIDED, Earlier, Faces, Layout, Place, Site, lay_out};
+use super::nest::{self, Fillers};
 use super::object::ObjectTable;
 use super::pretrace::{self, SiteVotes};
 use super::progress::{Cancelled, Progress};
@@ -77,6 +78,8 @@ pub struct Patch {
     pub confidence: f64,
     /// Votes about every refractor that some ray found to contain the patch.
     pub votes: Arc<Vec<Vote>>,
+    /// The innermost container, where that was enough to know: what contains it contains the patch too, and has no votes here.
+    pub within: Option<ObjectId>,
 }
 
 /// Time spent on each part, in seconds.
@@ -170,15 +173,28 @@ impl InterfaceTable {
 
     /// The same with another pre-trace, of fresh directions, whose votes are added.
     pub fn repeated(&self, world: &World) -> Self {
+        self.repeated_watched(world, &Progress::new()).expect(NOT_CANCELLED)
+    }
+
+    /// [`Self::repeated`], watched.
+    ///
+    /// # Errors
+    /// When `progress` is cancelled.
+    pub fn repeated_watched(&self, world: &World, progress: &Progress) -> Result<Self, Cancelled> {
         let start = Instant::now();
-        let votes = pretrace::repeat(world, &self.layout, &self.votes);
+        let votes = pretrace::repeat(world, &self.layout, &self.votes, progress)?;
         let seconds = RectifySeconds { pretrace: start.elapsed().as_secs_f64(), ..self.seconds };
-        Self::resolve(world, Arc::clone(&self.layout), Arc::new(votes), Arc::clone(&self.per_object), seconds)
+        Ok(Self::resolve(world, Arc::clone(&self.layout), Arc::new(votes), Arc::clone(&self.per_object), seconds))
     }
 
     /// Whether two tables say the same everywhere.
     pub fn says_the_same(&self, other: &Self) -> bool {
         self.answers == other.answers
+    }
+
+    #[cfg(test)]
+    pub(super) fn parts(&self) -> (&Layout, &[SiteVotes]) {
+        (&self.layout, &self.votes)
     }
 
     /// How many objects of an earlier table's were taken over.
@@ -195,8 +211,10 @@ impl InterfaceTable {
         seconds: RectifySeconds,
     ) -> Self {
         let start = Instant::now();
-        let mut answers: Vec<Answer> =
-            layout.sites.iter().zip(&*votes).map(|(site, votes)| votes.surroundings(site).resolve(world)).collect();
+        let fillers = nest::fillers(world, &layout, &votes);
+        let mut answers: Vec<Answer> = (layout.sites.iter().zip(&fillers))
+            .map(|(site, fillers)| Answer::of(world, site.fixed.is_masked, *fillers))
+            .collect();
         answers.extend(layout.surroundings.iter().map(|surroundings| surroundings.resolve(world)));
         let mut has_coincident = false;
         let mut blocks = Vec::with_capacity(layout.asks.len());
@@ -241,7 +259,7 @@ impl InterfaceTable {
             layout,
             votes,
         };
-        table.list_patches(world);
+        table.list_patches(world, &fillers);
         table.seconds.resolve = start.elapsed().as_secs_f64();
         table
     }
@@ -369,7 +387,7 @@ impl InterfaceTable {
         self.votes.iter().map(|votes| u64::from(votes.rays)).sum()
     }
 
-    fn list_patches(&mut self, world: &World) {
+    fn list_patches(&mut self, world: &World, fillers: &[Fillers]) {
         let layout = Arc::clone(&self.layout);
         let votes = Arc::clone(&self.votes);
         // (subject, patches proper first, number of the site or group)
@@ -401,9 +419,10 @@ impl InterfaceTable {
                     rays: 0,
                     confidence: 1.0,
                     votes: Arc::default(),
+                    within: None,
                 }
             } else {
-                patch_of_site(world, &layout.sites[number], &votes[number], index)
+                patch_of_site(world, &layout.sites[number], &votes[number], fillers[number], index)
             };
             list.push(patch);
             let place = (patches.len() + lights.len() - 1) as u32;
@@ -413,9 +432,8 @@ impl InterfaceTable {
     }
 }
 
-fn patch_of_site(world: &World, site: &Site, votes: &SiteVotes, index: u32) -> Patch {
-    let surroundings = votes.surroundings(site);
-    let answer = surroundings.resolve(world);
+fn patch_of_site(world: &World, site: &Site, votes: &SiteVotes, fillers: Fillers, index: u32) -> Patch {
+    let answer = Answer::of(world, site.fixed.is_masked, fillers);
     let kind = match answer {
         Answer::MASKED => PatchKind::Masked,
         Answer { outside, inside } if outside == inside => PatchKind::Null,
@@ -434,12 +452,12 @@ fn patch_of_site(world: &World, site: &Site, votes: &SiteVotes, index: u32) -> P
         area: site.area(&world.geometry),
         outside: (!is_masked).then_some(answer.outside),
         inside: (!is_masked && is_refractor(world, site.subject)).then_some(answer.inside),
-        outside_refractor: surroundings.outer_refractor(world).filter(|_| !is_masked),
-        inside_refractor: (surroundings.inner_refractor(world))
-            .filter(|_| !is_masked && is_refractor(world, site.subject)),
+        outside_refractor: fillers.outer.filter(|_| !is_masked),
+        inside_refractor: fillers.inner.filter(|_| !is_masked && is_refractor(world, site.subject)),
         crossed_by: Vec::new(),
         rays: votes.rays,
         confidence,
         votes: Arc::clone(&votes.list),
+        within: votes.within,
     }
 }

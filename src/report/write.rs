@@ -8,7 +8,15 @@ use super::page;
 use super::pictures::Pictures;
 use super::summary;
 use crate::export::ExportError;
-use crate::writing::write_atomically;
+use crate::writing::{WriteError, require_writable, write_atomically};
+
+/// # Errors
+/// When `folder`, or a file in it that a report would replace, cannot be written.
+pub fn require_all_writable(folder: &Path) -> Result<(), WriteError> {
+    ["report.html", "report.json", "summary.md"].iter().try_for_each(|name| require_writable(&folder.join(name)))?;
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    entries.filter(|path| path.extension().is_some_and(|e| e == "csv")).try_for_each(|path| require_writable(&path))
+}
 
 /// Writes `report.html`, `report.json`, `summary.md` and the tables into `folder`; returns what was written, the page first. The page goes last, so that
 /// where it stands all else does.

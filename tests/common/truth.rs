@@ -580,7 +580,9 @@ pub fn survey(scene: &Prepared, truth: &Truth, mode: Mode, rays: &[Ray]) -> Surv
             Ok(checked) => {
                 survey.checked += checked;
                 let vertices = path.vertices.iter().filter(|v| v.event != VertexEvent::Skip || v.from != v.to).count();
-                if checked >= vertices && path.events.total() > 0 {
+                // A path that was not followed to its end may have met what is badly conditioned.
+                let is_complete = checked == vertices + usize::from(path.escaped);
+                if is_complete && path.events.total() > 0 {
                     survey.events += 1;
                     survey.faults.push(format!("ray {index}, {mode}: {:?}", path.events));
                 }

@@ -8,6 +8,8 @@ use crate::app::state::State;
 use crate::app::theme::{ADVICE_MARK, ERROR_MARK, Palette, WARNING_MARK};
 use crate::app::widgets::note;
 use crate::check::{Problem, Severity};
+use crate::rectify::containment::top;
+use crate::scene::world::ObjectId;
 
 /// Height of the opened strip, in points: the picture keeps most of the room.
 const MOST_HEIGHT: f32 = 140.0;
@@ -95,13 +97,13 @@ fn fix(problem: &Problem, state: &State) -> Option<(String, Command)> {
     }
     let [a, b] = objects_of(problem, state)[..] else { return None };
     let world = &state.report.as_ref()?.prepared.world;
-    let volume = |name: &str| world.objects.iter().find(|object| object.name == name).map(|object| object.volume);
-    // Of two of one volume the first in the file wins.
-    let (winner, other) = if volume(b)? < volume(a)? { (b, a) } else { (a, b) };
+    let id = |name: &str| world.objects.iter().position(|object| object.name == name).map(|at| ObjectId(at as u32));
+    let is_second = top(world, [id(a)?, id(b)?]) == id(b);
+    let (winner, other) = if is_second { (b, a) } else { (a, b) };
     let description = state.document.description();
     let priority = objects::object(description, other)?.priority?.checked_add(1)?;
     let tip = format!(
-        "Sets the priority of {winner} to {priority}: it wins over {other}, as it does now by its smaller volume."
+        "Sets the priority of {winner} to {priority}: it wins over {other}, as it does now without being told."
     );
     Some((tip, Command::SetPriority(winner.to_owned(), priority)))
 }

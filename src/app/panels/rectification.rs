@@ -116,6 +116,9 @@ fn patch_ui(ui: &mut Ui, state: &State, world: &World, patch: &Patch, commands: 
         for vote in &*patch.votes {
             ui.label(format!("{} of {} votes: inside {}", vote.inside, vote.asked, world.object(vote.refractor).name));
         }
+        if let Some(container) = patch.within {
+            ui.label(format!("and inside all that contains {}", world.object(container).name));
+        }
     });
     if response.clicked() {
         commands.push(Command::SelectObject((!is_selected).then(|| name.clone())));

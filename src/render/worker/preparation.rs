@@ -51,31 +51,44 @@ impl Preparation {
         previous: Option<&Prepared>,
         requests: &Mailbox<Asked>,
     ) -> Result<Option<Prepared>, SceneError> {
-        /// Ends the watch even if the preparation panics.
-        struct Finish<'a>(&'a Mailbox<Asked>);
-        impl Drop for Finish<'_> {
-            fn drop(&mut self) {
-                self.0.finish();
-            }
-        }
-
         let is_other = |asked: &Asked| !Arc::ptr_eq(&asked.request.description, description);
         let mut outcome = Ok(None);
-        requests.begin();
-        rayon::in_place_scope(|scope| {
-            scope.spawn(|_| {
-                let _finish = Finish(requests);
-                outcome = match prepare_watched(Arc::clone(description), previous, &self.progress) {
-                    Ok(prepared) => Ok(Some(prepared)),
-                    Err(PrepareError::Scene(error)) => Err(error),
-                    Err(PrepareError::Cancelled(_)) if self.is_given_up.load(Ordering::Relaxed) => {
-                        Err(SceneError::new("The scene was not prepared: it was given up."))
-                    }
-                    Err(PrepareError::Cancelled(_)) => Ok(None),
-                };
-            });
-            requests.watch(self.begun + GRACE, is_other, || self.progress.cancel(), None);
+        watched(requests, self.begun + GRACE, is_other, &self.progress, || {
+            outcome = match prepare_watched(Arc::clone(description), previous, &self.progress) {
+                Ok(prepared) => Ok(Some(prepared)),
+                Err(PrepareError::Scene(error)) => Err(error),
+                Err(PrepareError::Cancelled(_)) if self.is_given_up.load(Ordering::Relaxed) => {
+                    Err(SceneError::new("The scene was not prepared: it was given up."))
+                }
+                Err(PrepareError::Cancelled(_)) => Ok(None),
+            };
         });
         outcome
     }
+}
+
+/// Does `work`, and cancels `progress` when, past `not_before`, there is a request that `matters`, or no more are served.
+pub(super) fn watched(
+    requests: &Mailbox<Asked>,
+    not_before: Instant,
+    matters: impl Fn(&Asked) -> bool,
+    progress: &Progress,
+    work: impl FnOnce() + Send,
+) {
+    /// Ends the watch even if the work panics.
+    struct Finish<'a>(&'a Mailbox<Asked>);
+    impl Drop for Finish<'_> {
+        fn drop(&mut self) {
+            self.0.finish();
+        }
+    }
+
+    requests.begin();
+    rayon::in_place_scope(|scope| {
+        scope.spawn(|_| {
+            let _finish = Finish(requests);
+            work();
+        });
+        requests.watch(not_before, matters, || progress.cancel(), None);
+    });
 }

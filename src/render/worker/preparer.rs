@@ -5,8 +5,10 @@ use std::time::{Duration, Instant};
 
 use super::job::{Job, LaneMessage};
 use super::mailbox::{Mailbox, Taken};
+use super::preparation::watched;
 use super::{Board, GroundTruthDemand, News, Preparation, Request, SceneReport, Wake, guarded};
-use crate::check::{Problem, check};
+use crate::check::{Problem, check_watched};
+use crate::rectify::Progress;
 use crate::render::Prepared;
 use crate::scene::SceneError;
 use crate::scene::camera::Camera;
@@ -38,16 +40,26 @@ impl Leisure {
         self.is_checked && self.repeats >= REPEATS
     }
 
-    /// One piece of work. Returns the scene as it is known now, and its problems if they have been looked for.
-    fn work(&mut self, prepared: &Prepared) -> (Prepared, Option<Vec<Problem>>) {
+    /// One piece of work. Returns the scene as it is known now, and its problems if they have been looked for; `None` where a request
+    /// came in between.
+    fn work(&mut self, prepared: &Prepared, requests: &Mailbox<Asked>) -> Option<(Prepared, Option<Vec<Problem>>)> {
+        let progress = Progress::new();
+        let mut outcome = None;
+        watched(requests, Instant::now(), |_| true, &progress, || outcome = Some(self.piece(prepared, &progress)));
+        outcome.filter(|_| !progress.is_cancelled())
+    }
+
+    /// The work itself. Worthless once `progress` is cancelled.
+    fn piece(&mut self, prepared: &Prepared, progress: &Progress) -> (Prepared, Option<Vec<Problem>>) {
         if !self.is_checked {
-            self.is_checked = true;
-            return (prepared.clone(), Some(guarded(|| Ok(check(prepared))).unwrap_or_default()));
+            let problems = guarded(|| Ok(check_watched(prepared, progress).unwrap_or_default())).unwrap_or_default();
+            self.is_checked = !progress.is_cancelled();
+            return (prepared.clone(), Some(problems));
         }
         self.repeats += 1;
         // Fresh directions: their votes are added, and what one ray in a million has missed may be seen now. Nobody has asked for this:
         // where it fails, the scene stays as it is known.
-        let Ok(table) = guarded(|| Ok(prepared.table.repeated(&prepared.world))) else {
+        let Ok(Ok(table)) = guarded(|| Ok(prepared.table.repeated_watched(&prepared.world, progress))) else {
             return (prepared.clone(), None);
         };
         // Other answers may have other problems.
@@ -68,7 +80,7 @@ pub(super) fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &Lanes, board: &B
             Taken::Closed => return,
             Taken::Empty => {
                 if let (Some(leisure), Some(prepared)) = (&mut leisure, &mut current) {
-                    let (known, problems) = leisure.work(prepared);
+                    let Some((known, problems)) = leisure.work(prepared, requests) else { continue };
                     *prepared = known.clone();
                     let mut state = board.lock();
                     let problems = problems.or_else(|| state.scene.as_ref().and_then(|scene| scene.problems.clone()));

@@ -1,0 +1,174 @@
+//! Many objects in each other. What no surface touches and lies whole in something else that none touches has that one's containers and that
+//! one itself around it: they need neither be asked about nor listed again. Of N shells in each other that leaves N questions of N².
+
+use super::containment::{outward_ray, top};
+use super::layout::{Faces, Layout, Site};
+use super::object::container_along;
+use super::pretrace::SiteVotes;
+use super::random::Random;
+use crate::geometry::Enclosure;
+use crate::rectify::contact::is_refractor;
+use crate::scene::World;
+use crate::scene::world::ObjectId;
+
+/// Refractors from which on containers are inherited. With fewer, every piece of surface asks about all, which finds more that is doubtful.
+const MANY: usize = 256;
+/// Rays that must find the same container.
+pub const RAYS: u32 = 3;
+
+/// The refractors that others may inherit from: closed ones in one piece that no other surface touches.
+#[derive(Debug, Clone, Default)]
+pub struct Nest {
+    /// By object; empty where nothing is inherited.
+    is_whole: Vec<bool>,
+}
+
+impl Nest {
+    /// Of a scene in which `is_untouched` says of every closed refractor of one component whether no surface touches it.
+    pub fn new(world: &World, is_untouched: impl Fn(ObjectId) -> bool) -> Self {
+        let refractors = || world.refractors().map(|(refractor, _)| refractor);
+        // Of anything but a closed surface the first hit along a ray says too little.
+        let is_simple = refractors().all(|refractor| world.object(refractor).enclosure == Enclosure::Closed);
+        if !is_simple || refractors().count() < MANY {
+            return Self::default();
+        }
+        let mut is_whole = vec![false; world.objects.len()];
+        for refractor in refractors() {
+            let is_one =
+                world.geometry.face_count(refractor.0) > 0 && !world.object(refractor).has_several_components();
+            is_whole[refractor.0 as usize] = is_one && is_untouched(refractor);
+        }
+        Self { is_whole }
+    }
+
+    /// Of a scene that has been laid out.
+    pub fn of_layout(world: &World, layout: &Layout) -> Self {
+        Self::new(world, |refractor| {
+            let site = layout.sites.get(layout.place_of_object[refractor.0 as usize] as usize);
+            site.is_some_and(can_inherit)
+        })
+    }
+
+    /// Asks for the innermost container of a site. `None` where that does not tell all of them; `Some(None)` where there is none.
+    pub fn container(&self, world: &World, site: &Site, random: &mut Random) -> Option<Option<ObjectId>> {
+        if self.is_whole.is_empty() || !can_inherit(site) {
+            return None;
+        }
+        let mut found: Option<Option<ObjectId>> = None;
+        for _ in 0..RAYS {
+            let point = site.sample(&world.geometry, [random.next(), random.next(), random.next()])?;
+            let container = container_along(world, outward_ray(&point, random), site.subject);
+            if found.is_some_and(|found| found != container) {
+                return None;
+            }
+            found = Some(container);
+        }
+        let is_larger = |container: ObjectId| {
+            let is_refractor = is_refractor(world, site.subject);
+            !is_refractor || world.object(container).volume > world.object(site.subject).volume
+        };
+        found.filter(|found| found.is_none_or(|found| self.is_whole[found.0 as usize] && is_larger(found)))
+    }
+}
+
+/// Whether a site is all of an object, and nothing coincides with it.
+fn can_inherit(site: &Site) -> bool {
+    site.faces == Faces::Whole && site.settled.is_empty() && !site.fixed.is_masked
+}
+
+/// The refractors that fill the two sides of a site.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fillers {
+    pub outer: Option<ObjectId>,
+    pub inner: Option<ObjectId>,
+}
+
+/// What fills the two sides of every site, by priority and volume.
+pub fn fillers(world: &World, layout: &Layout, votes: &[SiteVotes]) -> Vec<Fillers> {
+    let of_listed = |(site, votes): (&Site, &SiteVotes)| {
+        votes.within.is_none().then(|| {
+            let surroundings = votes.surroundings(site);
+            Fillers { outer: surroundings.outer_refractor(world), inner: surroundings.inner_refractor(world) }
+        })
+    };
+    let mut fillers: Vec<Option<Fillers>> = layout.sites.iter().zip(votes).map(of_listed).collect();
+    for first in 0..fillers.len() {
+        // Outwards to one that is known, and back.
+        let mut ways = Vec::new();
+        let mut at = first;
+        while let (None, Some(container)) = (fillers[at], votes[at].within) {
+            let around = layout.place_of_object[container.0 as usize] as usize;
+            ways.push((at, container, around));
+            at = around;
+        }
+        for (site, container, around) in ways.into_iter().rev() {
+            let outer = top(world, fillers[around].and_then(|around| around.outer).into_iter().chain([container]));
+            let inner = top(world, outer.into_iter().chain([layout.sites[site].subject]));
+            fillers[site] = Some(Fillers { outer, inner });
+        }
+    }
+    fillers.into_iter().map(|fillers| fillers.unwrap_or(Fillers { outer: None, inner: None })).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rectify::InterfaceTable;
+    use crate::rectify::pretrace::vote;
+    use crate::scene::compile::compile;
+    use crate::scene::load;
+
+    /// Balls and boxes in each other, in three heaps, with bubbles beside each other in some; every third has a priority.
+    fn heaps(count: u32) -> World {
+        let mut text = String::from("[camera]\nposition = [0, 0, 99]\ntarget = [0, 0, 0]\n");
+        for k in 0..7 {
+            text += &format!("[[medium]]\nname = \"m{k}\"\nior = {}\n", 1.1 + 0.1 * f64::from(k));
+        }
+        for k in 0..count {
+            let (heap, level) = (f64::from(k % 3), f64::from(k / 3));
+            let size = 1.0 / (1.0 + 0.05 * level);
+            let x = 4.0 * heap + 0.01 * size;
+            let shape = match k % 5 {
+                0 => {
+                    let half = size / 3f64.sqrt();
+                    format!(
+                        "box = {{ min = [{}, {}, {}], max = [{}, {}, {}] }}",
+                        x - half,
+                        -half,
+                        -half,
+                        x + half,
+                        half,
+                        half
+                    )
+                }
+                // Beside the others.
+                1 => format!("sphere = {{ center = [{}, {}, 2], radius = 0.001 }}", x, 0.003 * level),
+                _ => format!("sphere = {{ center = [{x}, 0, 0], radius = {} }}", 0.58 * size),
+            };
+            text += &format!(
+                "[[refractor]]\nname = \"r{k}\"\nmedium = \"m{}\"\npriority = {}\nshape = {{ {shape} }}\n",
+                k % 7,
+                if k % 3 == 0 { k % 4 } else { 0 }
+            );
+        }
+        let light =
+            "[[light]]\nname = \"lamp\"\nradiance = 1\nshape = { sphere = { center = [0, 0, 0], radius = 0.001 } }\n";
+        compile(&load::parse(&(text + light), "heaps.toml".as_ref(), false).unwrap(), None).unwrap()
+    }
+
+    #[test]
+    fn what_is_inherited_is_what_would_be_found() {
+        let world = heaps(400);
+        let table = InterfaceTable::new(&world);
+        let (layout, votes) = table.parts();
+        let inherited = votes.iter().filter(|votes| votes.within.is_some()).count();
+        assert!(inherited > 100, "{inherited}");
+        let fillers = fillers(&world, layout, votes);
+        for (number, site) in layout.sites.iter().enumerate() {
+            let all = vote(&world, site, &Nest::default(), SiteVotes::default()).surroundings(site);
+            let expected = Fillers { outer: all.outer_refractor(&world), inner: all.inner_refractor(&world) };
+            assert_eq!(fillers[number], expected, "{}", world.object(site.subject).name);
+        }
+        assert!(table.repeated(&world).says_the_same(&table));
+    }
+}
