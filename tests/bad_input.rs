@@ -485,6 +485,8 @@ fn an_object_inside_an_opaque_one() {
         renders(&scene, 16);
         render(&scene, Mode::Rectified, (32, 32), 4, None)
     });
-    assert_eq!(with.sums, without.sums);
+    // The local origin is another one, and with it rounding.
+    let most = with.sums.iter().zip(&without.sums).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f64::max);
+    assert!(most < 1e-6, "{most}");
     assert_eq!(with.events.total(), 0);
 }

@@ -118,7 +118,7 @@ fn extremes_within_the_limits_stay_finite() {
     }
 }
 
-/// Small spheres far away, and cameras far from small spheres: places are numbers, or the sphere is refused.
+/// Small spheres far from each other, and cameras far from small spheres: places are numbers, or the sphere is refused.
 #[test]
 fn places_on_small_spheres_are_numbers() {
     let desk = Desk::with("s.toml", CAMERA);
@@ -129,7 +129,7 @@ fn places_on_small_spheres_are_numbers() {
                 "{CAMERA}{}[[refractor]]\nname = \"far\"\nmedium = \"glass\"\nshape = {{ sphere = {{ center = [{distance:e}, 0, 0], radius = {radius:e} }} }}\n",
                 ball("")
                     .replace("[0, 0, 0]", &format!("[{:e}, 0, 0]", -distance))
-                    .replace("radius = 1 ", &format!("radius = {:e} ", distance / 4.0))
+                    .replace("radius = 1 ", &format!("radius = {radius:e} "))
             );
             desk.put("s.toml", far);
             let line = format!("trace s.toml --origin {distance:e},0,{distance:e} --direction 0,0,-1 --json");

@@ -151,8 +151,7 @@ mod tests {
                 if k % 3 == 0 { k % 4 } else { 0 }
             );
         }
-        let light =
-            "[[light]]\nname = \"lamp\"\nradiance = 1\nshape = { sphere = { center = [0, 0, 0], radius = 0.001 } }\n";
+        let light = "[[light]]\nname = \"lamp\"\nradiance = [1, 1, 1]\nshape = { sphere = { center = [0, 0, 0], radius = 0.001 } }\n";
         compile(&load::parse(&(text + light), "heaps.toml".as_ref(), false).unwrap(), None).unwrap()
     }
 
