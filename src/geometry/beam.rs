@@ -1,5 +1,7 @@
 //! Beams: rays that lie close together, such as those of one pixel, go through the tree as one. Boxes are tested once for all of them, triangles for each.
 
+use glam::DVec3;
+
 use super::bvh::{LEAF, Node, Tree, WIDTH};
 use super::geometry::Geometry;
 use super::kernel::Kernel;
@@ -33,7 +35,7 @@ impl Bounds {
     /// `far_limit`.
     ///
     /// The origin's coordinate o and the reciprocal i are rounded outwards, so the distance (p − o)·i has two roundings that count, together less than
-    /// |p − o|·2⁻²² in space: boxes are grown by more, as [`BoxRay`] says.
+    /// |p − o|·2⁻²² in space: boxes are grown by more, and so are the origins, as [`BoxRay`] says.
     #[inline(always)]
     fn meet(&self, node: &Node, far_limit: f32) -> ([f32; WIDTH], u32) {
         let mut near = [self.near_limit; WIDTH];
@@ -240,8 +242,10 @@ impl Geometry {
             let far_limit = boxes.far_limit(t_max);
             *slot = Some(Member { ray, sheared: ShearedRay::new(&ray), t_max, far_limit, search: start(), index });
         }
+        let largest = origins.map(|[low, high]| low.abs().max(high.abs()));
+        let margin = BoxRay::margin(DVec3::from(largest));
         for (axis, [low, high]) in origins.into_iter().enumerate() {
-            let (low, high) = ((low as f32).next_down(), (high as f32).next_up());
+            let (low, high) = (((low - margin) as f32).next_down(), ((high + margin) as f32).next_up());
             let is_negative = bounds.near_rows[axis] & 1 == 1;
             (bounds.origin_near[axis], bounds.origin_far[axis]) = if is_negative { (low, high) } else { (high, low) };
             let [low, high] = bounds.inverse[axis];

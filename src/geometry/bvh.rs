@@ -20,9 +20,9 @@ pub(super) const WIDTH: usize = 8;
 /// Set in references to leaves; the rest is a slot.
 pub(super) const LEAF: u32 = 1 << 31;
 
-/// Growth of boxes, relative to the tree's largest coordinate: covers the rounding of what is computed from ray origins, as
+/// Growth of boxes, relative to the largest coordinate of each: covers the rounding of distances to its sides, as
 /// [`super::walk::BoxRay`] proves.
-const BOX_MARGIN: f32 = 1.0 / (1 << 19) as f32;
+pub(super) const BOX_MARGIN: f32 = 1.0 / (1 << 21) as f32;
 
 /// Box of a primitive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,7 +102,6 @@ impl Tree {
         let binary = build_binary(bounds);
         let collapse = Collapse::new(&binary, per_slot);
         let all = bounds.iter().fold(Bounds::EMPTY, |a, b| a.union(*b));
-        let margin = all.min.abs().max(all.max.abs()).max_element() * BOX_MARGIN;
         let mut tree = Self {
             nodes: Vec::with_capacity(bounds.len() / 4 + 1),
             center: (all.min.as_dvec3() + all.max.as_dvec3()) / 2.0,
@@ -122,9 +121,11 @@ impl Tree {
                     tree.nodes.len() as u32 - 1
                 };
                 let node = &mut tree.nodes[wide];
+                let (min, max) = (source.aabb().min, source.aabb().max);
+                let margin = min.abs().max(max.abs()).max_element() * BOX_MARGIN;
                 for axis in 0..3 {
-                    node.rows[2 * axis][lane] = source.aabb().min[axis] - margin;
-                    node.rows[2 * axis + 1][lane] = source.aabb().max[axis] + margin;
+                    node.rows[2 * axis][lane] = min[axis] - margin;
+                    node.rows[2 * axis + 1][lane] = max[axis] + margin;
                 }
                 node.children[lane] = reference;
             }

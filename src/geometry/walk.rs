@@ -7,7 +7,7 @@ use std::hint::select_unpredictable;
 
 use glam::DVec3;
 
-use super::bvh::{LEAF, Tree, WIDTH};
+use super::bvh::{BOX_MARGIN, LEAF, Tree, WIDTH};
 use super::kernel::Kernel;
 use super::ray::Ray;
 
@@ -29,19 +29,20 @@ pub(super) fn entry(near: f32, child: u32) -> u64 {
 /// A ray as boxes are tested against it: in f32, from a point moved next to the tree, so that a far origin costs no precision.
 ///
 /// The distance to a side at p is computed as p·i − o·i from the rounded reciprocal i of the direction's component and the product o·i, rounded
-/// once. Let m be the tree's largest coordinate. Where the ray meets the sphere around the tree, which is what matters, its origin (moved) lies within √2
-/// radii of the middle, the middle within m, and the radius is at most √3·m: so |o| < 3.5·m and |p − o| < 4.5·m. In space, the side then is off by
+/// once. Let P be the largest coordinate of the box and O that of the (moved) origin. In space, the side then is off by
 ///
-/// - |o|·2⁻²⁴ < 3.5·m·2⁻²⁴ for the rounding of o·i;
-/// - |p|·2⁻²⁴ ≤ m·2⁻²⁴ for that of p·i, where it is not fused with the subtraction;
-/// - |p − o|·3·2⁻²⁴ < 13.5·m·2⁻²⁴ for i, rounded, and for the difference, and for what the first two leave out;
-/// - the distance along the ray, < 7·m, times [`Self::SMALLEST`] where a component is taken to be larger than it is: < m·2⁻³⁷;
+/// - |o|·2⁻²⁴ ≤ O·2⁻²⁴ for the rounding of o·i;
+/// - |p|·2⁻²⁴ ≤ P·2⁻²⁴ for that of p·i, where it is not fused with the subtraction, and as much for that of p itself, once it is moved;
+/// - |p − o|·3·2⁻²⁴ ≤ (P + O)·3·2⁻²⁴ for i, rounded, and for the difference;
+/// - the distance along the ray, < 2·(P + O), times [`Self::SMALLEST`] where a component is taken to be larger than it is: < (P + O)·2⁻³⁹;
 ///
-/// together less than 32·m·2⁻²⁴ = m·2⁻¹⁹, by which all boxes are grown: each is entered no later and left no earlier than it is.
+/// together less than (P + O)·8·2⁻²⁴, what the products of these leave included. So every box is grown by P·2⁻²¹, and by O·2⁻²¹ where a ray meets
+/// it: each is entered no later and left no earlier than it is. Neither depends on what else is in the tree, however large or far away.
 pub(super) struct BoxRay {
     pub inverse: [f32; 3],
-    /// Origin times `inverse`, with the other sign.
-    pub offset: [f32; 3],
+    /// Origin times `inverse`, with the other sign, for the sides at which the ray enters, moved outwards, and for those at which it leaves.
+    pub near_offset: [f32; 3],
+    pub far_offset: [f32; 3],
     /// Where in a node's rows the sides are at which the ray enters, in numbers from its beginning. The sides at which it leaves are in the other row of
     /// the same axis, where the bit [`WIDTH`] is turned.
     pub near_sides: [u32; 3],
@@ -62,19 +63,29 @@ impl BoxRay {
         let direction = ray.direction.to_array();
         let mut boxes = Self {
             inverse: [0.0; 3],
-            offset: [0.0; 3],
+            near_offset: [0.0; 3],
+            far_offset: [0.0; 3],
             near_sides: [0; 3],
             near_limit: lower((ray.t_min - shift) as f32).max(0.0),
             shift,
         };
+        let margin = Self::margin(ray.at(shift));
         for axis in 0..3 {
             // −0 goes with the negative numbers, here and in the choice of rows.
             let inverse = (1.0 / direction[axis].abs().max(Self::SMALLEST).copysign(direction[axis])) as f32;
             boxes.inverse[axis] = inverse;
-            boxes.offset[axis] = -(origin[axis] * f64::from(inverse)) as f32;
+            let (offset, more) = (-origin[axis] * f64::from(inverse), margin * f64::from(inverse.abs()));
+            boxes.near_offset[axis] = (offset - more) as f32;
+            boxes.far_offset[axis] = (offset + more) as f32;
             boxes.near_sides[axis] = (2 * axis as u32 + u32::from(inverse.is_sign_negative())) * WIDTH as u32;
         }
         boxes
+    }
+
+    /// By how much boxes are larger for rays that begin at `origin`, moved next to the tree.
+    #[inline(always)]
+    pub fn margin(origin: DVec3) -> f64 {
+        f64::from(BOX_MARGIN) * origin.abs().max_element()
     }
 
     /// The distance along the ray as one to boxes, not too short and ≥ 0.

@@ -162,36 +162,74 @@ struct Seeker<'a> {
     margin: f64,
 }
 
+/// What is known of another object beforehand.
+struct Other {
+    object: ObjectId,
+    is_copy: bool,
+    is_refractor: bool,
+    tolerance: Tolerance,
+}
+
+/// Whether the box around a primitive meets another box.
+#[inline]
+fn is_in_box(geometry: &Geometry, primitive: PrimitiveId, min: DVec3, max: DVec3) -> bool {
+    let (low, high) = match geometry.sphere(primitive) {
+        Some(s) => (s.center - s.radius, s.center + s.radius),
+        None => {
+            let [a, b, c] = geometry.corners(primitive);
+            (a.min(b).min(c), a.max(b).max(c))
+        }
+    };
+    (low.cmple(max) & high.cmpge(min)).all()
+}
+
 impl Seeker<'_> {
+    fn about(&self, object: ObjectId) -> Other {
+        Other {
+            object,
+            is_copy: self.copies.is_copy(object),
+            is_refractor: is_refractor(self.world, object),
+            tolerance: Tolerance::between(&self.world.geometry, self.subject.0, object.0),
+        }
+    }
+
     /// Adds `face` and what touches it, if anything does.
     fn look(&self, face: PrimitiveId, to: &mut Contacts) {
         let geometry = &*self.world.geometry;
         let this = Face::of(geometry, face);
         let (min, max) = this.bounds();
-        let margin = DVec3::splat(self.margin);
+        let (min, max) = (min - self.margin, max + self.margin);
         let comparable_area = COMPARABLE * geometry.primitive_area(face);
         let asks_itself = self.world.object(self.subject).may_contain_itself();
         let except = (!asks_itself).then_some(self.subject.0);
         let before = to.contacts.len();
         let mut comparable = 0;
-        let outcome = geometry.search_near_box(min - margin, max + margin, except, |primitive| {
+        // Primitives of one object mostly follow each other.
+        let mut last = self.about(self.subject);
+        let outcome = geometry.search_near_box(min, max, except, |primitive| {
+            if primitive == face || !is_in_box(geometry, primitive, min, max) {
+                return ControlFlow::Continue(());
+            }
             let object = ObjectId(geometry.object_of(primitive));
             let is_own = object == self.subject;
-            if primitive == face || (is_own && !asks_itself) || self.copies.is_copy(object) {
+            if object != last.object {
+                last = self.about(object);
+            }
+            if (is_own && !asks_itself) || last.is_copy {
                 return ControlFlow::Continue(());
             }
             let other = Face::of(geometry, primitive);
             if this.is_clear_of(&other, self.margin) {
                 return ControlFlow::Continue(());
             }
-            let tolerance = Tolerance::between(geometry, self.subject.0, object.0);
+            let tolerance = last.tolerance;
             let Some(relation) = this.relation(&other, tolerance) else { return ControlFlow::Continue(()) };
             if is_own && relation == Relation::Touches && !this.touches_beyond_corners(&other, tolerance) {
                 return ControlFlow::Continue(());
             }
             // Opaque surfaces contain nothing: only where they lie on a refractor do they matter.
             let is_coincident = matches!(relation, Relation::Coincides { .. });
-            let is_other_refractor = is_refractor(self.world, object);
+            let is_other_refractor = last.is_refractor;
             if !(is_other_refractor || self.is_refractor && is_coincident) {
                 return ControlFlow::Continue(());
             }
@@ -517,8 +555,13 @@ pub fn is_stood_for(world: &World, point: &SurfacePoint) -> bool {
     let own = ObjectId(geometry.object_of(point.primitive));
     let this = Face::of(geometry, point.primitive);
     let except = (!world.object(own).may_contain_itself()).then_some(own.0);
-    let margin = DVec3::splat(largest(geometry, own.0));
-    let search = geometry.search_near_box(point.position - margin, point.position + margin, except, |primitive| {
+    // With room for what reaches farther.
+    let margin = 4.0 * largest(geometry, own.0);
+    let (min, max) = (point.position - margin, point.position + margin);
+    let search = geometry.search_near_box(min, max, except, |primitive| {
+        if !is_in_box(geometry, primitive, min, max) {
+            return ControlFlow::Continue(());
+        }
         let object = ObjectId(geometry.object_of(primitive));
         let goes_first = primitive < point.primitive || !is_refractor(world, object);
         if primitive == point.primitive || !goes_first || (except.is_some() && object == own) {

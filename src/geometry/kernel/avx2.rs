@@ -93,9 +93,11 @@ pub(super) fn distances(node: &Node, ray: &BoxRay, far_limit: f32) -> [__m256; 2
         let mut far = near;
         let row = |side: u32| _mm256_load_ps(node.rows.as_ptr().cast::<f32>().add(side as usize));
         for axis in 0..3 {
-            let (inverse, offset) = (_mm256_set1_ps(ray.inverse[axis]), _mm256_set1_ps(ray.offset[axis]));
-            near[axis] = _mm256_fmadd_ps(row(ray.near_sides[axis]), inverse, offset);
-            far[axis] = _mm256_fmadd_ps(row(ray.near_sides[axis] ^ WIDTH as u32), inverse, offset);
+            let inverse = _mm256_set1_ps(ray.inverse[axis]);
+            let (near_offset, far_offset) =
+                (_mm256_set1_ps(ray.near_offset[axis]), _mm256_set1_ps(ray.far_offset[axis]));
+            near[axis] = _mm256_fmadd_ps(row(ray.near_sides[axis]), inverse, near_offset);
+            far[axis] = _mm256_fmadd_ps(row(ray.near_sides[axis] ^ WIDTH as u32), inverse, far_offset);
         }
         let far = _mm256_min_ps(_mm256_min_ps(far[0], far[1]), _mm256_min_ps(far[2], _mm256_set1_ps(far_limit)));
         let near =

@@ -51,10 +51,11 @@ fn open_four<const FIRST: usize>(node: &Node, ray: &BoxRay, far_limit: f32, dist
         let mut near = vdupq_n_f32(ray.near_limit);
         let mut far = vdupq_n_f32(far_limit);
         for axis in 0..3 {
-            let (inverse, offset) = (vdupq_n_f32(ray.inverse[axis]), vdupq_n_f32(ray.offset[axis]));
+            let inverse = vdupq_n_f32(ray.inverse[axis]);
+            let (near_offset, far_offset) = (vdupq_n_f32(ray.near_offset[axis]), vdupq_n_f32(ray.far_offset[axis]));
             let row = ray.near_sides[axis] as usize / WIDTH;
-            near = vmaxq_f32(near, vfmaq_f32(offset, vld1q_f32(node.rows[row].as_ptr().add(FIRST)), inverse));
-            far = vminq_f32(far, vfmaq_f32(offset, vld1q_f32(node.rows[row ^ 1].as_ptr().add(FIRST)), inverse));
+            near = vmaxq_f32(near, vfmaq_f32(near_offset, vld1q_f32(node.rows[row].as_ptr().add(FIRST)), inverse));
+            far = vminq_f32(far, vfmaq_f32(far_offset, vld1q_f32(node.rows[row ^ 1].as_ptr().add(FIRST)), inverse));
         }
 
         vst1q_f32(distances.as_mut_ptr().add(FIRST), near);

@@ -19,8 +19,8 @@ impl Kernel for Portable {
             let (near_row, far_row) = (&node.rows[near_row], &node.rows[near_row ^ 1]);
             for lane in 0..WIDTH {
                 // Not fused: that would be slow where it is no instruction.
-                let low = near_row[lane] * ray.inverse[axis] + ray.offset[axis];
-                let high = far_row[lane] * ray.inverse[axis] + ray.offset[axis];
+                let low = near_row[lane] * ray.inverse[axis] + ray.near_offset[axis];
+                let high = far_row[lane] * ray.inverse[axis] + ray.far_offset[axis];
                 near[lane] = if low > near[lane] { low } else { near[lane] };
                 far[lane] = if high < far[lane] { high } else { far[lane] };
             }
