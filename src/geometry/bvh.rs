@@ -173,7 +173,7 @@ impl Tree {
         // Rounded outwards.
         let min = min.as_vec3().to_array().map(f32::next_down);
         let max = max.as_vec3().to_array().map(f32::next_up);
-        let mut open = vec![0];
+        let mut open = Open::new();
         while let Some(index) = open.pop() {
             let node = &self.nodes[index as usize];
             let mut met = [true; WIDTH];
@@ -195,6 +195,40 @@ impl Tree {
             }
         }
         ControlFlow::Continue(())
+    }
+}
+
+/// Nodes that are still to be visited, in memory of its own only where there are very many.
+struct Open {
+    first: [u32; 16],
+    length: usize,
+    more: Vec<u32>,
+}
+
+impl Open {
+    /// The root.
+    #[inline]
+    fn new() -> Self {
+        Self { first: [0; 16], length: 1, more: Vec::new() }
+    }
+
+    #[inline]
+    fn push(&mut self, node: u32) {
+        if self.length < self.first.len() {
+            self.first[self.length] = node;
+            self.length += 1;
+        } else {
+            self.more.push(node);
+        }
+    }
+
+    #[inline]
+    fn pop(&mut self) -> Option<u32> {
+        if let Some(node) = self.more.pop() {
+            return Some(node);
+        }
+        self.length = self.length.checked_sub(1)?;
+        Some(self.first[self.length])
     }
 }
 

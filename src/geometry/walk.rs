@@ -31,7 +31,7 @@ pub(super) fn entry(near: f32, child: u32) -> u64 {
 /// The distance to a side at p is computed as p·i − o·i from the rounded reciprocal i of the direction's component and the product o·i, rounded
 /// once. Let P be the largest coordinate of the box and O that of the (moved) origin. In space, the side then is off by
 ///
-/// - |o|·2⁻²⁴ ≤ O·2⁻²⁴ for the rounding of o·i;
+/// - |o|·2⁻²⁴ ≤ O·2⁻²⁴ for the rounding of o·i, and as much for that of what is added to it, so that the box is larger;
 /// - |p|·2⁻²⁴ ≤ P·2⁻²⁴ for that of p·i, where it is not fused with the subtraction, and as much for that of p itself, once it is moved;
 /// - |p − o|·3·2⁻²⁴ ≤ (P + O)·3·2⁻²⁴ for i, rounded, and for the difference;
 /// - the distance along the ray, < 2·(P + O), times [`Self::SMALLEST`] where a component is taken to be larger than it is: < (P + O)·2⁻³⁹;
@@ -59,7 +59,9 @@ impl BoxRay {
     #[inline(always)]
     pub fn new(ray: &Ray, center: DVec3, radius: f64) -> Self {
         let shift = ((center - ray.origin).dot(ray.direction) - radius).max(0.0);
-        let origin = ray.at(shift).to_array();
+        let origin = ray.at(shift);
+        let margin = Self::margin(origin) as f32;
+        let origin = origin.to_array();
         let direction = ray.direction.to_array();
         let mut boxes = Self {
             inverse: [0.0; 3],
@@ -69,14 +71,13 @@ impl BoxRay {
             near_limit: lower((ray.t_min - shift) as f32).max(0.0),
             shift,
         };
-        let margin = Self::margin(ray.at(shift));
         for axis in 0..3 {
             // −0 goes with the negative numbers, here and in the choice of rows.
             let inverse = (1.0 / direction[axis].abs().max(Self::SMALLEST).copysign(direction[axis])) as f32;
             boxes.inverse[axis] = inverse;
-            let (offset, more) = (-origin[axis] * f64::from(inverse), margin * f64::from(inverse.abs()));
-            boxes.near_offset[axis] = (offset - more) as f32;
-            boxes.far_offset[axis] = (offset + more) as f32;
+            let (offset, more) = (-(origin[axis] * f64::from(inverse)) as f32, margin * inverse.abs());
+            boxes.near_offset[axis] = offset - more;
+            boxes.far_offset[axis] = offset + more;
             boxes.near_sides[axis] = (2 * axis as u32 + u32::from(inverse.is_sign_negative())) * WIDTH as u32;
         }
         boxes

@@ -39,8 +39,8 @@ pub enum Node<Known, Asked> {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Member {
     pub refractor: ObjectId,
-    /// Its copies, of which the same holds.
-    pub copies: Arc<[ObjectId]>,
+    /// Its copies, if there are any, of which the same holds.
+    pub copies: Option<Arc<[ObjectId]>>,
     /// Its primitives that coincide with the face hereabouts, and whether they look the same way.
     pub coincident: Vec<(PrimitiveId, bool)>,
 }
@@ -153,7 +153,7 @@ impl Member {
     /// Adds it and its copies.
     fn tell(&self, surroundings: &mut Surroundings, state: State) {
         surroundings.add(self.refractor, state);
-        self.copies.iter().for_each(|&copy| surroundings.add(copy, state));
+        self.copies.iter().flat_map(|copies| &**copies).for_each(|&copy| surroundings.add(copy, state));
     }
 
     /// Without coincident faces a refractor lies on both sides or on neither.
@@ -275,7 +275,9 @@ pub fn divide(
             _ => {
                 let is_refractor = is_refractor(world, object);
                 let tolerance = Tolerance::between(&world.geometry, subject.0, object.0);
-                actives.push(Active { object, is_refractor, tolerance, crossing: Vec::new(), coincident: Vec::new() });
+                let has_several_parts = world.object(object).may_contain_itself();
+                let (crossing, coincident) = (Vec::new(), Vec::new());
+                actives.push(Active { object, is_refractor, has_several_parts, tolerance, crossing, coincident });
                 actives.last_mut().expect("it has just been added")
             }
         };
@@ -325,6 +327,7 @@ pub fn divide(
 struct Active {
     object: ObjectId,
     is_refractor: bool,
+    has_several_parts: bool,
     /// Between it and the face.
     tolerance: Tolerance,
     crossing: Vec<u32>,
@@ -377,7 +380,6 @@ impl Divider<'_> {
         let radius = ends.iter().map(|end| end.distance(middle.position)).fold(0.0, f64::max);
         let mut remaining = Vec::with_capacity(actives.len());
         for mut active in actives {
-            let has_several_parts = self.world.object(active.object).may_contain_itself();
             let mut covering: Option<u32> = None;
             let mut has_parts = false;
             active.coincident.retain(|&index| match self.pool[index as usize].1.cover(&ends, active.tolerance) {
@@ -391,7 +393,7 @@ impl Divider<'_> {
                     true
                 }
             });
-            if let Some(index) = covering.filter(|_| !has_several_parts) {
+            if let Some(index) = covering.filter(|_| !active.has_several_parts) {
                 let contact = self.pool[index as usize].0;
                 let Relation::Coincides { same } = contact.relation else { continue };
                 base.is_masked |= !active.is_refractor || contact.primitive < self.face;
@@ -445,7 +447,7 @@ impl Divider<'_> {
         let members = (refractors.into_iter())
             .map(|active| Member {
                 refractor: active.object,
-                copies: Arc::default(),
+                copies: None,
                 coincident: (active.coincident.iter().map(contact))
                     .map(|c| (c.primitive, c.relation == Relation::Coincides { same: true }))
                     .collect(),

@@ -170,19 +170,6 @@ struct Other {
     tolerance: Tolerance,
 }
 
-/// Whether the box around a primitive meets another box.
-#[inline]
-fn is_in_box(geometry: &Geometry, primitive: PrimitiveId, min: DVec3, max: DVec3) -> bool {
-    let (low, high) = match geometry.sphere(primitive) {
-        Some(s) => (s.center - s.radius, s.center + s.radius),
-        None => {
-            let [a, b, c] = geometry.corners(primitive);
-            (a.min(b).min(c), a.max(b).max(c))
-        }
-    };
-    (low.cmple(max) & high.cmpge(min)).all()
-}
-
 impl Seeker<'_> {
     fn about(&self, object: ObjectId) -> Other {
         Other {
@@ -196,40 +183,43 @@ impl Seeker<'_> {
     /// Adds `face` and what touches it, if anything does.
     fn look(&self, face: PrimitiveId, to: &mut Contacts) {
         let geometry = &*self.world.geometry;
-        let this = Face::of(geometry, face);
-        let (min, max) = this.bounds();
+        let (min, max) = Face::bounds_of(geometry, face);
         let (min, max) = (min - self.margin, max + self.margin);
-        let comparable_area = COMPARABLE * geometry.primitive_area(face);
+        // Worked out for the first other one: most faces have none near.
+        let mut this = None;
         let asks_itself = self.world.object(self.subject).may_contain_itself();
         let except = (!asks_itself).then_some(self.subject.0);
         let before = to.contacts.len();
         let mut comparable = 0;
         // Primitives of one object mostly follow each other.
-        let mut last = self.about(self.subject);
+        let mut last: Option<Other> = None;
         let outcome = geometry.search_near_box(min, max, except, |primitive| {
-            if primitive == face || !is_in_box(geometry, primitive, min, max) {
-                return ControlFlow::Continue(());
-            }
             let object = ObjectId(geometry.object_of(primitive));
             let is_own = object == self.subject;
-            if object != last.object {
-                last = self.about(object);
-            }
-            if (is_own && !asks_itself) || last.is_copy {
+            if primitive == face || is_own && !asks_itself {
                 return ControlFlow::Continue(());
             }
-            let other = Face::of(geometry, primitive);
+            let Some(other) = Face::in_box(geometry, primitive, min, max) else { return ControlFlow::Continue(()) };
+            let about = match &last {
+                Some(about) if about.object == object => about,
+                _ => last.insert(self.about(object)),
+            };
+            if about.is_copy {
+                return ControlFlow::Continue(());
+            }
+            let (this, comparable_area) =
+                this.get_or_insert_with(|| (Face::of(geometry, face), COMPARABLE * geometry.primitive_area(face)));
             if this.is_clear_of(&other, self.margin) {
                 return ControlFlow::Continue(());
             }
-            let tolerance = last.tolerance;
+            let tolerance = about.tolerance;
             let Some(relation) = this.relation(&other, tolerance) else { return ControlFlow::Continue(()) };
             if is_own && relation == Relation::Touches && !this.touches_beyond_corners(&other, tolerance) {
                 return ControlFlow::Continue(());
             }
             // Opaque surfaces contain nothing: only where they lie on a refractor do they matter.
             let is_coincident = matches!(relation, Relation::Coincides { .. });
-            let is_other_refractor = last.is_refractor;
+            let is_other_refractor = about.is_refractor;
             if !(is_other_refractor || self.is_refractor && is_coincident) {
                 return ControlFlow::Continue(());
             }
@@ -240,14 +230,14 @@ impl Seeker<'_> {
             }
             let contact = Contact { primitive, relation };
             let stands_first = primitive < face || !is_other_refractor;
-            if is_coincident && stands_first && other.cover_all(&this, tolerance) {
+            if is_coincident && stands_first && other.cover_all(this, tolerance) {
                 // All of the face is stood for, and nothing else about it matters.
                 to.contacts.truncate(before);
                 to.contacts.push(contact);
                 return ControlFlow::Break(());
             }
             to.contacts.push(contact);
-            comparable += u32::from(geometry.primitive_area(primitive) >= comparable_area);
+            comparable += u32::from(geometry.primitive_area(primitive) >= *comparable_area);
             if comparable > CROWD { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
         if comparable > CROWD && outcome.is_break() {
@@ -259,6 +249,16 @@ impl Seeker<'_> {
         to.faces.push(face);
         to.ends.push(to.contacts.len() as u32);
     }
+}
+
+#[inline]
+fn bounds_of_triangle([a, b, c]: &[DVec3; 3]) -> (DVec3, DVec3) {
+    (a.min(*b).min(*c), a.max(*b).max(*c))
+}
+
+#[inline]
+fn bounds_of_sphere(sphere: &Sphere) -> (DVec3, DVec3) {
+    (sphere.center - sphere.radius, sphere.center + sphere.radius)
 }
 
 /// A primitive, ready to be compared with others.
@@ -276,18 +276,40 @@ impl Face {
     pub fn of(geometry: &Geometry, primitive: PrimitiveId) -> Self {
         match geometry.sphere(primitive) {
             Some(sphere) => Self::Sphere(*sphere),
+            None => Self::with_corners(geometry.corners(primitive)),
+        }
+    }
+
+    fn with_corners(corners: [DVec3; 3]) -> Self {
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+        Self::Triangle { corners, normal }
+    }
+
+    /// A primitive, if the box around it meets the box from `min` to `max`.
+    #[inline]
+    fn in_box(geometry: &Geometry, primitive: PrimitiveId, min: DVec3, max: DVec3) -> Option<Self> {
+        let is_in = |(low, high): (DVec3, DVec3)| (low.cmple(max) & high.cmpge(min)).all();
+        match geometry.sphere(primitive) {
+            Some(sphere) => is_in(bounds_of_sphere(sphere)).then_some(Self::Sphere(*sphere)),
             None => {
                 let corners = geometry.corners(primitive);
-                let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
-                Self::Triangle { corners, normal }
+                is_in(bounds_of_triangle(&corners)).then(|| Self::with_corners(corners))
             }
+        }
+    }
+
+    /// Lowest and highest coordinates of a primitive.
+    fn bounds_of(geometry: &Geometry, primitive: PrimitiveId) -> (DVec3, DVec3) {
+        match geometry.sphere(primitive) {
+            Some(sphere) => bounds_of_sphere(sphere),
+            None => bounds_of_triangle(&geometry.corners(primitive)),
         }
     }
 
     fn bounds(&self) -> (DVec3, DVec3) {
         match self {
-            Self::Triangle { corners: [a, b, c], .. } => (a.min(*b).min(*c), a.max(*b).max(*c)),
-            Self::Sphere(s) => (s.center - s.radius, s.center + s.radius),
+            Self::Triangle { corners, .. } => bounds_of_triangle(corners),
+            Self::Sphere(sphere) => bounds_of_sphere(sphere),
         }
     }
 
@@ -559,15 +581,12 @@ pub fn is_stood_for(world: &World, point: &SurfacePoint) -> bool {
     let margin = 4.0 * largest(geometry, own.0);
     let (min, max) = (point.position - margin, point.position + margin);
     let search = geometry.search_near_box(min, max, except, |primitive| {
-        if !is_in_box(geometry, primitive, min, max) {
-            return ControlFlow::Continue(());
-        }
         let object = ObjectId(geometry.object_of(primitive));
         let goes_first = primitive < point.primitive || !is_refractor(world, object);
         if primitive == point.primitive || !goes_first || (except.is_some() && object == own) {
             return ControlFlow::Continue(());
         }
-        let other = Face::of(geometry, primitive);
+        let Some(other) = Face::in_box(geometry, primitive, min, max) else { return ControlFlow::Continue(()) };
         let tolerance = Tolerance::between(geometry, own.0, object.0);
         let is_stood_for = matches!(this.relation(&other, tolerance), Some(Relation::Coincides { .. }))
             && other.cover(&[point.position], tolerance) == Cover::All;

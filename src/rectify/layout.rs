@@ -201,6 +201,9 @@ fn coarseness(world: &World, contacts: &Contacts) -> f64 {
     const AMPLE: f64 = 4000.0;
     /// A triangle is large from this share of its object's size on; smaller ones are cells themselves.
     const LARGE: f64 = 1.0 / 16.0;
+    if contacts.face_count() == 0 {
+        return 1.0;
+    }
     let geometry = &*world.geometry;
     let is_large = |face: PrimitiveId| {
         let (min, max) = geometry.bounds_of(geometry.object_of(face));
@@ -505,7 +508,10 @@ impl Splitter<'_> {
                 Node::Known(surroundings) => self.copies.complete(surroundings),
                 Node::Asked(ask) => {
                     self.copies.complete(&mut ask.base);
-                    ask.members.iter_mut().for_each(|member| member.copies = self.copies.of(member.refractor).into());
+                    for member in &mut ask.members {
+                        let copies = self.copies.of(member.refractor);
+                        member.copies = (!copies.is_empty()).then(|| copies.into());
+                    }
                 }
             }
         }

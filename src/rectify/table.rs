@@ -166,7 +166,8 @@ impl InterfaceTable {
     }
 
     fn lay_out(world: &World, earlier: Option<Earlier<'_>>, progress: &Progress) -> Result<Self, Cancelled> {
-        let (layout, votes, mut seconds) = lay_out(world, earlier, progress)?;
+        // In one go on the pool's threads: each of many small parallel steps would be handed over and waited for.
+        let (layout, votes, mut seconds) = rayon::scope(|_| lay_out(world, earlier, progress))?;
         seconds.topology = world.topology_secs;
         Ok(Self::resolve(world, Arc::new(layout), Arc::new(votes), Arc::default(), seconds))
     }
