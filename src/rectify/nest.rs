@@ -118,7 +118,7 @@ mod tests {
     use crate::scene::compile::compile;
     use crate::scene::load;
 
-    /// Balls and boxes in each other, in three heaps, with bubbles beside each other in some; every third has a priority.
+    /// Balls and meshes of balls in each other, in three heaps, and some beside them; those of the first heap have priorities.
     fn heaps(count: u32) -> World {
         let mut text = String::from("[camera]\nposition = [0, 0, 99]\ntarget = [0, 0, 0]\n");
         for k in 0..7 {
@@ -126,24 +126,13 @@ mod tests {
         }
         for k in 0..count {
             let (heap, level) = (f64::from(k % 3), f64::from(k / 3));
-            let size = 1.0 / (1.0 + 0.05 * level);
+            let size = 0.97_f64.powf(level);
             let x = 4.0 * heap + 0.01 * size;
             let shape = match k % 5 {
-                0 => {
-                    let half = size / 3f64.sqrt();
-                    format!(
-                        "box = {{ min = [{}, {}, {}], max = [{}, {}, {}] }}",
-                        x - half,
-                        -half,
-                        -half,
-                        x + half,
-                        half,
-                        half
-                    )
-                }
+                0 => format!("icosphere = {{ center = [{x}, 0, 0], radius = {size}, subdivisions = 2 }}"),
                 // Beside the others.
-                1 => format!("sphere = {{ center = [{}, {}, 2], radius = 0.001 }}", x, 0.003 * level),
-                _ => format!("sphere = {{ center = [{x}, 0, 0], radius = {} }}", 0.58 * size),
+                1 => format!("sphere = {{ center = [{x}, {}, 2], radius = 0.001 }}", 0.003 * level),
+                _ => format!("sphere = {{ center = [{x}, 0, 0], radius = {size} }}"),
             };
             text += &format!(
                 "[[refractor]]\nname = \"r{k}\"\nmedium = \"m{}\"\npriority = {}\nshape = {{ {shape} }}\n",
