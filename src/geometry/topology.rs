@@ -7,7 +7,7 @@
 //!
 //! The *boundary* is that of the surface as a chain of oriented faces: edges along which as many faces run one way as the other cancel. A
 //! surface without boundary winds around every point a whole number of times, whatever else is odd about it. Where there is a boundary,
-//! the *gap* decides: the least area found to close its loops ([`fill`]), as a share of the surface's own area (0.05 where 5 % of the
+//! the *gap* decides: the least area found to close its loops ([`mod@fill`]), as a share of the surface's own area (0.05 where 5 % of the
 //! triangles are missing, 0.2 for a cube without its lid, ½ for a hemisphere, 1 for a flat sheet).
 
 mod boundary;
