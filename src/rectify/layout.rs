@@ -258,10 +258,23 @@ fn unaffected(world: &World, earlier: Earlier<'_>) -> HashMap<ObjectId, Arc<Subj
         let (min, max) = grown(now, subject);
         !boxes.iter().any(|(other_min, other_max)| min.cmple(*other_max).all() && other_min.cmple(max).all())
     };
-    (earlier.layout.subjects.iter())
+    let mut kept: HashMap<ObjectId, Arc<SubjectLayout>> = (earlier.layout.subjects.iter())
         .filter(|(subject, _)| !earlier.changed.contains(subject) && is_far(*subject))
         .map(|(subject, found)| (*subject, Arc::clone(found)))
-        .collect()
+        .collect();
+    // What inherits its containers is found anew with the one that it has them from.
+    loop {
+        let is_orphan = |found: &SubjectLayout| {
+            let within = found.sites.iter().find_map(|(_, votes)| votes.within);
+            within.is_some_and(|container| !kept.contains_key(&container))
+        };
+        let orphans: Vec<ObjectId> =
+            kept.iter().filter(|(_, found)| is_orphan(found)).map(|(subject, _)| *subject).collect();
+        if orphans.is_empty() {
+            return kept;
+        }
+        orphans.iter().for_each(|orphan| _ = kept.remove(orphan));
+    }
 }
 
 /// Puts what has been found out about all objects into tables.

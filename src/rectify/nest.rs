@@ -112,14 +112,17 @@ pub fn fillers(world: &World, layout: &Layout, votes: &[SiteVotes]) -> Vec<Fille
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::rectify::InterfaceTable;
     use crate::rectify::pretrace::vote;
-    use crate::scene::compile::compile;
+    use crate::scene::compile::{changed_objects, compile};
+    use crate::scene::description::{Description, Shape};
     use crate::scene::load;
 
     /// Balls and meshes of balls in each other, in three heaps, and some beside them; those of the first heap have priorities.
-    fn heaps(count: u32) -> World {
+    fn heaps(count: u32) -> Description {
         let mut text = String::from("[camera]\nposition = [0, 0, 99]\ntarget = [0, 0, 0]\n");
         for k in 0..7 {
             text += &format!("[[medium]]\nname = \"m{k}\"\nior = {}\n", 1.1 + 0.1 * f64::from(k));
@@ -141,12 +144,12 @@ mod tests {
             );
         }
         let light = "[[light]]\nname = \"lamp\"\nradiance = [1, 1, 1]\nshape = { sphere = { center = [0, 0, 0], radius = 0.001 } }\n";
-        compile(&load::parse(&(text + light), "heaps.toml".as_ref(), false).unwrap(), None).unwrap()
+        load::parse(&(text + light), "heaps.toml".as_ref(), false).unwrap()
     }
 
     #[test]
     fn what_is_inherited_is_what_would_be_found() {
-        let world = heaps(400);
+        let world = compile(&heaps(400), None).unwrap();
         let table = InterfaceTable::new(&world);
         let (layout, votes) = table.parts();
         let inherited = votes.iter().filter(|votes| votes.within.is_some()).count();
@@ -158,5 +161,29 @@ mod tests {
             assert_eq!(fillers[number], expected, "{}", world.object(site.subject).name);
         }
         assert!(table.repeated(&world).says_the_same(&table));
+    }
+
+    /// A ball beside the heaps is moved across the outermost shell of one, far from all that lies deeper, and away again.
+    #[test]
+    fn an_edit_of_a_shell_finds_what_inherits_from_it_anew() {
+        let mut description = heaps(400);
+        let mut world = compile(&description, None).unwrap();
+        let mut table = InterfaceTable::new(&world);
+        let mover = 31;
+        assert_eq!(mover % 5, 1);
+        let place = |description: &Description, to: DVec3| {
+            let Shape::Sphere { center, .. } = description.refractors[mover].shape else { panic!("it is a ball") };
+            to - center
+        };
+        let across = DVec3::new(0.01, 0.0, 1.0);
+        for to in [across, DVec3::new(0.0, 9.0, 0.0), across * 1.0001, DVec3::new(0.5, 0.5, 2.0)] {
+            let before = description.clone();
+            description.refractors[mover].transform.translate = place(&description, to);
+            let moved = compile(&description, Some((&before, &world))).unwrap();
+            let changed = changed_objects(&before, &description).unwrap();
+            let after = table.updated(&moved, &world, &changed);
+            assert!(after.says_the_same(&InterfaceTable::new(&moved)), "{to}");
+            (world, table) = (moved, after);
+        }
     }
 }
