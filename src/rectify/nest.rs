@@ -175,7 +175,7 @@ mod tests {
             let Shape::Sphere { center, .. } = description.refractors[mover].shape else { panic!("it is a ball") };
             to - center
         };
-        let across = DVec3::new(0.01, 0.0, 1.0);
+        let across = DVec3::new(0.0097, 0.0, 0.97);
         for to in [across, DVec3::new(0.0, 9.0, 0.0), across * 1.0001, DVec3::new(0.5, 0.5, 2.0)] {
             let before = description.clone();
             description.refractors[mover].transform.translate = place(&description, to);
