@@ -10,11 +10,11 @@
 //! |---|---|
 //! | [`optics`] | Fresnel and Snell, dispersion formulas, media, the catalogue: physics without geometry |
 //! | [`geometry`] | rays, triangles, spheres, meshes with their analysis and repair, and the tree that finds what a ray hits |
-//! | [`scene`] | the scene as the user wrote it ([`scene::Description`]), its files, and its compiled form ([`scene::World`]) |
+//! | [`scene`] | the scene as the user wrote it ([`scene::Description`]), its files, and its compiled form ([`scene::Scene`]) |
 //! | [`rectify`] | what lies on both sides of every place on every refractor: contacts, cells, patches, votes, the interface table |
 //! | [`tracking`] | the modes: given a crossing, which medium is left and which is entered |
 //! | [`scatter`] | dielectric, mirroring and diffuse scattering about interpolated normals, given a pair of indices |
-//! | [`estimator`] | one sample of one pixel; one path, vertex by vertex |
+//! | [`transport`] | one sample of one pixel; one path, vertex by vertex |
 //! | [`render`] | film, samples in bulk on all cores, the worker behind the window |
 //! | [`check`] | what is wrong or doubtful in a scene, with advice |
 //! | [`measure`] | image differences |
@@ -32,7 +32,6 @@
 pub mod app;
 pub mod check;
 pub mod cli;
-pub mod estimator;
 pub mod export;
 pub mod geometry;
 pub mod measure;
@@ -42,5 +41,7 @@ pub mod render;
 pub mod report;
 pub mod scatter;
 pub mod scene;
+pub mod session;
 pub mod tracking;
+pub mod transport;
 pub mod writing;

@@ -10,15 +10,15 @@ use std::sync::Arc;
 use common::{Numbers, add, empty, nest, ready, render, sphere};
 use glam::DVec3;
 use iorect::check::{Problem, Severity, check};
-use iorect::estimator::trace::{Follow, trace};
 use iorect::geometry::{Mesh, Ray};
-use iorect::optics::IorModel;
+use iorect::optics::Ior;
 use iorect::rectify::containment::medium_at;
-use iorect::render::Prepared;
 use iorect::scene::description::{Description, Environment, Light, Paint, Shape, Solid, Transform};
 use iorect::scene::shapes::tessellate;
 use iorect::scene::{builtin, load};
 use iorect::tracking::Mode;
+use iorect::tracking::Prepared;
+use iorect::transport::inspect::{Follow, trace};
 
 /// Air in light that differs from every side, seen from the front.
 fn air() -> Description {
@@ -102,7 +102,7 @@ fn priority_of<'a>(description: &'a mut Description, name: &str) -> &'a mut i32 
 }
 
 fn set_ior(description: &mut Description, medium: &str, ior: f64) {
-    description.media.iter_mut().find(|m| m.name == medium).unwrap().ior = IorModel::Constant(ior);
+    description.media.iter_mut().find(|m| m.name == medium).unwrap().ior = Ior::Constant(ior);
 }
 
 fn remove(description: &mut Description, names: &[&str]) {
@@ -240,8 +240,8 @@ fn what_is_said_not_to_be_seen_is_not_missed() {
             refractor.priority = numbers.index(3) as i32;
             refractor.medium = medium;
         }
-        let scene = ready(description.clone());
-        let problems = check(&scene);
+        let prepared = ready(description.clone());
+        let problems = check(&prepared);
         let bounds = |name: &str| {
             let refractor = description.refractors.iter().find(|r| r.name == name).unwrap();
             refractor.shape.bounds()
@@ -268,11 +268,11 @@ fn what_is_said_not_to_be_seen_is_not_missed() {
             let without = ready(without);
             for _ in 0..100 {
                 let point = numbers.point(DVec3::ZERO, DVec3::splat(5.0));
-                let medium = |scene: &Prepared| {
-                    let (medium, _) = medium_at(&scene.world, point - scene.world.geometry.origin);
-                    scene.world.medium(medium).name.clone()
+                let medium = |prepared: &Prepared| {
+                    let (medium, _) = medium_at(&prepared.scene, point - prepared.scene.geometry.origin);
+                    prepared.scene.medium(medium).name.clone()
                 };
-                let (was, is) = (medium(&scene), medium(&without));
+                let (was, is) = (medium(&prepared), medium(&without));
                 // One of the same medium as its container may hide what lies in it by its priority; that it be removed is not said.
                 let uncovers = problem.kind == "same_medium" && holds(&problem.place, &is);
                 assert!(was == is || uncovers, "round {round} at {point}: {was}, then {is}; {problem:#?}");

@@ -318,13 +318,13 @@ fn points_in_space() {
             };
             let truth = Truth::new(&description);
             let other = Truth::new(&description).with_top(|a, b| !is_above(a, b));
-            let world = ready(description).world;
+            let scene = ready(description).scene;
             let mut differs = 0;
             for _ in 0..20 {
                 let point = numbers.point(DVec3::splat(-1.5), DVec3::splat(1.5));
                 let (medium, is_ambiguous) =
-                    iorect::rectify::containment::medium_at(&world, point - world.geometry.origin);
-                let name = &world.medium(medium).name;
+                    iorect::rectify::containment::medium_at(&scene, point - scene.geometry.origin);
+                let name = &scene.medium(medium).name;
                 assert_eq!(name, truth.medium_at(point), "seed {seed} at {point}");
                 assert!(!is_ambiguous, "seed {seed} at {point}");
                 differs += usize::from(name != other.medium_at(point));

@@ -37,7 +37,7 @@ fn an_ior_is_changed_by_its_slider_and_undone() {
     assert!(harness.state().state().document.is_dirty());
     until(&mut harness, "the edited scene is prepared and shown", |app| {
         let report = app.state().report.as_ref();
-        let is_prepared = report.is_some_and(|r| r.prepared.world.media.iter().any(|m| (m.ior() - 1.7).abs() < 1e-9));
+        let is_prepared = report.is_some_and(|r| r.prepared.scene.media.iter().any(|m| (m.ior() - 1.7).abs() < 1e-9));
         is_prepared && every_pane_has_an_image(app)
     });
 
@@ -152,7 +152,7 @@ fn drop_file(harness: &mut Harness<'_, App>, path: PathBuf) {
 fn an_impossible_ior_is_refused_in_words() {
     let mut harness = window("nested-spheres");
     let medium = iorect::app::MediumRef::Named("glass".into());
-    apply(&mut harness, Command::SetIor(medium, iorect::optics::IorModel::Constant(-1.0)));
+    apply(&mut harness, Command::SetIor(medium, iorect::optics::Ior::Constant(-1.0)));
     assert!(harness.state().state().notices.iter().any(|notice| notice.text.contains("greater than 0")));
     assert!(ior(&harness, "glass") > 1.0 && !harness.state().state().document.is_dirty());
 }
@@ -546,7 +546,7 @@ fn an_object_is_picked_hidden_framed_and_found_again() {
     assert!(!harness.state().state().document.description().refractors[2].visible);
     until(&mut harness, "it is gone", |app| {
         let report = app.state().report.as_ref();
-        report.is_some_and(|r| r.prepared.world.geometry.sphere_count() == 2) && every_pane_has_an_image(app)
+        report.is_some_and(|r| r.prepared.scene.geometry.sphere_count() == 2) && every_pane_has_an_image(app)
     });
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run_steps(3);
@@ -676,9 +676,8 @@ fn a_ball_dragged_through_the_surface_of_water_stays_right() {
                 .all(|mode| app.film(mode).is_some_and(|film| film.epoch == app.state().epoch() && !film.is_preview()))
         });
         let [object, patch, reference] = modes.map(|mode| harness.state().film(mode).expect("it has just been there"));
-        let differing = |film: &iorect::render::worker::Snapshot| {
-            film.rgb.iter().zip(&reference.rgb).filter(|(a, b)| a != b).count()
-        };
+        let differing =
+            |film: &iorect::session::Snapshot| film.rgb.iter().zip(&reference.rgb).filter(|(a, b)| a != b).count();
         let pixels = reference.rgb.len();
         assert_eq!([object.samples, patch.samples, reference.samples], [1; 3]);
         // Rays within rounding of where the surfaces cross may go either way.

@@ -10,10 +10,10 @@ use glam::DVec3;
 use iorect::check::check;
 use iorect::geometry::Mesh;
 use iorect::rectify::PatchKind;
-use iorect::render::Prepared;
 use iorect::scene::description::{Description, Paint, Shape, Solid, Transform};
 use iorect::scene::{builtin, load, save};
 use iorect::tracking::Mode;
+use iorect::tracking::Prepared;
 
 const CAMERA: &str = "[camera]\nposition = [0, 0, 4]\ntarget = [0, 0, 0]\n";
 const GLASS: &str = "[[medium]]\nname = \"glass\"\nior = 1.5\n";
@@ -253,7 +253,7 @@ fn huge_and_tiny() {
     for size in ["1e18", "1e-18", "1e6", "1e-90"] {
         let ball = format!("{{ icosphere = {{ center = [0, 0, 0], radius = {size}, subdivisions = 1 }} }}");
         let scene = load::parse(&with_shape(&ball), Path::new("s.toml"), false).unwrap();
-        iorect::render::prepare(std::sync::Arc::new(scene), None).unwrap();
+        iorect::tracking::prepare(std::sync::Arc::new(scene), None).unwrap();
     }
     refused(&with_shape("{ sphere = { center = [0, 0, 0], radius = 1e19 } }"), 10, 51, &["at most 1e18"]);
     refused(&with_shape("{ sphere = { center = [0, 1e300, 0], radius = 1 } }"), 10, 31, &["too large"]);

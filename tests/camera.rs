@@ -5,13 +5,13 @@ mod common;
 
 use common::{add, empty, ready, render, sphere};
 use glam::{DVec2, DVec3};
-use iorect::estimator::trace::{Follow, trace};
 use iorect::geometry::{Ray, uniform_direction};
 use iorect::rectify::containment::medium_at;
 use iorect::rectify::start::{StartRegion, start};
-use iorect::render::Prepared;
 use iorect::scene::description::{Description, Shape, Transform};
 use iorect::tracking::Mode;
+use iorect::tracking::Prepared;
+use iorect::transport::inspect::{Follow, trace};
 
 /// Evenly spread directions, none along an axis.
 fn directions(count: u32) -> impl Iterator<Item = DVec3> {
@@ -29,10 +29,10 @@ fn disc(count: u32) -> impl Iterator<Item = DVec2> {
 }
 
 /// Of a ray in scene coordinates.
-fn name_at_start(scene: &Prepared, ray: Ray) -> &str {
-    let started = start(&scene.world, Ray::new(ray.origin - scene.world.geometry.origin, ray.direction));
+fn name_at_start(prepared: &Prepared, ray: Ray) -> &str {
+    let started = start(&prepared.scene, Ray::new(ray.origin - prepared.scene.geometry.origin, ray.direction));
     assert!(!started.is_ambiguous);
-    &scene.world.medium(started.medium).name
+    &prepared.scene.medium(started.medium).name
 }
 
 fn water(min: DVec3, max: DVec3) -> Description {
@@ -59,10 +59,10 @@ fn a_pinhole_on_the_face_of_the_water() {
     ] {
         let (description, transform) =
             turned(water(DVec3::new(-2.0, -3.0, -1.5), DVec3::new(2.0, height, 1.5)), rotate, translate);
-        let scene = ready(description);
+        let prepared = ready(description);
         let matrix = transform.matrix();
         for (x, z) in [(0.4, 0.3), (-1.3, 0.77), (1.99, -1.49)] {
-            let eye = matrix.transform_point3(DVec3::new(x, height, z)) - scene.world.geometry.origin;
+            let eye = matrix.transform_point3(DVec3::new(x, height, z)) - prepared.scene.geometry.origin;
             for direction in directions(250) {
                 let side = direction.dot(matrix.transform_vector3(DVec3::Y));
                 // Level rays stay within rounding.
@@ -70,14 +70,14 @@ fn a_pinhole_on_the_face_of_the_water() {
                     continue;
                 }
                 let expected = if side < 0.0 { "object 0" } else { "world" };
-                let ray = Ray::new(eye + scene.world.geometry.origin, direction);
-                assert_eq!(name_at_start(&scene, ray), expected, "at {eye} along {direction}");
+                let ray = Ray::new(eye + prepared.scene.geometry.origin, direction);
+                assert_eq!(name_at_start(&prepared, ray), expected, "at {eye} along {direction}");
                 wrong_if_asked_as_a_point +=
-                    u32::from(scene.world.medium(medium_at(&scene.world, eye).0).name != expected);
+                    u32::from(prepared.scene.medium(medium_at(&prepared.scene, eye).0).name != expected);
                 let path = trace(
-                    &scene,
+                    &prepared,
                     Mode::Reference,
-                    Ray::new(eye + scene.world.geometry.origin, direction),
+                    Ray::new(eye + prepared.scene.geometry.origin, direction),
                     Follow::Transmit,
                     0,
                     None,
@@ -164,17 +164,17 @@ fn next_to_the_face_the_height_decides() {
 }
 
 /// Sets every point of a lens against `expected`, a closed form, and returns how many start in the refractor.
-fn check_lens(scene: &Prepared, center: DVec3, radius: f64, expected: impl Fn(DVec3) -> bool) -> u32 {
+fn check_lens(prepared: &Prepared, center: DVec3, radius: f64, expected: impl Fn(DVec3) -> bool) -> u32 {
     // Tilted, looking along −z and a little down.
     let (right, up) = (DVec3::X, DVec3::new(0.0, 0.98, -0.199).normalize());
-    let to_local = -scene.world.geometry.origin;
-    let lens = StartRegion::new(&scene.world, center + to_local, radius);
+    let to_local = -prepared.scene.geometry.origin;
+    let lens = StartRegion::new(&prepared.scene, center + to_local, radius);
     let mut inside = 0;
     for (point, direction) in disc(4000).zip(directions(4000)) {
         let origin = center + (right * point.x + up * point.y) * radius;
-        let started = lens.start(&scene.world, Ray::new(origin + to_local, direction));
+        let started = lens.start(&prepared.scene, Ray::new(origin + to_local, direction));
         assert!(!started.is_ambiguous);
-        assert_eq!(scene.world.medium(started.medium).name == "object 0", expected(origin), "at {origin}");
+        assert_eq!(prepared.scene.medium(started.medium).name == "object 0", expected(origin), "at {origin}");
         inside += u32::from(expected(origin));
     }
     inside

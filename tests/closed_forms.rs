@@ -7,12 +7,12 @@ use std::sync::atomic::AtomicBool;
 
 use common::{add, deflection_degrees, empty, mean, nest, ready, render, sphere, through};
 use glam::DVec3;
-use iorect::estimator::trace::{Follow, trace};
 use iorect::geometry::Ray;
-use iorect::render::Prepared;
 use iorect::report::stability::{Effort, Subject, cases};
 use iorect::scene::description::{Environment, Light, Shape, Transform};
 use iorect::tracking::Mode;
+use iorect::tracking::Prepared;
+use iorect::transport::inspect::{Follow, trace};
 
 const CASE_A: [(f64, f64); 4] = [(1.0, 1.5), (0.8, 1.333), (0.6, 1.0), (0.4, 2.417)];
 const CASE_F: [(f64, f64); 5] = [(1.0, 1.31), (0.9, 1.333), (0.8, 1.5), (0.7, 1.7), (0.6, 2.417)];
@@ -248,8 +248,8 @@ fn furnace_with_a_cap_on_depth() {
 
 #[test]
 fn radiance_inside_media() {
-    let inside = |world: f64, ior: f64, offset: f64| {
-        let mut description = nest(world, &[(1.0, ior)]);
+    let inside = |scene: f64, ior: f64, offset: f64| {
+        let mut description = nest(scene, &[(1.0, ior)]);
         description.camera.position = DVec3::new(0.0, 0.0, offset);
         description.camera.target = DVec3::new(0.3, 0.2, 0.7);
         description.camera.vertical_fov = 90.0;

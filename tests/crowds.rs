@@ -31,14 +31,14 @@ fn crossing_boxes(count: usize) -> Description {
 fn crowded_faces_are_right() {
     let description = crossing_boxes(140);
     let truth = Truth::new(&description);
-    let scene = ready(description);
-    let crowded = scene.table.crowded();
+    let prepared = ready(description);
+    let crowded = prepared.table.crowded();
     assert!(!crowded.is_empty());
-    let problems = check(&scene);
+    let problems = check(&prepared);
     let said: Vec<_> = problems.iter().filter(|problem| problem.kind == "crowded").map(|p| p.place.clone()).collect();
-    let expected: Vec<_> = crowded.iter().map(|(object, _)| scene.world.object(*object).name.clone()).collect();
+    let expected: Vec<_> = crowded.iter().map(|(object, _)| prepared.scene.object(*object).name.clone()).collect();
     assert_eq!(said, expected);
-    let found = survey(&scene, &truth, Mode::Rectified, &truth.rays(60, 3));
+    let found = survey(&prepared, &truth, Mode::Rectified, &truth.rays(60, 3));
     assert!(found.checked > 100 && found.faults.is_empty(), "{found:?}");
 }
 
@@ -68,11 +68,11 @@ fn a_deep_nest_has_a_short_table() {
     let depth = 3000;
     let shells: Vec<_> =
         (0..depth).map(|k| (1.0 - 0.9 * f64::from(k) / f64::from(depth), 1.3 + 0.01 * f64::from(k * 7 % 13))).collect();
-    let scene = ready(nest(1.0, &shells));
-    let votes: usize = scene.table.patches.iter().map(|patch| patch.votes.len()).sum();
+    let prepared = ready(nest(1.0, &shells));
+    let votes: usize = prepared.table.patches.iter().map(|patch| patch.votes.len()).sum();
     assert!(votes < 2 * shells.len(), "{votes}");
-    for (k, patch) in scene.table.patches.iter().enumerate() {
-        let outside = patch.outside.map(|id| scene.world.medium(id).name.clone());
+    for (k, patch) in prepared.table.patches.iter().enumerate() {
+        let outside = patch.outside.map(|id| prepared.scene.medium(id).name.clone());
         let expected = if k == 0 { "world".to_owned() } else { format!("object {}", k - 1) };
         assert_eq!(outside, Some(expected));
     }
@@ -81,11 +81,11 @@ fn a_deep_nest_has_a_short_table() {
 /// Ended in the middle, rectification stops and has no result.
 #[test]
 fn cancelled_in_the_middle() {
-    let world = compile(&crossing_boxes(90), None).unwrap();
+    let scene = compile(&crossing_boxes(90), None).unwrap();
     for stage in [Stage::Contacts, Stage::Cells] {
         let progress = Progress::new();
         let result = thread::scope(|scope| {
-            let work = scope.spawn(|| InterfaceTable::new_watched(&world, &progress));
+            let work = scope.spawn(|| InterfaceTable::new_watched(&scene, &progress));
             while !work.is_finished() {
                 if progress.state().0 >= stage {
                     progress.cancel();

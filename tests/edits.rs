@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use common::{add, nest, ready, render};
 use glam::DVec3;
-use iorect::render::{Prepared, prepare};
 use iorect::scene::Description;
 use iorect::scene::description::{Environment, Light, Shape, Transform};
 use iorect::tracking::Mode;
+use iorect::tracking::{Prepared, prepare};
 
 /// Hidden, and taken out of the file: the same world.
 #[test]
@@ -82,7 +82,7 @@ fn an_edit_that_adds_a_need_brings_its_work_back() {
     let edits: [Edit<'_>; 7] = [
         ("absorption", Box::new(|d| d.media[1].absorption = [0.5, 0.1, 0.3])),
         ("nesting", Box::new(|d| d.refractors[1].transform.translate.x = -1.0)),
-        ("index_matching", Box::new(|d| d.media[1].ior = iorect::optics::IorModel::Constant(1.5))),
+        ("index_matching", Box::new(|d| d.media[1].ior = iorect::optics::Ior::Constant(1.5))),
         ("smooth_normals", Box::new(|d| d.refractors[0].smooth = true)),
         ("triangles", Box::new(|d| add(d, Shape::Box { min: DVec3::splat(2.5), max: DVec3::splat(3.0) }, 1.7, 0.0))),
         (
@@ -97,11 +97,11 @@ fn an_edit_that_adds_a_need_brings_its_work_back() {
     let known = ready(before.clone());
     let image = |prepared: &Prepared| render(prepared, Mode::Rectified, (32, 18), 4, None).to_rgb();
     for (need, edit) in edits {
-        assert!(known.world.needs.left_out().contains(&need), "{need} is not needed before");
+        assert!(known.scene.needs.left_out().contains(&need), "{need} is not needed before");
         let mut after = before.clone();
         edit(&mut after);
         let edited = prepare(Arc::new(after.clone()), Some(&known)).unwrap();
-        assert!(!edited.world.needs.left_out().contains(&need), "{need} is needed now");
+        assert!(!edited.scene.needs.left_out().contains(&need), "{need} is needed now");
         assert_eq!(image(&edited), image(&ready(after)), "{need}");
         // The twin: without the work that the edit asks for, it does not show. A smooth ball is as round as it was, equal IORs matter to shadow
         // rays alone, and triangles are always looked for.
@@ -109,7 +109,7 @@ fn an_edit_that_adds_a_need_brings_its_work_back() {
             assert_ne!(image(&edited), image(&known), "{need}");
         }
         let undone = prepare(Arc::new(before.clone()), Some(&edited)).unwrap();
-        assert_eq!(undone.world.needs, known.world.needs, "{need}");
+        assert_eq!(undone.scene.needs, known.scene.needs, "{need}");
         assert_eq!(image(&undone), image(&known), "{need}");
     }
 }

@@ -63,7 +63,7 @@ fn cases_have_their_right_values() {
         for direction in [DVec3::Y, DVec3::NEG_Y, DVec3::X, DVec3::NEG_Z, DVec3::new(0.6, -0.64, 0.48)] {
             assert!((light.radiance(direction) - DVec3::from(right)).length() < 1e-12, "{scene}");
         }
-        let problems = check(&iorect::render::prepare(Arc::new(description), None).unwrap());
+        let problems = check(&iorect::tracking::prepare(Arc::new(description), None).unwrap());
         let kinds: Vec<_> = problems.iter().map(|problem| problem.kind).collect();
         assert_eq!(kinds, said, "{scene}");
         if let Some(problem) = problems.iter().find(|problem| problem.kind == "replaced_pixels") {

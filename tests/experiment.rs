@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use iorect::measure::Interval;
 use iorect::measure::statistics::t_quantile;
-use iorect::render::{Film, Prepared, RenderSettings, VarianceReduction, accumulate, prepare};
+use iorect::render::{Film, RenderSettings, VarianceReduction, accumulate};
 use iorect::report::experiment::{Curve, Effort, SceneErrors, Technique, scene_errors};
 use iorect::report::progress::Progress;
 use iorect::report::reference::{References, SEEDS, Wanted, references};
@@ -16,6 +16,7 @@ use iorect::report::store::Store;
 use iorect::scene::camera::Camera;
 use iorect::scene::load;
 use iorect::tracking::Mode;
+use iorect::tracking::{Prepared, prepare};
 
 static NEVER: AtomicBool = AtomicBool::new(false);
 const QUIETLY: Progress<'_> = Progress { cancel: &NEVER, tell: &|_, _| () };

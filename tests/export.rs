@@ -4,8 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use iorect::export::{self, Comparison, ExportError, Format, LabelledPane, Picture};
-use iorect::render::{Display, Events, ToneCurve};
-use iorect::scene::world::WorldMedium;
+use iorect::render::{Display, ToneCurve};
+use iorect::scene::SceneMedium;
+use iorect::tracking::Events;
 use iorect::tracking::Mode;
 use iorect::writing::{WriteError, require_writable, write_atomically};
 
@@ -57,7 +58,7 @@ fn png_shows_what_the_display_makes_of_it_and_says_what_it_is() {
 
 #[test]
 fn metadata_names_scene_modes_iors_samples_seed_and_version() {
-    let medium = |name: &str, ior: f64| WorldMedium {
+    let medium = |name: &str, ior: f64| SceneMedium {
         name: name.into(),
         ior_minus_one: ior - 1.0,
         absorption: glam::DVec3::ZERO,

@@ -8,12 +8,12 @@ use std::sync::Arc;
 use common::truth::{Truth, is_above, media_along, rays, survey};
 use common::{Numbers, add, empty, mean, nest, ready, render, sphere};
 use glam::DVec3;
-use iorect::estimator::trace::{Follow, TracedPath, trace};
 use iorect::geometry::{Mesh, Ray};
-use iorect::render::Prepared;
 use iorect::scene::description::{Description, Environment, Shape, Transform};
 use iorect::scene::shapes::tessellate;
 use iorect::tracking::Mode;
+use iorect::tracking::Prepared;
+use iorect::transport::inspect::{Follow, TracedPath, trace};
 
 const RIGHT: [Mode; 2] = [Mode::Reference, Mode::Rectified];
 
@@ -95,7 +95,7 @@ fn c35_gap_sweep_with_refraction() {
     for exponent in 2..=4 {
         let mut description = shells(10f64.powi(-exponent), 2, 1.0, DVec3::ZERO, false);
         for (medium, ior) in description.media.iter_mut().zip([1.5, 1.333]) {
-            medium.ior = iorect::optics::IorModel::Constant(ior);
+            medium.ior = iorect::optics::Ior::Constant(ior);
         }
         let mut truth = Truth::new(&description);
         // Surfaces are as near to each other as the gap.

@@ -8,13 +8,13 @@ use std::sync::Arc;
 use common::truth::{Truth, is_above, media_along, rays, survey};
 use common::{Numbers, add, empty, nest, ready, render, sphere};
 use glam::DVec3;
-use iorect::estimator::trace::{Follow, VertexEvent, trace};
 use iorect::geometry::{Mesh, Ray};
-use iorect::optics::IorModel;
-use iorect::render::{Prepared, prepare};
+use iorect::optics::Ior;
 use iorect::scene::description::{Description, Environment, Light, Paint, Shape, Solid, Transform};
 use iorect::scene::shapes::tessellate;
 use iorect::tracking::Mode;
+use iorect::tracking::{Prepared, prepare};
+use iorect::transport::inspect::{Follow, VertexEvent, trace};
 
 /// The modes that are right everywhere.
 const RIGHT: [Mode; 2] = [Mode::Reference, Mode::Rectified];
@@ -182,11 +182,11 @@ fn f02_a_lamp_in_ice_in_water() {
         visible: true,
         transform: Transform::IDENTITY,
     });
-    let (scene, truth) = check_as_written(description, 400);
-    must_differ(&scene, &truth, Mode::Stack, 400, 50);
+    let (prepared, truth) = check_as_written(description, 400);
+    must_differ(&prepared, &truth, Mode::Stack, 400, 50);
     // The lamp's own patch says what it shines into.
-    let [patch] = &scene.table.lights[..] else { panic!("{:?}", scene.table.lights) };
-    assert_eq!(scene.world.medium(patch.outside.unwrap()).name, "object 1");
+    let [patch] = &prepared.table.lights[..] else { panic!("{:?}", prepared.table.lights) };
+    assert_eq!(prepared.scene.medium(patch.outside.unwrap()).name, "object 1");
     let mut numbers = Numbers(3);
     let mut compared = 0;
     for _ in 0..100 {
@@ -195,14 +195,14 @@ fn f02_a_lamp_in_ice_in_water() {
         let aim = if aim.dot(normal) < 0.0 { -aim } else { aim };
         let start = Ray::new(lamp + normal * (radius * (1.0 + 1e-9)), aim);
         for mode in RIGHT {
-            let there = trace(&scene, mode, start, Follow::Transmit, 0, Some(4));
+            let there = trace(&prepared, mode, start, Follow::Transmit, 0, Some(4));
             assert_eq!(there.camera_medium, "object 1");
             if !there.escaped || there.vertices.iter().any(|v| v.event != VertexEvent::Transmit) {
                 continue;
             }
             let (last, out) =
                 (DVec3::from(there.vertices.last().unwrap().position), DVec3::from(there.final_direction));
-            let back = trace(&scene, mode, Ray::new(last + out, -out), Follow::Transmit, 0, Some(5));
+            let back = trace(&prepared, mode, Ray::new(last + out, -out), Follow::Transmit, 0, Some(5));
             let mut names: Vec<_> = there.vertices.iter().map(|v| (v.to.clone(), v.from.clone())).collect();
             names.reverse();
             let end = back.vertices.last().unwrap();
@@ -572,12 +572,12 @@ fn f08_vertices_edges_tangents_and_wedges() {
     assert!(wedge.signed_volume() > 0.0);
     add(&mut description, mesh(wedge), 1.0, 0.0);
     let truth = Truth::new(&description);
-    let scene = ready(description);
+    let prepared = ready(description);
     let mut aims: Vec<DVec3> = Vec::new();
     for shape in &shapes {
         let mesh = mesh_of(shape);
         // As the program stores them.
-        let origin = scene.world.geometry.origin;
+        let origin = prepared.scene.geometry.origin;
         let corner = |i: u32| (mesh.positions[i as usize] - origin).as_vec3().as_dvec3() + origin;
         for t in mesh.triangles.iter().step_by(3) {
             aims.push(corner(t[0]));
@@ -597,7 +597,7 @@ fn f08_vertices_edges_tangents_and_wedges() {
             for mode in RIGHT {
                 let ray = Ray::new(from, (aim - from).normalize());
                 let Some(expected) = truth.straight_through(&ray) else { continue };
-                let path = trace(&scene, mode, ray, Follow::Transmit, 0, None);
+                let path = trace(&prepared, mode, ray, Follow::Transmit, 0, None);
                 let seen = media_along(&path, truth.together)
                     .unwrap_or_else(|all| panic!("{mode}, aim {k} at {aim} from {from}, not {expected:?}: {all}"));
                 assert_eq!(seen, expected, "{mode}, aim {k} at {aim} from {from}");
@@ -711,7 +711,7 @@ fn f11_global_ior() {
     add(&mut description, icosphere(DVec3::new(1.0, 0.1, 0.1), 0.3), 0.7, 0.0);
     let (scene, truth) = check_as_written(description.clone(), 500);
     must_differ(&scene, &truth, Mode::Naive, 500, 100);
-    description.world.ior = IorModel::Constant(1.0);
+    description.world.ior = Ior::Constant(1.0);
     must_differ(&scene, &Truth::new(&description), Mode::Reference, 500, 100);
 }
 
@@ -728,8 +728,8 @@ fn f12_edits() {
         |d| d.refractors[1].transform.translate.y = -1.6,
         |d| d.refractors[1].transform.translate.y = -2.1,
         |d| d.refractors[1].transform.translate.y = -2.8,
-        |d| d.media[0].ior = IorModel::Constant(1.45),
-        |d| d.world.ior = IorModel::Constant(1.2),
+        |d| d.media[0].ior = Ior::Constant(1.45),
+        |d| d.world.ior = Ior::Constant(1.2),
         |d| d.refractors[0].priority = 3,
         |d| d.refractors[2].priority = 4,
         |d| d.refractors[1].priority = 5,

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use iorect::check::{Problem, Severity, check};
 use iorect::geometry::Enclosure;
-use iorect::render::prepare;
 use iorect::scene::description::Shape;
 use iorect::scene::{Description, load, save};
+use iorect::tracking::prepare;
 
 #[path = "common/desk.rs"]
 mod desk;
@@ -46,7 +46,7 @@ fn one_harmless_oddity_refuses_no_mesh() {
         let text = save::to_text(&scene);
         assert_eq!(text, std::fs::read_to_string(folder.join(format!("{name}_obj.toml"))).unwrap());
         let prepared = prepare(Arc::new(scene.clone()), None).unwrap();
-        let topology = prepared.world.objects[0].topology.as_ref().expect("a mesh is analysed");
+        let topology = prepared.scene.objects[0].topology.as_ref().expect("a mesh is analysed");
         assert_eq!(topology.enclosure, Enclosure::Closed, "{name}");
         let problems = problems(scene);
         assert_eq!(problems.len(), usize::from(said.is_some()), "{name}: {problems:?}");

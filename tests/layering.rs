@@ -1,9 +1,7 @@
 //! The architecture as a test: who may use whom. Scans every path in `src` and fails on edges that point up.
 //!
 //! Modules stand in layers; code may use its own layer and those below it. A file belongs to the layer of the longest prefix of its
-//! module path in [`LAYERS`], and so does what a path names. Three parts of modules stand in another layer than the rest of
-//! theirs: `render::events` holds plain counters that trackers and estimators fill in; `estimator::trace` shows a path through a
-//! prepared scene to people; `render::worker` also checks the scenes that it renders.
+//! module path in [`LAYERS`], and so does what a path names.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -15,13 +13,11 @@ const LAYERS: &[&[&str]] = &[
     &["scatter"],
     &["scene"],
     &["rectify"],
-    &["render::events", "render::Events"],
     &["tracking"],
-    &["estimator"],
+    &["transport"],
     &["render"],
-    &["estimator::trace"],
     &["check", "measure"],
-    &["render::worker", "export"],
+    &["session", "export"],
     &["report"],
     &["cli", "app"],
 ];
@@ -97,34 +93,34 @@ fn shared_names(source: &str) -> Vec<&'static str> {
 fn planted_violations_are_found() {
     let found = |module: &str, source: &str| violations(module, source);
     let bad = [
-        ("optics::fresnel", "use crate::scene::World;"),
+        ("optics::fresnel", "use crate::scene::Scene;"),
         ("geometry::bvh", "use crate::optics::Medium;"),
         ("geometry", "fn f(x: &crate::scene::Description) {}"),
         ("scene::load", "use crate::{optics, render::Film};"),
         ("scene::load", "use crate::{\n    geometry::{Mesh, Ray},\n    rectify::{self, InterfaceTable},\n};"),
         ("tracking::stack", "use super::super::render::Film;"),
         ("render::film", "use super::super::export;"),
-        ("render::cpu", "use super::worker::Worker;"),
+        ("render::cpu", "use crate::session::Worker;"),
         ("cli::render", "use crate::app::run;"),
         ("app::panels", "use crate::cli;"),
         ("app", "pub fn f() { crate::cli::main(); }"),
         ("main", "fn f() { egui::Context::default(); }"),
-        ("render::worker", "use egui::Context;"),
+        ("session", "use egui::Context;"),
         ("export", "use wgpu::Device;"),
         ("render::cpu", "use wgpu as gpu;"),
         ("app::viewport", "use obvhs::Bvh;"),
         ("scene", "/* a comment */ use ::obvhs::bvh2;"),
         ("measure", "use anyhow::Result;"),
-        ("estimator::path", "#[cfg(test)] mod tests { use crate::render::film::Film; }"),
+        ("transport::path", "#[cfg(test)] mod tests { use crate::render::film::Film; }"),
     ];
     for (module, source) in bad {
         assert!(!found(module, source).is_empty(), "not found in {module}: {source}");
     }
     let good = [
-        ("scene::world", "use crate::{geometry::Geometry, optics::{self, Medium}};"),
-        ("tracking::stack", "use crate::render::Events; use super::Mode;"),
-        ("render::worker", "use crate::check::check; use super::cpu::accumulate;"),
-        ("app::viewport", "use egui::Context; use wgpu::Device; use crate::render::worker::Worker;"),
+        ("scene::scene", "use crate::{geometry::Geometry, optics::{self, Medium}};"),
+        ("tracking::stack", "use crate::tracking::Events; use super::Mode;"),
+        ("session", "use crate::check::check; use super::cpu::accumulate;"),
+        ("app::viewport", "use egui::Context; use wgpu::Device; use crate::session::Worker;"),
         ("render::gpu::context", "use wgpu::Device;"),
         ("geometry::bvh", "use obvhs::Bvh; // and crate::app is only mentioned"),
         (
@@ -150,7 +146,7 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// `render/worker/lane.rs` is `render::worker::lane`, `render/mod.rs` is `render`, `lib.rs` and `main.rs` are themselves.
+/// `render/worker/lane.rs` is `session::lane`, `render/mod.rs` is `render`, `lib.rs` and `main.rs` are themselves.
 fn module_of(file: &Path) -> String {
     let mut parts: Vec<_> = file.with_extension("").iter().map(|part| part.to_string_lossy().into_owned()).collect();
     if parts.last().is_some_and(|last| last == "mod") {

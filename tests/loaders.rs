@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use iorect::geometry::Mesh;
-use iorect::optics::IorModel;
+use iorect::optics::Ior;
 use iorect::scene::description::{Environment, Paint, Shape, Transform};
 use iorect::scene::{builtin, load, save};
 
@@ -111,7 +111,7 @@ fn every_key_reaches_the_description() {
     assert_eq!((scene.camera.position, scene.camera.up), (DVec3::new(0.0, 1.2, 4.0), DVec3::Z));
     assert_eq!((scene.camera.vertical_fov, scene.camera.aperture_radius), (35.0, 0.02));
     assert_eq!(scene.camera.focus_distance, Some(3.5));
-    assert_eq!(scene.world.ior, IorModel::Cauchy([1.4, 0.004, 0.0]));
+    assert_eq!(scene.world.ior, Ior::Cauchy([1.4, 0.004, 0.0]));
     assert_eq!(scene.world.absorption, [0.0, 0.1, 0.2]);
     let gradient = Environment::Gradient { zenith: [0.0, 0.0, 1.0], horizon: [1.0; 3], nadir: [0.1; 3] };
     assert_eq!(scene.environment, gradient);
@@ -154,7 +154,7 @@ fn defaults_are_those_of_the_format() {
     assert_eq!(scene.name, "quiet");
     assert_eq!((scene.camera.up, scene.camera.vertical_fov), (DVec3::Y, 40.0));
     assert_eq!((scene.camera.aperture_radius, scene.camera.focus_distance), (0.0, None));
-    assert_eq!((scene.world.ior, scene.world.absorption), (IorModel::Constant(1.0), [0.0; 3]));
+    assert_eq!((scene.world.ior, scene.world.absorption), (Ior::Constant(1.0), [0.0; 3]));
     assert_eq!(scene.environment, Environment::Color([0.0; 3]));
     assert!(
         scene.media.is_empty() && scene.refractors.is_empty() && scene.solids.is_empty() && scene.lights.is_empty()
@@ -165,7 +165,7 @@ fn defaults_are_those_of_the_format() {
 fn inline_arrays_of_tables_do_as_well() {
     let text = "camera = { position = [0, 0, 1], target = [0, 0, 0] }\nmedium = [{ name = \"a\", ior = 2 }, { name = \"b\", ior = 3 }]\n";
     let scene = load::parse(text, Path::new("s.toml"), false).unwrap();
-    assert_eq!(scene.media[1].ior, IorModel::Constant(3.0));
+    assert_eq!(scene.media[1].ior, Ior::Constant(3.0));
 }
 
 #[test]

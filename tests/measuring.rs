@@ -12,8 +12,8 @@ use harness::{apply, every_pane_has_an_image, picture_of, quick, until, window_o
 use iorect::app::{
     App, Command, DifferenceKind, ErrorAxis, ErrorMetric, ExportKind, MediumRef, PaneContent, Settings, Tab,
 };
-use iorect::optics::IorModel;
-use iorect::render::worker::GroundTruthDemand;
+use iorect::optics::Ior;
+use iorect::session::GroundTruthDemand;
 use iorect::tracking::Mode;
 
 /// A camera inside water, where the stack is wrong, and the measure panel.
@@ -118,7 +118,7 @@ fn an_edit_drops_the_errors_and_a_pane_does_not() {
     harness.get_by_label("Go on").click();
     until(&mut harness, "it goes on", |app| truth_samples(app) > samples);
     let halves = harness.state().state().measurement.truth.as_ref().and_then(|truth| truth.halves.clone()).unwrap();
-    let ior = IorModel::Constant(1.2);
+    let ior = Ior::Constant(1.2);
     apply(&mut harness, Command::SetIor(MediumRef::World, ior));
     until(&mut harness, "that it begins anew is said", |app| app.state().measurement.has_begun_anew);
     assert!(harness.query_by_label_contains("begins anew").is_some());

@@ -10,10 +10,10 @@ use glam::{DMat3, DVec3};
 use iorect::check::check;
 use iorect::geometry::Mesh;
 use iorect::rectify::PatchKind;
-use iorect::render::Prepared;
 use iorect::scene::description::{Description, Environment, Shape, Solid, Transform};
 use iorect::scene::load;
 use iorect::tracking::Mode;
+use iorect::tracking::Prepared;
 
 /// The modes that know media from geometry alone, and so find contacts.
 const RIGHT: [Mode; 2] = [Mode::Rectified, Mode::Reference];
@@ -134,11 +134,11 @@ fn what_is_in_contact_stays_so() {
 type Row = (String, PatchKind, u32, Option<String>, Option<String>, Vec<String>);
 
 fn rows(prepared: &Prepared) -> Vec<Row> {
-    let world = &*prepared.world;
+    let scene = &*prepared.scene;
     let mut rows: Vec<Row> = (prepared.table.patches.iter())
         .map(|p| {
-            let medium = |id| world.medium(id).name.clone();
-            let name = |id| world.object(id).name.clone();
+            let medium = |id| scene.medium(id).name.clone();
+            let name = |id| scene.object(id).name.clone();
             let crossed_by = p.crossed_by.iter().map(|id| name(*id)).collect();
             (name(p.refractor), p.kind, p.faces, p.outside.map(medium), p.inside.map(medium), crossed_by)
         })

@@ -4,10 +4,10 @@ mod common;
 
 use common::{add, empty, mean, ready, render, sphere, through};
 use glam::DVec3;
-use iorect::estimator::trace::{Follow, VertexEvent, trace};
 use iorect::geometry::Ray;
 use iorect::scene::description::{Description, Environment, Light, Paint, Shape, Solid, Transform};
 use iorect::tracking::Mode;
+use iorect::transport::inspect::{Follow, VertexEvent, trace};
 
 /// A room of water, lit and floored inside, seen through its top. All indices differ, so that no surface is matched.
 fn room() -> Description {
@@ -55,7 +55,7 @@ fn with_balls(priority: i32) -> Description {
 #[test]
 fn what_a_higher_priority_hides_is_not_seen() {
     let [plain, hidden, seen] = [room(), with_balls(-1), with_balls(3)].map(ready);
-    assert!(!hidden.world.needs.index_matching, "shadow rays would pass anyway");
+    assert!(!hidden.scene.needs.index_matching, "shadow rays would pass anyway");
     // A tight cap on depth shows that skipped crossings do not count.
     for max_depth in [None, Some(3)] {
         let [plain, hidden, seen] = [&plain, &hidden, &seen].map(|s| render(s, Mode::Priority, (40, 40), 4, max_depth));
@@ -65,10 +65,10 @@ fn what_a_higher_priority_hides_is_not_seen() {
         assert_ne!(plain.sums, seen.sums);
     }
     // Nor with all work done that could be left out.
-    let hidden_again = iorect::render::Prepared {
-        world: std::sync::Arc::new(iorect::scene::World {
-            needs: iorect::scene::SceneNeeds::EVERYTHING.without_impossible(&hidden.world),
-            ..(*hidden.world).clone()
+    let hidden_again = iorect::tracking::Prepared {
+        scene: std::sync::Arc::new(iorect::scene::Scene {
+            needs: iorect::scene::SceneNeeds::EVERYTHING.without_impossible(&hidden.scene),
+            ..(*hidden.scene).clone()
         }),
         ..hidden.clone()
     };

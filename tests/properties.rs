@@ -10,16 +10,17 @@ use std::path::Path;
 
 use glam::DVec3;
 use image::{ImageFormat, Rgb, RgbImage};
-use iorect::estimator::sampler::Sequence;
 use iorect::export::{read_sums, write_sums};
 use iorect::optics::Interface;
 use iorect::optics::fresnel::Refraction;
 use iorect::render::exact::ExactSums;
-use iorect::render::{Display, Events, Partial, Recipe, SampleRange, ToneCurve};
+use iorect::render::{Display, Partial, Recipe, SampleRange, ToneCurve};
 use iorect::scene::fingerprint::Hasher;
 use iorect::scene::load::{image_from_bytes, mesh_from_bytes, parse};
 use iorect::scene::save::to_text;
+use iorect::tracking::Events;
 use iorect::tracking::Mode;
+use iorect::transport::sampler::Sequence;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

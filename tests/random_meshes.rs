@@ -64,14 +64,14 @@ struct Outcome {
 
 fn outcome(seed: u64, class: Class) -> Outcome {
     let case = Case::new(seed, class);
-    let scene = ready(case.description.clone());
-    let origin = scene.world.geometry.origin;
+    let prepared = ready(case.description.clone());
+    let origin = prepared.scene.geometry.origin;
     let truth = case.truth(origin);
     let rays = case.rays(&truth, RAYS, seed);
-    let surveys = modes().into_iter().map(|mode| (mode, survey(&scene, &truth, mode, &rays))).collect();
+    let surveys = modes().into_iter().map(|mode| (mode, survey(&prepared, &truth, mode, &rays))).collect();
     let forgotten = case.truth_without(origin, Some(0));
-    let of_forgotten = survey(&scene, &forgotten, modes()[0], &rays).faults.len();
-    let of_wrong_rule = survey(&scene, &truth.with_top(|a, b| !is_above(a, b)), modes()[0], &rays).faults.len();
+    let of_forgotten = survey(&prepared, &forgotten, modes()[0], &rays).faults.len();
+    let of_wrong_rule = survey(&prepared, &truth.with_top(|a, b| !is_above(a, b)), modes()[0], &rays).faults.len();
     Outcome { seed, class, label: case.to_string(), surveys, of_forgotten, of_wrong_rule }
 }
 

@@ -16,7 +16,7 @@ fn the_example_scene_can_be_rendered() {
     let start = readme.find("```toml\n").unwrap() + "```toml\n".len();
     let text = &readme[start..start + readme[start..].find("```").unwrap()];
     let description = load::parse(text, Path::new("example.toml"), false).unwrap_or_else(|error| panic!("{error}"));
-    let prepared = iorect::render::prepare(description.into(), None).unwrap_or_else(|error| panic!("{error}"));
+    let prepared = iorect::tracking::prepare(description.into(), None).unwrap_or_else(|error| panic!("{error}"));
     // Closed, and facing outward, or its surroundings could not be found.
     assert_eq!(prepared.table.patches[0].confidence, 1.0);
 }

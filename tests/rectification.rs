@@ -7,17 +7,22 @@ use std::sync::Arc;
 
 use common::{add, empty, nest, ready, render, sphere};
 use glam::DVec3;
-use iorect::estimator::trace::{Follow, trace};
 use iorect::geometry::Ray;
 use iorect::rectify::containment::{containment, medium_at, top};
-use iorect::render::{Prepared, prepare};
 use iorect::scene::description::{Description, Paint, Shape, Solid, Transform};
-use iorect::scene::world::{MediumId, ObjectId};
+use iorect::scene::{MediumId, ObjectId};
 use iorect::tracking::Mode;
+use iorect::tracking::{Prepared, prepare};
+use iorect::transport::inspect::{Follow, trace};
 
 /// Name of what was found outside each patch.
-fn outsides(scene: &Prepared) -> Vec<&str> {
-    scene.table.patches.iter().map(|p| p.outside.map_or("mixed", |id| scene.world.medium(id).name.as_str())).collect()
+fn outsides(prepared: &Prepared) -> Vec<&str> {
+    prepared
+        .table
+        .patches
+        .iter()
+        .map(|p| p.outside.map_or("mixed", |id| prepared.scene.medium(id).name.as_str()))
+        .collect()
 }
 
 fn icosphere(center: DVec3, radius: f64) -> Shape {
@@ -106,10 +111,10 @@ fn nothing_nested_needs_no_rays() {
     let mut description = empty(1.0);
     add(&mut description, sphere(DVec3::X * 2.0, 1.0), 1.5, 0.0);
     add(&mut description, sphere(DVec3::NEG_X * 2.0, 1.0), 1.5, 0.0);
-    let scene = ready(description);
-    assert!(!scene.world.needs.nesting);
+    let prepared = ready(description);
+    assert!(!prepared.scene.needs.nesting);
     assert!(
-        scene.table.patches.iter().all(|p| p.rays == 0 && p.confidence == 1.0 && p.outside == Some(MediumId::WORLD))
+        prepared.table.patches.iter().all(|p| p.rays == 0 && p.confidence == 1.0 && p.outside == Some(MediumId::WORLD))
     );
 }
 
@@ -142,14 +147,14 @@ fn two_hundred_and_fifty_six_deep() {
 
 #[test]
 fn the_camera_knows_its_medium() {
-    let scene = ready(nest(1.0, &[(1.0, 1.5), (0.8, 1.3), (0.6, 1.0), (0.4, 2.4)]));
+    let prepared = ready(nest(1.0, &[(1.0, 1.5), (0.8, 1.3), (0.6, 1.0), (0.4, 2.4)]));
     for (x, expected) in [(1.1, "world"), (0.9, "object 0"), (0.7, "object 1"), (0.5, "object 2"), (0.1, "object 3")] {
-        let (medium, is_ambiguous) = medium_at(&scene.world, DVec3::new(x, 0.01, 0.02));
-        assert_eq!(scene.world.medium(medium).name, expected);
+        let (medium, is_ambiguous) = medium_at(&prepared.scene, DVec3::new(x, 0.01, 0.02));
+        assert_eq!(prepared.scene.medium(medium).name, expected);
         assert!(!is_ambiguous);
         let ray = Ray::new(DVec3::new(x, 0.01, 0.02), DVec3::X);
         for mode in Mode::ALL {
-            assert_eq!(trace(&scene, mode, ray, Follow::Transmit, 0, None).camera_medium, expected);
+            assert_eq!(trace(&prepared, mode, ray, Follow::Transmit, 0, None).camera_medium, expected);
         }
     }
 }
@@ -175,28 +180,28 @@ fn a_lens_across_a_waterline() {
 
 #[test]
 fn the_innermost_of_several_containers() {
-    let world = |edit: &dyn Fn(&mut Description)| {
+    let scene = |edit: &dyn Fn(&mut Description)| {
         let mut description = nest(1.0, &[(1.0, 1.5), (0.9, 1.3), (0.9, 1.2)]);
         edit(&mut description);
-        ready(description).world
+        ready(description).scene
     };
     let all = [ObjectId(0), ObjectId(1), ObjectId(2)];
     // The smaller volume wins, and of two equal ones the later.
-    assert_eq!(top(&world(&|_| {}), all), Some(ObjectId(2)));
-    assert_eq!(top(&world(&|d| d.refractors[2].transform.scale = DVec3::splat(1.05)), all), Some(ObjectId(1)));
+    assert_eq!(top(&scene(&|_| {}), all), Some(ObjectId(2)));
+    assert_eq!(top(&scene(&|d| d.refractors[2].transform.scale = DVec3::splat(1.05)), all), Some(ObjectId(1)));
     // Priority goes before volume, and may be negative.
-    assert_eq!(top(&world(&|d| d.refractors[0].priority = 1), all), Some(ObjectId(0)));
-    assert_eq!(top(&world(&|d| d.refractors[2].priority = -1), all), Some(ObjectId(1)));
-    assert_eq!(top(&world(&|_| {}), []), None);
+    assert_eq!(top(&scene(&|d| d.refractors[0].priority = 1), all), Some(ObjectId(0)));
+    assert_eq!(top(&scene(&|d| d.refractors[2].priority = -1), all), Some(ObjectId(1)));
+    assert_eq!(top(&scene(&|_| {}), []), None);
 }
 
 #[test]
 fn containment_asks_every_refractor() {
     let mut description = nest(1.0, &[(1.0, 1.5), (0.5, 1.3)]);
     add(&mut description, icosphere(DVec3::new(1.0, 0.0, 0.0), 0.9), 1.2, 0.0);
-    let world = ready(description).world;
+    let scene = ready(description).scene;
     let found = |x: f64| {
-        containment(&world, DVec3::new(x, 0.001, 0.002), None).refractors.iter().map(|o| o.0).collect::<Vec<_>>()
+        containment(&scene, DVec3::new(x, 0.001, 0.002), None).refractors.iter().map(|o| o.0).collect::<Vec<_>>()
     };
     assert_eq!(found(0.0), [0, 1]);
     assert_eq!(found(0.3), [0, 1, 2]);
@@ -214,11 +219,11 @@ fn half_submerged() {
     add(&mut description, sphere(DVec3::ZERO, 1.0), 1.5, 0.0);
     add(&mut description, icosphere(DVec3::new(1.9, 0.1, 0.0), 0.7), 1.4, 0.0);
     description.camera.position = DVec3::new(0.0, 3.0, 8.0);
-    let scene = ready(description);
-    let ball = &scene.table.per_object(&scene.world).answers[1];
+    let prepared = ready(description);
+    let ball = &prepared.table.per_object(&prepared.scene).answers[1];
     assert!(ball.confidence() < 0.9 && ball.rays() > 100, "{ball:?}");
-    assert!(render(&scene, Mode::RectifiedObject, (24, 24), 4, None).events.inconsistent > 0);
-    let rectified = render(&scene, Mode::Rectified, (24, 24), 8, None);
+    assert!(render(&prepared, Mode::RectifiedObject, (24, 24), 4, None).events.inconsistent > 0);
+    let rectified = render(&prepared, Mode::Rectified, (24, 24), 8, None);
     assert_eq!(rectified.events.total(), 0);
-    assert_eq!(rectified.sums, render(&scene, Mode::Reference, (24, 24), 8, None).sums);
+    assert_eq!(rectified.sums, render(&prepared, Mode::Reference, (24, 24), 8, None).sums);
 }

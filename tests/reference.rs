@@ -7,12 +7,12 @@ use std::path::Path;
 
 use common::{add, empty, mean, ready, render};
 use glam::DVec3;
-use iorect::estimator::trace::{Follow, VertexEvent, trace};
 use iorect::geometry::Ray;
-use iorect::render::Prepared;
 use iorect::scene::description::Shape;
 use iorect::scene::load;
 use iorect::tracking::Mode;
+use iorect::tracking::Prepared;
+use iorect::transport::inspect::{Follow, VertexEvent, trace};
 
 fn scene(name: &str) -> Prepared {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases").join(name);

@@ -550,7 +550,7 @@ fn an_interrupted_report_goes_on() {
     assert_eq!(make(&other_seed, &store, &quiet(&never)).unwrap().unwrap().origin.pieces_reused, 0);
     let mut edited = request.clone();
     let mut description = (*edited.subjects[0].description).clone();
-    description.media[0].ior = iorect::optics::IorModel::Constant(1.5000001);
+    description.media[0].ior = iorect::optics::Ior::Constant(1.5000001);
     edited.subjects[0].description = Arc::new(description);
     assert_eq!(make(&edited, &store, &quiet(&never)).unwrap().unwrap().origin.pieces_made, 2);
 }

@@ -8,10 +8,10 @@ use std::path::Path;
 
 use common::Numbers;
 use glam::DVec3;
-use iorect::estimator::trace::{Follow, VertexEvent, trace};
 use iorect::geometry::topology::FindingKind;
 use iorect::geometry::{Enclosure, Mesh, Ray, Topology};
 use iorect::tracking::Mode;
+use iorect::transport::inspect::{Follow, VertexEvent, trace};
 
 /// How the repeated vertices differ from those that they repeat.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -314,7 +314,7 @@ fn a_ring_with_a_repeated_seam_in_water() {
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases/torus-seam/nested.toml");
     let prepared = common::ready(iorect::scene::load::file(&scene).unwrap());
     let ring = &prepared.table.patches[0];
-    let name = |medium| prepared.world.medium(medium).name.clone();
+    let name = |medium| prepared.scene.medium(medium).name.clone();
     assert_eq!((ring.outside.map(name), ring.inside.map(name)), (Some("water".into()), Some("glass".into())));
     assert_eq!(iorect::check::check(&prepared), []);
     for mode in [Mode::Stack, Mode::RectifiedObject, Mode::Rectified, Mode::Reference] {

@@ -12,7 +12,7 @@ use common::{Numbers, add, empty, mean, ready, render, sphere};
 use glam::DVec3;
 use iorect::geometry::{Geometry, Mesh, Part, Ray};
 use iorect::optics::Interface;
-use iorect::render::{Film, Prepared, RenderSettings, VarianceReduction, accumulate};
+use iorect::render::{Film, RenderSettings, VarianceReduction, accumulate};
 use iorect::scatter::dielectric::{self, Choice};
 use iorect::scatter::normals::Normals;
 use iorect::scene::camera::Camera;
@@ -20,6 +20,7 @@ use iorect::scene::description::{Description, Environment, Paint, Shape, Solid, 
 use iorect::scene::environment::EnvironmentImage;
 use iorect::scene::load;
 use iorect::tracking::Mode;
+use iorect::tracking::Prepared;
 
 /// A closed surface of revolution about y with its exact normals: for each point of the outline from the top to the bottom, radius and height and
 /// the normal's. Where the radius is 0, one vertex.
@@ -180,7 +181,7 @@ fn coarse_smooth_glass_is_white_from_within() {
 fn coarse_smooth_nests_are_white_in_a_white_room() {
     for (world, iors) in [(1.0, [1.5, 1.333, 1.0]), (1.333, [1.0, 1.5, 2.4]), (1.0, [1.31, 1.333, 1.5])] {
         let mut description = in_white_room(given(round(1.0, 10, 10)), iors[0]);
-        description.world.ior = iorect::optics::IorModel::Constant(world);
+        description.world.ior = iorect::optics::Ior::Constant(world);
         add(&mut description, given(round(0.8, 8, 6)), iors[1], 0.0);
         let (center, major, minor) = (DVec3::new(0.05, 0.0, 0.0), 0.35, 0.15);
         add(&mut description, Shape::Torus { center, major, minor, segments: 9, rings: 6 }, iors[2], 0.0);

@@ -528,10 +528,10 @@ fn holed_objects_can_be_asked_by_winding_number() {
         face += 1;
         dice(face) >= 0.05
     });
-    let world = compile(&scene(mesh), None).unwrap();
-    assert_eq!(world.objects[0].enclosure, Enclosure::Holed);
-    let winding = world.objects[0].winding.as_ref().unwrap();
-    let center = DVec3::X * 100.0 - world.geometry.origin;
+    let compiled = compile(&scene(mesh), None).unwrap();
+    assert_eq!(compiled.objects[0].enclosure, Enclosure::Holed);
+    let winding = compiled.objects[0].winding.as_ref().unwrap();
+    let center = DVec3::X * 100.0 - compiled.geometry.origin;
     for i in 0..1000 {
         let t = f64::from(i);
         let p = DVec3::new((t * 0.754_877).fract(), (t * 0.569_840).fract(), (t * 0.430_159).fract()) * 3.0 - 1.5;
@@ -552,7 +552,7 @@ fn refractors_of_nothing() {
             common::add(&mut description, common::sphere(DVec3::ZERO, 1.0), 1.5, 0.0);
         }
         let prepared = common::ready(description);
-        let (geometry, objects) = (&prepared.world.geometry, &prepared.world.objects);
+        let (geometry, objects) = (&prepared.scene.geometry, &prepared.scene.objects);
         assert_eq!((geometry.face_count(0), geometry.area(0)), (0, 0.0));
         assert_eq!(geometry.sample_surface(0, [0.5; 3]), None);
         assert_eq!((objects[0].volume, objects[0].enclosure), (f64::INFINITY, Enclosure::Sheet));
@@ -697,23 +697,23 @@ fn a_hundred_thousand_objects() {
         description.refractors.last_mut().unwrap().transform.translate = place;
     }
     let start = std::time::Instant::now();
-    let world = compile(&description, None).unwrap();
+    let scene = compile(&description, None).unwrap();
     let first = start.elapsed();
     let mut moved = description.clone();
     moved.refractors[5].transform.translate.y -= 0.1;
     let start = std::time::Instant::now();
-    let again = compile(&moved, Some((&description, &world))).unwrap();
+    let again = compile(&moved, Some((&description, &scene))).unwrap();
     println!(
         "100,000 objects: {} ms, of which topology {:.0} ms; one moved: {} ms, topology {:.0} ms",
         first.as_millis(),
-        world.topology_secs * 1e3,
+        scene.topology_secs * 1e3,
         start.elapsed().as_millis(),
         again.topology_secs * 1e3
     );
     let distinct: std::collections::HashSet<_> =
-        world.objects.iter().filter_map(|o| o.topology.as_ref().map(Arc::as_ptr)).collect();
+        scene.objects.iter().filter_map(|o| o.topology.as_ref().map(Arc::as_ptr)).collect();
     assert_eq!(distinct.len(), 33_334, "objects of one mesh share its topology");
-    assert!(world.objects.iter().all(|o| o.enclosure == Enclosure::Closed && o.volume < 0.2));
+    assert!(scene.objects.iter().all(|o| o.enclosure == Enclosure::Closed && o.volume < 0.2));
 }
 
 /// How long it takes beside building the tree that rays walk; only said, never judged. More by `IORECT_SUBDIVISIONS` (up to 8: 1.3 million

@@ -10,13 +10,14 @@ use common::{add, empty, mean, nest, ready, render, sphere};
 use glam::DVec3;
 use iorect::geometry::Mesh;
 use iorect::measure::metrics;
-use iorect::render::{Film, Prepared, RenderSettings, VarianceReduction, accumulate, prepare};
+use iorect::render::{Film, RenderSettings, VarianceReduction, accumulate};
 use iorect::scene::camera::Camera;
 use iorect::scene::description::{Description, Environment, Light, Paint, Shape, Solid, Transform};
 use iorect::scene::environment::EnvironmentImage;
 use iorect::scene::needs::SceneNeeds;
-use iorect::scene::{World, load};
+use iorect::scene::{Scene, load};
 use iorect::tracking::Mode;
+use iorect::tracking::{Prepared, prepare};
 
 const ALBEDO: f64 = 0.6;
 
@@ -53,9 +54,9 @@ fn check_mean(scene: &Prepared, expected: f64) {
 }
 
 /// The same scene without sampling lights or the environment: light is then found by scattering alone.
-fn without_light_sampling(scene: &Prepared) -> Prepared {
-    let needs = SceneNeeds { emitters: false, image_environment: false, ..scene.world.needs };
-    Prepared { world: Arc::new(World { needs, ..(*scene.world).clone() }), ..scene.clone() }
+fn without_light_sampling(prepared: &Prepared) -> Prepared {
+    let needs = SceneNeeds { emitters: false, image_environment: false, ..prepared.scene.needs };
+    Prepared { scene: Arc::new(Scene { needs, ..(*prepared.scene).clone() }), ..prepared.clone() }
 }
 
 /// A sphere of radius r at distance d, above the horizon: radiance albedo · L (r/d)² cos θ.
@@ -293,14 +294,14 @@ fn a_cancelled_pass_says_so() {
 fn edits_keep_what_they_cannot_change() {
     let before = busy();
     let mut description = (*before.description).clone();
-    description.media[1].ior = iorect::optics::IorModel::Constant(1.7);
-    description.world.ior = iorect::optics::IorModel::Constant(1.1);
+    description.media[1].ior = iorect::optics::Ior::Constant(1.7);
+    description.world.ior = iorect::optics::Ior::Constant(1.1);
     let description = Arc::new(description);
     let after = prepare(Arc::clone(&description), Some(&before)).unwrap();
     let fresh = prepare(description, None).unwrap();
-    assert!(Arc::ptr_eq(&before.world.geometry, &after.world.geometry));
+    assert!(Arc::ptr_eq(&before.scene.geometry, &after.scene.geometry));
     assert_eq!(after.table.patches[0].rays, before.table.patches[0].rays);
-    let again = after.table.repeated(&after.world);
+    let again = after.table.repeated(&after.scene);
     assert!(again.patches[0].rays > after.table.patches[0].rays && again.says_the_same(&after.table));
     let outsides = |p: &Prepared| p.table.patches.iter().map(|p| (p.outside, p.inside)).collect::<Vec<_>>();
     assert_eq!(outsides(&after), outsides(&fresh));
@@ -311,7 +312,7 @@ fn edits_keep_what_they_cannot_change() {
     let mut moved = (*before.description).clone();
     moved.refractors[1].transform.translate.x += 0.01;
     let moved = prepare(Arc::new(moved), Some(&before)).unwrap();
-    assert!(!Arc::ptr_eq(&before.world.geometry, &moved.world.geometry));
+    assert!(!Arc::ptr_eq(&before.scene.geometry, &moved.scene.geometry));
 }
 
 /// The image of another renderer that was told every interface by hand.
@@ -479,7 +480,7 @@ mod against_another_renderer {
     #[test]
     fn a_planted_error_is_seen() {
         let mut description = load_scene("s1");
-        description.media[1].ior = iorect::optics::IorModel::Constant(1.33 * 1.01);
+        description.media[1].ior = iorect::optics::Ior::Constant(1.33 * 1.01);
         let (_, blocks) = errors("s1", description, Mode::Rectified, spp(64));
         assert!(blocks > 3e-5, "{blocks:e}");
     }

@@ -5,10 +5,11 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
-use iorect::render::{Film, Prepared, RenderSettings, VarianceReduction, accumulate};
+use iorect::render::{Film, RenderSettings, VarianceReduction, accumulate};
 use iorect::scene::camera::Camera;
 use iorect::scene::load;
 use iorect::tracking::Mode;
+use iorect::tracking::Prepared;
 
 use common::ready;
 

@@ -7,11 +7,11 @@ use super::measurement::{ErrorAxis, ErrorMetric};
 use super::objects::Manipulation;
 use super::settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Tab, Theme};
 use crate::check::Spot;
-use crate::estimator::trace::Follow;
-use crate::optics::IorModel;
+use crate::optics::Ior;
 use crate::render::ToneCurve;
-use crate::render::worker::GroundTruthDemand;
 use crate::scene::description::{CameraDescription, Transform};
+use crate::session::GroundTruthDemand;
+use crate::transport::inspect::Follow;
 
 /// A medium of the scene.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -39,7 +39,7 @@ pub enum ExportKind {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
     // The scene. Undoable.
-    SetIor(MediumRef, IorModel),
+    SetIor(MediumRef, Ior),
     SetAbsorption(MediumRef, [f64; 3]),
     /// Of a refractor, by name.
     SetPriority(String, i32),

@@ -12,7 +12,7 @@ use super::settings::{DifferenceKind, PaneContent};
 use crate::export::color_map::{diverging, luminance};
 use crate::measure::flip;
 use crate::render::Display;
-use crate::render::worker::{Board, Halves, PaintedSurfaces, Snapshot};
+use crate::session::{Board, Halves, PaintedSurfaces, Snapshot};
 
 /// How to develop.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -252,7 +252,7 @@ fn sequential(size: f32) -> Color32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Events;
+    use crate::tracking::Events;
     use crate::tracking::Mode;
 
     fn film(mode: Mode, rgb: Vec<[f32; 3]>) -> Arc<Snapshot> {

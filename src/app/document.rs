@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::command::MediumRef;
 use super::objects::Manipulation;
-use crate::optics::IorModel;
+use crate::optics::Ior;
 use crate::scene::Description;
 
 /// Edits that can be undone.
@@ -187,7 +187,7 @@ impl Document {
 }
 
 /// The IOR of a medium in a scene.
-pub fn ior_of<'a>(description: &'a Description, medium: &MediumRef) -> Option<&'a IorModel> {
+pub fn ior_of<'a>(description: &'a Description, medium: &MediumRef) -> Option<&'a Ior> {
     match medium {
         MediumRef::World => Some(&description.world.ior),
         MediumRef::Named(name) => description.medium(name).map(|m| &m.ior),
@@ -195,7 +195,7 @@ pub fn ior_of<'a>(description: &'a Description, medium: &MediumRef) -> Option<&'
 }
 
 /// The scene with another IOR for one medium; `None` if it has no such medium.
-pub fn with_ior(description: &Description, medium: &MediumRef, ior: IorModel) -> Option<Description> {
+pub fn with_ior(description: &Description, medium: &MediumRef, ior: Ior) -> Option<Description> {
     let mut edited = description.clone();
     match medium {
         MediumRef::World => edited.world.ior = ior,
@@ -232,7 +232,7 @@ mod tests {
                 aperture_radius: 0.0,
                 focus_distance: None,
             },
-            world: WorldMedium { ior: IorModel::Constant(1.0), absorption: [0.0; 3] },
+            world: WorldMedium { ior: Ior::Constant(1.0), absorption: [0.0; 3] },
             environment: Environment::Color([1.0; 3]),
             media: Vec::new(),
             refractors: Vec::new(),
@@ -243,7 +243,7 @@ mod tests {
     }
 
     fn set(document: &mut Document, now_secs: f64, ior: f64) {
-        let edited = with_ior(document.description(), &MediumRef::World, IorModel::Constant(ior)).unwrap();
+        let edited = with_ior(document.description(), &MediumRef::World, Ior::Constant(ior)).unwrap();
         document.edit(EditKey::Ior(MediumRef::World), now_secs, edited);
     }
 
@@ -316,6 +316,6 @@ mod tests {
 
     #[test]
     fn an_unknown_medium_is_no_edit() {
-        assert!(with_ior(&scene(), &MediumRef::Named("soup".into()), IorModel::Constant(1.1)).is_none());
+        assert!(with_ior(&scene(), &MediumRef::Named("soup".into()), Ior::Constant(1.1)).is_none());
     }
 }

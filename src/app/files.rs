@@ -17,10 +17,11 @@ use super::develop::Source;
 use super::opening::Reading;
 use super::settings::PaneContent;
 use crate::export::{self, Comparison, ExportError, LabelledPane, Picture};
-use crate::render::worker::Snapshot;
-use crate::render::{Display, Events, Prepared};
+use crate::render::Display;
 use crate::scene::{self, Description, SceneError};
+use crate::session::Snapshot;
 use crate::tracking::Mode;
+use crate::tracking::{Events, Prepared};
 use crate::writing::write_atomically;
 
 /// A person hardly closes a dialog sooner than this: a faster answer means that there was none.

@@ -8,8 +8,8 @@ use super::graphics::{self, WindowSize};
 use super::opening::{Reading, Waited};
 use super::screenshot::Camera as WindowCamera;
 use super::{App, Command, Settings, autosave, panels};
-use crate::render::worker::GroundTruthDemand;
 use crate::scene::{self, SceneError};
+use crate::session::GroundTruthDemand;
 
 /// A scene that is not read within this time is read while the window is open.
 const PATIENCE: Duration = Duration::from_millis(500);

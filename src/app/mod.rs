@@ -1,7 +1,7 @@
 //! The window: panes with images of the scene in several modes, the scene's tree with its media, and everything around them.
 //!
 //! Panels only read the [`state::State`] and return [`command::Command`]s; `State::apply` and [`files`] are the only places that
-//! act on them. Rendering is done by [`crate::render::worker`], developing by [`develop`]: nothing here waits.
+//! act on them. Rendering is done by [`crate::session`], developing by [`develop`]: nothing here waits.
 
 mod autosave;
 mod background;
@@ -47,8 +47,8 @@ use self::opening::{Opening, Reading};
 use self::panels::dialogs::{Dialogs, Leaving, PathPrompt};
 use self::screenshot::Camera as WindowCamera;
 use self::viewport::Viewport;
-use crate::render::worker::{News, Snapshot, Worker};
 use crate::scene;
+use crate::session::{News, Snapshot, Worker};
 use crate::tracking::Mode;
 
 /// Key of the settings in the storage.

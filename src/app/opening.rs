@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use glam::DVec3;
 
-use crate::optics::IorModel;
+use crate::optics::Ior;
 use crate::scene::description::{CameraDescription, Environment, WorldMedium};
 use crate::scene::{self, Description, SceneError};
 
@@ -90,7 +90,7 @@ pub fn no_scene() -> Arc<Description> {
             aperture_radius: 0.0,
             focus_distance: None,
         },
-        world: WorldMedium { ior: IorModel::Constant(1.0), absorption: [0.0; 3] },
+        world: WorldMedium { ior: Ior::Constant(1.0), absorption: [0.0; 3] },
         environment: Environment::Color([0.0; 3]),
         media: Vec::new(),
         refractors: Vec::new(),

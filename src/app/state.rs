@@ -17,10 +17,10 @@ use super::objects::{self, Object};
 use super::opening::{Opening, no_scene};
 use super::settings::{InterfaceScale, Settings, Theme};
 use crate::check::Problem;
-use crate::render::worker::{Preparation, Request, SceneReport};
 use crate::scene::camera::Camera;
 use crate::scene::description::CameraDescription;
 use crate::scene::{Description, SceneError};
+use crate::session::{Preparation, Request, SceneReport};
 
 /// Largest magnification of the picture.
 pub const MAX_ZOOM: f32 = 64.0;
@@ -258,7 +258,7 @@ impl State {
             }
             // More rays, shot in the background, may have found another answer: what was rendered with the old one is out of date.
             let is_other = self.report.as_ref().is_some_and(|known| {
-                Arc::ptr_eq(&known.prepared.world, &report.prepared.world)
+                Arc::ptr_eq(&known.prepared.scene, &report.prepared.scene)
                     && !known.prepared.table.says_the_same(&report.prepared.table)
             });
             self.report = Some(report);

@@ -2,11 +2,11 @@
 
 use super::Problem;
 use crate::rectify::containment::containment;
-use crate::render::Prepared;
+use crate::tracking::Prepared;
 
 pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
-    let world = &*prepared.world;
-    let found = containment(world, prepared.description.camera.position - world.geometry.origin, None);
+    let scene = &*prepared.scene;
+    let found = containment(scene, prepared.description.camera.position - scene.geometry.origin, None);
     let mut problems = Vec::new();
     if found.is_ambiguous {
         problems.push(Problem::warning(
@@ -16,7 +16,7 @@ pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
         ));
     }
     if !found.refractors.is_empty() {
-        let names: Vec<String> = found.refractors.iter().map(|&id| format!("`{}`", world.object(id).name)).collect();
+        let names: Vec<String> = found.refractors.iter().map(|&id| format!("`{}`", scene.object(id).name)).collect();
         problems.push(Problem::advice(
             "camera",
             "camera_inside",

@@ -6,8 +6,8 @@ use super::{Problem, Spot, names};
 use crate::geometry::Enclosure;
 use crate::rectify::Patch;
 use crate::rectify::contact::primitives_of;
-use crate::render::Prepared;
-use crate::scene::world::ObjectId;
+use crate::scene::ObjectId;
+use crate::tracking::Prepared;
 
 /// Votes below this share of the rays are reported: the answer is doubtful, or the object has more than one surrounding.
 const LEAST_CONFIDENCE: f64 = 0.9;
@@ -37,13 +37,13 @@ pub(super) fn doubts(prepared: &Prepared) -> Doubts {
 
 /// `doubtful`, at least one, of an object's `all` patches.
 fn doubt(prepared: &Prepared, all: usize, doubtful: &[&Patch]) -> Doubt {
-    let world = &*prepared.world;
+    let scene = &*prepared.scene;
     let worst = doubtful.iter().fold(doubtful[0], |a, b| if b.confidence < a.confidence { b } else { a });
     let spot = (all > 1).then(|| spot(prepared, worst));
     let votes: Vec<String> = (worst.votes.iter().filter(|vote| vote.share() < 1.0))
         .map(|vote| {
             let share = 100.0 * f64::from(vote.inside) / f64::from(vote.asked);
-            format!("{share:.0} % of the rays find it in `{}`", world.object(vote.refractor).name)
+            format!("{share:.0} % of the rays find it in `{}`", scene.object(vote.refractor).name)
         })
         .collect();
     let mut about: Vec<ObjectId> = (doubtful.iter().flat_map(|patch| patch.votes.iter()))
@@ -69,7 +69,7 @@ fn doubt(prepared: &Prepared, all: usize, doubtful: &[&Patch]) -> Doubt {
 
 /// Around the faces of a patch.
 fn spot(prepared: &Prepared, patch: &Patch) -> Spot {
-    let geometry = &*prepared.world.geometry;
+    let geometry = &*prepared.scene.geometry;
     let is_of_patch = |face: &u32| {
         let found = prepared.table.patch_of(geometry, *face);
         found.is_some_and(|found| (found.refractor, found.index) == (patch.refractor, patch.index))
@@ -89,20 +89,20 @@ fn spot(prepared: &Prepared, patch: &Patch) -> Spot {
 
 /// One finding for each object in `doubts`.
 pub(super) fn problems(prepared: &Prepared, doubts: &Doubts) -> Vec<Problem> {
-    let world = &*prepared.world;
+    let scene = &*prepared.scene;
     (doubts.iter())
         .map(|(&object, doubt)| {
-            let is_open = |id: &ObjectId| matches!(world.object(*id).enclosure, Enclosure::Sheet | Enclosure::Holed);
+            let is_open = |id: &ObjectId| matches!(scene.object(*id).enclosure, Enclosure::Sheet | Enclosure::Holed);
             let open: Vec<ObjectId> = doubt.about.iter().copied().filter(is_open).collect();
             let advice = if open.is_empty() {
                 "The surfaces lie closer together than can be told apart: let the volumes overlap, or move them apart"
                     .to_owned()
             } else {
                 let (is, them) = if open.len() == 1 { ("is", "it") } else { ("are", "them") };
-                format!("{} {is} not closed: close {them}", names::list_of(world, &open))
+                format!("{} {is} not closed: close {them}", names::list_of(scene, &open))
             };
             let problem =
-                Problem::warning(&world.object(object).name, "low_confidence", format!("{}. {advice}", doubt.sentence));
+                Problem::warning(&scene.object(object).name, "low_confidence", format!("{}. {advice}", doubt.sentence));
             Problem { spot: doubt.spot, ..problem }
         })
         .collect()

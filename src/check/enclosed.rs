@@ -8,9 +8,8 @@ use rayon::prelude::*;
 use super::{Problem, names, samples};
 use crate::geometry::{Geometry, Ray};
 use crate::rectify::contact::is_refractor;
-use crate::render::Prepared;
-use crate::scene::World;
-use crate::scene::world::{ObjectId, Surface};
+use crate::scene::{ObjectId, Scene, Surface};
+use crate::tracking::Prepared;
 
 /// Surfaces of refractors that are looked through, from an object outward, until something opaque is met. What lies deeper in a nest is not
 /// spoken of, but the outer parts of that nest are.
@@ -20,44 +19,44 @@ const RAYS: std::ops::RangeInclusive<u32> = 64..=1024;
 const ALL_RAYS: u32 = 100_000;
 
 pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
-    let world = &*prepared.world;
-    let is_opaque = |object: &crate::scene::world::Object| !matches!(object.surface, Surface::Refractor { .. });
-    if !world.objects.iter().any(is_opaque) {
+    let scene = &*prepared.scene;
+    let is_opaque = |object: &crate::scene::Object| !matches!(object.surface, Surface::Refractor { .. });
+    if !scene.objects.iter().any(is_opaque) {
         return Vec::new();
     }
-    let candidates: Vec<(ObjectId, ObjectId)> = (0..world.objects.len() as u32)
+    let candidates: Vec<(ObjectId, ObjectId)> = (0..scene.objects.len() as u32)
         .into_par_iter()
         .map(ObjectId)
-        .filter(|&id| matches!(world.object(id).surface, Surface::Refractor { .. } | Surface::Light { .. }))
-        .filter_map(|id| Some((id, candidate(world, id)?)))
+        .filter(|&id| matches!(scene.object(id).surface, Surface::Refractor { .. } | Surface::Light { .. }))
+        .filter_map(|id| Some((id, candidate(scene, id)?)))
         .collect();
     let rays = (ALL_RAYS / (candidates.len() as u32).max(1)).clamp(*RAYS.start(), *RAYS.end());
     // In a room everything is inside the walls, and so is the camera.
-    let camera = prepared.description.camera.position - world.geometry.origin;
+    let camera = prepared.description.camera.position - scene.geometry.origin;
     let mut holds_camera: HashMap<ObjectId, bool> = HashMap::new();
     for &(_, solid) in &candidates {
-        holds_camera.entry(solid).or_insert_with(|| encloses_point(&world.geometry, solid, camera));
+        holds_camera.entry(solid).or_insert_with(|| encloses_point(&scene.geometry, solid, camera));
     }
     let hidden: Vec<(ObjectId, ObjectId)> = (candidates.into_par_iter())
-        .filter(|(id, solid)| !holds_camera[solid] && encloses(&world.geometry, *solid, *id, rays))
+        .filter(|(id, solid)| !holds_camera[solid] && encloses(&scene.geometry, *solid, *id, rays))
         .collect();
     // One finding for each that hides something, refractors and lights apart.
     let mut hidden_in: BTreeMap<(ObjectId, bool), Vec<ObjectId>> = BTreeMap::new();
     for (id, solid) in hidden {
-        hidden_in.entry((solid, !is_refractor(world, id))).or_default().push(id);
+        hidden_in.entry((solid, !is_refractor(scene, id))).or_default().push(id);
     }
-    hidden_in.into_iter().map(|((solid, are_lights), hidden)| problem(world, solid, are_lights, &hidden)).collect()
+    hidden_in.into_iter().map(|((solid, are_lights), hidden)| problem(scene, solid, are_lights, &hidden)).collect()
 }
 
 /// The first opaque object on a way out, if its bounds hold those of `id`: if anything hides it, this does.
-fn candidate(world: &World, id: ObjectId) -> Option<ObjectId> {
-    let geometry = &*world.geometry;
+fn candidate(scene: &Scene, id: ObjectId) -> Option<ObjectId> {
+    let geometry = &*scene.geometry;
     let (point, direction) = samples::of_surface(geometry, id.0, 0..1).next()?;
     let mut ray = Ray::leaving(point.position, direction, point.primitive);
     for _ in 0..MOST_SURFACES {
         let hit = geometry.closest(&ray)?;
         let met = ObjectId(geometry.object_of(hit.primitive));
-        if met != id && !is_refractor(world, met) {
+        if met != id && !is_refractor(scene, met) {
             let ((min, max), (outer_min, outer_max)) = (geometry.bounds_of(id.0), geometry.bounds_of(met.0));
             return (outer_min.cmplt(min).all() && max.cmplt(outer_max).all()).then_some(met);
         }
@@ -79,12 +78,12 @@ fn encloses_point(geometry: &Geometry, outer: ObjectId, point: DVec3) -> bool {
         .all(|direction| geometry.closest_of(&Ray::new(point, direction), outer.0).is_some())
 }
 
-fn problem(world: &World, outer: ObjectId, are_lights: bool, hidden: &[ObjectId]) -> Problem {
-    let name = &world.object(outer).name;
-    let word = if matches!(world.object(outer).surface, Surface::Light { .. }) { "light" } else { "solid" };
+fn problem(scene: &Scene, outer: ObjectId, are_lights: bool, hidden: &[ObjectId]) -> Problem {
+    let name = &scene.object(outer).name;
+    let word = if matches!(scene.object(outer).surface, Surface::Light { .. }) { "light" } else { "solid" };
     let (subject, lie, them) = match hidden {
         [_] => ("it".to_owned(), "lies", "it"),
-        _ => (names::list_of(world, hidden), "lie", "them"),
+        _ => (names::list_of(scene, hidden), "lie", "them"),
     };
     let harm = match (are_lights, hidden.len()) {
         (false, _) => "cannot be seen",
@@ -92,7 +91,7 @@ fn problem(world: &World, outer: ObjectId, are_lights: bool, hidden: &[ObjectId]
         (true, _) => "none of their light gets out",
     };
     Problem::warning(
-        names::place_of(world, hidden),
+        names::place_of(scene, hidden),
         if are_lights { "light_in_solid" } else { "inside_solid" },
         format!(
             "{subject} {lie} inside the {word} `{name}`, which is opaque: {harm}. Move {them} out, or make `{name}` a refractor or hollow \

@@ -13,9 +13,8 @@ use crate::rectify::contact::is_refractor;
 use crate::rectify::containment::{medium_of, priority};
 use crate::rectify::tolerance;
 use crate::rectify::{PatchKind, Progress};
-use crate::render::Prepared;
-use crate::scene::World;
-use crate::scene::world::{MediumId, ObjectId};
+use crate::scene::{MediumId, ObjectId, Scene};
+use crate::tracking::Prepared;
 
 /// Points of each refractor that are looked at first, and all of them where some of those lie near another surface.
 const FIRST: u32 = 6;
@@ -37,8 +36,8 @@ const RARER: f64 = 0.05;
 
 /// Incomplete once `progress` is cancelled.
 pub(super) fn problems(prepared: &Prepared, progress: &Progress) -> Vec<Problem> {
-    let world = &*prepared.world;
-    let refractors: Vec<ObjectId> = world.refractors().map(|(id, _)| id).collect();
+    let scene = &*prepared.scene;
+    let refractors: Vec<ObjectId> = scene.refractors().map(|(id, _)| id).collect();
     if refractors.len() < 2 {
         return Vec::new();
     }
@@ -54,13 +53,13 @@ pub(super) fn problems(prepared: &Prepared, progress: &Progress) -> Vec<Problem>
     let mut of_pairs: BTreeMap<(ObjectId, ObjectId), Found> = BTreeMap::new();
     for found in found {
         let pair = (found.inner.min(found.outer), found.inner.max(found.outer));
-        let size = |found: &Found| world.object(found.inner).volume;
+        let size = |found: &Found| scene.object(found.inner).volume;
         match of_pairs.get(&pair) {
             Some(other) if size(other) <= size(&found) => {}
             _ => _ = of_pairs.insert(pair, found),
         }
     }
-    of_pairs.into_values().map(|found| found.problem(world)).collect()
+    of_pairs.into_values().map(|found| found.problem(scene)).collect()
 }
 
 /// A point of an object's surface beside another's.
@@ -90,13 +89,13 @@ struct Found {
 
 /// Looks at so many points of a refractor.
 fn look(prepared: &Prepared, id: ObjectId, points: u32) -> Option<Found> {
-    let world = &*prepared.world;
-    let geometry = &*world.geometry;
+    let scene = &*prepared.scene;
+    let geometry = &*scene.geometry;
     let (min, max) = geometry.bounds_of(id.0);
     let size = (max - min).length();
     let beside = |range| -> Vec<Beside> {
         let points = samples::of_surface(geometry, id.0, range);
-        points.filter_map(|(point, _)| beside(world, id, point, NEAR * size)).collect()
+        points.filter_map(|(point, _)| beside(scene, id, point, NEAR * size)).collect()
     };
     let first = FIRST.min(points / 8);
     let mut near = beside(0..first);
@@ -109,26 +108,26 @@ fn look(prepared: &Prepared, id: ObjectId, points: u32) -> Option<Found> {
     near.iter().for_each(|b| *counts.entry(b.other).or_default() += 1);
     let (outer, _) = counts.into_iter().max_by_key(|&(other, count)| (count, std::cmp::Reverse(other)))?;
     near.retain(|b| b.other == outer);
-    film(prepared, id, outer, points, &near).or_else(|| facets(world, id, outer, size, points, &near))
+    film(prepared, id, outer, points, &near).or_else(|| facets(scene, id, outer, size, points, &near))
 }
 
 /// What lies beside a point: the other surface that a ray along the normal enters, or that a ray against it leaves, within `reach`.
-fn beside(world: &World, id: ObjectId, point: SurfacePoint, reach: f64) -> Option<Beside> {
-    let geometry = &*world.geometry;
+fn beside(scene: &Scene, id: ObjectId, point: SurfacePoint, reach: f64) -> Option<Beside> {
+    let geometry = &*scene.geometry;
     // What is closer is in contact.
     let contact = tolerance::largest(geometry, id.0);
     [1.0, -1.0].into_iter().find_map(|sign| {
         let ray = Ray::leaving(point.position, point.normal * sign, point.primitive);
         let hit = geometry.closest(&ray).filter(|hit| hit.t <= reach && hit.t > contact)?;
         let other = ObjectId(geometry.object_of(hit.primitive));
-        let is_meant = other != id && is_refractor(world, other) && hit.is_front == (sign > 0.0);
+        let is_meant = other != id && is_refractor(scene, other) && hit.is_front == (sign > 0.0);
         is_meant.then_some(Beside { point, other, distance: sign * hit.t })
     })
 }
 
 /// A film of what surrounds both, around most of the object.
 fn film(prepared: &Prepared, inner: ObjectId, outer: ObjectId, points: u32, near: &[Beside]) -> Option<Found> {
-    let world = &*prepared.world;
+    let scene = &*prepared.scene;
     let gaps: Vec<&Beside> = near.iter().filter(|b| b.distance > 0.0).collect();
     let overlaps = near.len() - gaps.len();
     let mean_normal = gaps.iter().map(|b| b.point.normal).sum::<DVec3>() / gaps.len().max(1) as f64;
@@ -139,47 +138,47 @@ fn film(prepared: &Prepared, inner: ObjectId, outer: ObjectId, points: u32, near
         return None;
     }
     // What it is of; surfaces that others cross say nothing.
-    let outside = |b: &&Beside| prepared.table.patch_of(&world.geometry, b.point.primitive).and_then(|p| p.outside);
+    let outside = |b: &&Beside| prepared.table.patch_of(&scene.geometry, b.point.primitive).and_then(|p| p.outside);
     let medium = gaps.iter().find_map(outside)?;
-    let is_seen = [inner, outer].iter().all(|id| medium_of(world, Some(*id)) != medium);
-    is_seen.then(|| Found::new(world, Kind::Film(medium), inner, outer, &gaps))
+    let is_seen = [inner, outer].iter().all(|id| medium_of(scene, Some(*id)) != medium);
+    is_seen.then(|| Found::new(scene, Kind::Film(medium), inner, outer, &gaps))
 }
 
 /// Gaps and overlaps by turns.
-fn facets(world: &World, inner: ObjectId, outer: ObjectId, size: f64, points: u32, near: &[Beside]) -> Option<Found> {
+fn facets(scene: &Scene, inner: ObjectId, outer: ObjectId, size: f64, points: u32, near: &[Beside]) -> Option<Found> {
     let near: Vec<&Beside> = near.iter().filter(|b| b.distance.abs() <= FACETS_NEAR * size).collect();
     let gaps = near.iter().filter(|b| b.distance > 0.0).count();
     let rarer = gaps.min(near.len() - gaps);
     let is_so = near.len() as f64 >= FACETS * f64::from(points) && rarer as f64 >= RARER * near.len() as f64;
-    let is_seen = medium_of(world, Some(inner)) != medium_of(world, Some(outer));
-    (is_so && is_seen).then(|| Found::new(world, Kind::Facets, inner, outer, &near))
+    let is_seen = medium_of(scene, Some(inner)) != medium_of(scene, Some(outer));
+    (is_so && is_seen).then(|| Found::new(scene, Kind::Facets, inner, outer, &near))
 }
 
 impl Found {
     /// `near` is not empty.
-    fn new(world: &World, kind: Kind, inner: ObjectId, outer: ObjectId, near: &[&Beside]) -> Self {
+    fn new(scene: &Scene, kind: Kind, inner: ObjectId, outer: ObjectId, near: &[&Beside]) -> Self {
         let mut distances: Vec<f64> = near.iter().map(|b| b.distance.abs()).collect();
         distances.sort_by(f64::total_cmp);
         let middle = near.iter().min_by(|a, b| a.distance.abs().total_cmp(&b.distance.abs())).unwrap_or(&near[0]);
-        let (min, max) = world.geometry.bounds_of(inner.0);
+        let (min, max) = scene.geometry.bounds_of(inner.0);
         let spot = Spot {
-            center: middle.point.position + world.geometry.origin,
+            center: middle.point.position + scene.geometry.origin,
             radius: (20.0 * distances[distances.len() - 1]).min((max - min).length() / 2.0),
         };
         let (most, median) = (distances[distances.len() - 1], distances[distances.len() / 2]);
         Self { kind, inner, outer, most, median, spot }
     }
 
-    fn problem(&self, world: &World) -> Problem {
-        let [inner, outer] = [self.inner, self.outer].map(|id| world.object(id).name.as_str());
+    fn problem(&self, scene: &Scene) -> Problem {
+        let [inner, outer] = [self.inner, self.outer].map(|id| scene.object(id).name.as_str());
         // More than was seen at some points.
         let enough = rounded_up(1.5 * self.most);
-        let over = if priority(world, self.outer) > priority(world, self.inner) {
+        let over = if priority(scene, self.outer) > priority(scene, self.inner) {
             format!("`{outer}` wins there by its priority")
         } else {
             format!(
                 "give `{outer}` a priority above {}, so that it wins there (higher wins)",
-                priority(world, self.inner)
+                priority(scene, self.inner)
             )
         };
         let (kind, message) = match self.kind {
@@ -188,7 +187,7 @@ impl Found {
                 format!(
                     "a film of `{}` lies all round between `{inner}` and `{outer}`, {} thick and at most {}. If it is not meant, let them \
                      overlap: enlarge `{inner}` by {enough} on all sides that face `{outer}`; {over}",
-                    world.medium(medium).name,
+                    scene.medium(medium).name,
                     brief(self.median, 2),
                     brief(self.most, 2)
                 ),

@@ -10,12 +10,11 @@ use crate::rectify::contact::{self, is_refractor};
 use crate::rectify::containment::medium_of;
 use crate::rectify::encounters::{Encounter, Meeting};
 use crate::rectify::tolerance;
-use crate::render::{Events, Prepared};
-use crate::scene::World;
-use crate::scene::world::{MediumId, ObjectId};
+use crate::scene::{MediumId, ObjectId, Scene};
 use crate::tracking::priority::Priority;
 use crate::tracking::rectified::Rectified;
 use crate::tracking::{Crossing, Sides, Tracker};
+use crate::tracking::{Events, Prepared};
 
 /// Pairs of objects that are looked at, and points of each.
 const MOST_PAIRS: usize = 500;
@@ -23,7 +22,7 @@ const POINTS: u32 = 32;
 
 /// One finding for the whole scene.
 pub(super) fn problems(prepared: &Prepared, encounters: &[Encounter]) -> Option<Problem> {
-    let world = &*prepared.world;
+    let scene = &*prepared.scene;
     let touching: Vec<(ObjectId, ObjectId)> = (encounters.iter())
         .filter(|encounter| encounter.meeting == Meeting::Touch)
         .map(|encounter| (encounter.a, encounter.b))
@@ -35,13 +34,13 @@ pub(super) fn problems(prepared: &Prepared, encounters: &[Encounter]) -> Option<
     let mut objects: Vec<ObjectId> = wrong.iter().flat_map(|&(a, b)| [a, b]).collect();
     objects.sort_unstable();
     objects.dedup();
-    let [a, b] = [a, b].map(|id| &world.object(id).name);
+    let [a, b] = [a, b].map(|id| &scene.object(id).name);
     let more = match wrong.len() {
         1 => String::new(),
         count => format!(" (and {} more pairs)", count - 1),
     };
     Some(Problem::advice(
-        names::place_of(world, &objects),
+        names::place_of(scene, &objects),
         "flush_in_priority",
         format!(
             "`{a}` and `{b}`{more} have faces that lie exactly on each other. `rectified` is right there, but the mode `priority` may meet the \
@@ -53,19 +52,19 @@ pub(super) fn problems(prepared: &Prepared, encounters: &[Encounter]) -> Option<
 
 /// Whether `priority` goes wrong somewhere where the surfaces of two refractors coincide.
 fn is_wrong_between(prepared: &Prepared, a: ObjectId, b: ObjectId) -> bool {
-    let world = &*prepared.world;
-    let geometry = &*world.geometry;
+    let scene = &*prepared.scene;
+    let geometry = &*scene.geometry;
     // Points of the smaller one: more of it lies on the other.
     let (subject, other) = if geometry.area(a.0) <= geometry.area(b.0) { (a, b) } else { (b, a) };
-    let priority = Priority { world };
-    let rectified = Rectified { world, table: &prepared.table };
+    let priority = Priority { scene };
+    let rectified = Rectified { scene, table: &prepared.table };
     samples::of_surface(geometry, subject.0, 0..POINTS).filter(|(point, _)| is_on(prepared, point, other)).any(
         |(point, slant)| {
             // Not along the normal, which might run in other surfaces.
             let direction = (point.normal + 0.2 * slant).normalize_or(point.normal);
             [direction, -direction].into_iter().any(|direction| {
                 let [seen, right] =
-                    [walk(world, &priority, &point, direction), walk(world, &rectified, &point, direction)];
+                    [walk(scene, &priority, &point, direction), walk(scene, &rectified, &point, direction)];
                 // What goes wrong earlier has another reason, such as a tie.
                 seen.before == right.before && (seen.after != right.after || seen.interfaces > right.interfaces)
             })
@@ -75,7 +74,7 @@ fn is_wrong_between(prepared: &Prepared, a: ObjectId, b: ObjectId) -> bool {
 
 /// Whether the surface of `other` lies at a point of another one.
 fn is_on(prepared: &Prepared, point: &SurfacePoint, other: ObjectId) -> bool {
-    let geometry = &*prepared.world.geometry;
+    let geometry = &*prepared.scene.geometry;
     let mut is_on = false;
     let reach = DVec3::splat(tolerance::largest(geometry, geometry.object_of(point.primitive)));
     geometry.for_each_near_box(point.position - reach, point.position + reach, None, |primitive| {
@@ -98,8 +97,8 @@ struct Walk {
 
 /// Goes straight through `point` from outside of everything, and otherwise as paths go: from an interface a new ray sets out. Opaque objects
 /// are no obstacle.
-fn walk<T: Tracker>(world: &World, tracker: &T, point: &SurfacePoint, direction: DVec3) -> Walk {
-    let geometry = &*world.geometry;
+fn walk<T: Tracker>(scene: &Scene, tracker: &T, point: &SurfacePoint, direction: DVec3) -> Walk {
+    let geometry = &*scene.geometry;
     let reach = tolerance::largest(geometry, geometry.object_of(point.primitive));
     let back = geometry.bounding_sphere().map_or(0.0, |s| 2.0 * s.radius) + 1.0;
     let start = point.position - direction * back;
@@ -115,11 +114,11 @@ fn walk<T: Tracker>(world: &World, tracker: &T, point: &SurfacePoint, direction:
             break;
         }
         let beyond = ray.beyond(&hit);
-        if !is_refractor(world, refractor) {
+        if !is_refractor(scene, refractor) {
             ray = beyond;
             continue;
         }
-        let interior = medium_of(world, Some(refractor));
+        let interior = medium_of(scene, Some(refractor));
         let crossing =
             Crossing { refractor, interior, is_entering: hit.is_front, point: place, barycentric: hit.barycentric };
         let sides = tracker.sides(&state, &crossing, &mut events).filter(|sides| sides.from != sides.to);

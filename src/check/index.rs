@@ -5,11 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::names::brief;
 use super::{Problem, names};
-use crate::optics::IorModel;
+use crate::optics::Ior;
 use crate::rectify::containment::medium_of;
-use crate::render::Prepared;
-use crate::scene::World;
-use crate::scene::world::MediumId;
+use crate::scene::{MediumId, Scene};
+use crate::tracking::Prepared;
 
 /// No medium of one's own lies below this: n − 1 is positive at visible wavelengths but for rounding.
 const LEAST: f64 = 1.0 - 1e-4;
@@ -23,25 +22,25 @@ const MOST_MEDIA: usize = 12;
 const USUAL: [(&str, f64); 5] = [("air", 1.0), ("water", 1.33), ("water", 1.333), ("glass", 1.5), ("glass", 1.52)];
 
 pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
-    let world = &*prepared.world;
+    let scene = &*prepared.scene;
     let neighbours = neighbours(prepared);
     let known = Known::new(prepared, neighbours.keys().copied());
     (neighbours.iter())
         .filter_map(|(&medium, others)| {
             let value = given(prepared, medium)?;
             // Between two media, one of them the world's vacuum, the ratio and the index are the same thing.
-            let is_nested = others.iter().any(|other| world.medium(*other).ior_minus_one != 0.0);
-            let name = &world.medium(medium).name;
+            let is_nested = others.iter().any(|other| scene.medium(*other).ior_minus_one != 0.0);
+            let name = &scene.medium(medium).name;
             if !is_nested {
                 None
             } else if value < LEAST {
                 Some(Problem::warning(
                     name,
                     "ratio_index",
-                    below_one(value, known.explanation(world, medium, value, others)),
+                    below_one(value, known.explanation(scene, medium, value, others)),
                 ))
             } else if RATIOS.contains(&value) && known.count <= MOST_MEDIA {
-                let explanation = known.explanation(world, medium, value, others)?;
+                let explanation = known.explanation(scene, medium, value, others)?;
                 Some(Problem::advice(name, "ratio_index", above_one(value, &explanation)))
             } else {
                 None
@@ -52,7 +51,7 @@ pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
 
 /// The media that each medium of a refractor has a surface with.
 fn neighbours(prepared: &Prepared) -> BTreeMap<MediumId, BTreeSet<MediumId>> {
-    let world = &*prepared.world;
+    let scene = &*prepared.scene;
     let mut found: BTreeMap<MediumId, BTreeSet<MediumId>> = BTreeMap::new();
     let mut add = |a: MediumId, b: MediumId| {
         if a != b {
@@ -64,8 +63,8 @@ fn neighbours(prepared: &Prepared) -> BTreeMap<MediumId, BTreeSet<MediumId>> {
         if let (Some(outside), Some(inside)) = (patch.outside, patch.inside) {
             add(outside, inside);
         }
-        let own = medium_of(world, Some(patch.refractor));
-        patch.crossed_by.iter().for_each(|&other| add(own, medium_of(world, Some(other))));
+        let own = medium_of(scene, Some(patch.refractor));
+        patch.crossed_by.iter().for_each(|&other| add(own, medium_of(scene, Some(other))));
     }
     found.remove(&MediumId::WORLD);
     found
@@ -76,7 +75,7 @@ fn given(prepared: &Prepared, medium: MediumId) -> Option<f64> {
     // The media of a scene come after the global medium and the reserved one.
     let index = (medium.0 as usize).checked_sub(2)?;
     match prepared.description.media.get(index)?.ior {
-        IorModel::Constant(value) => Some(value),
+        Ior::Constant(value) => Some(value),
         _ => None,
     }
 }
@@ -98,10 +97,10 @@ struct Known {
 
 impl Known {
     fn new(prepared: &Prepared, media: impl Iterator<Item = MediumId>) -> Self {
-        let world = &*prepared.world;
-        let mut by_value: Vec<_> = media.map(|medium| (world.medium(medium).ior(), Some(medium), "")).collect();
+        let scene = &*prepared.scene;
+        let mut by_value: Vec<_> = media.map(|medium| (scene.medium(medium).ior(), Some(medium), "")).collect();
         let count = by_value.len();
-        by_value.push((world.medium(MediumId::WORLD).ior(), Some(MediumId::WORLD), ""));
+        by_value.push((scene.medium(MediumId::WORLD).ior(), Some(MediumId::WORLD), ""));
         by_value.extend(USUAL.map(|(name, ior)| (ior, None, name)));
         by_value.sort_by(|a, b| a.0.total_cmp(&b.0));
         Self { by_value, count }
@@ -110,7 +109,7 @@ impl Known {
     /// The nearest ratio, within rounding, that `value` may be: of a medium in the scene, or a usual one, to a neighbour.
     fn explanation(
         &self,
-        world: &World,
+        scene: &Scene,
         medium: MediumId,
         value: f64,
         neighbours: &BTreeSet<MediumId>,
@@ -119,8 +118,8 @@ impl Known {
         const MOST: usize = 16;
         let mut best: Option<(f64, Explanation)> = None;
         // A ratio to vacuum is the index itself.
-        for &neighbour in neighbours.iter().filter(|id| world.medium(**id).ior_minus_one != 0.0) {
-            let outer = world.medium(neighbour);
+        for &neighbour in neighbours.iter().filter(|id| scene.medium(**id).ior_minus_one != 0.0) {
+            let outer = scene.medium(neighbour);
             let inner = value * outer.ior();
             let from = self.by_value.partition_point(|known| known.0 < inner * (1.0 - ROUNDED));
             let near = self.by_value[from..].iter().take_while(|known| known.0 <= inner * (1.0 + ROUNDED)).take(MOST);
@@ -128,7 +127,7 @@ impl Known {
                 // What is usual is a guess: media of the scene come first.
                 let distance = (ior / inner - 1.0).abs() + if id.is_none() { ROUNDED } else { 0.0 };
                 if best.as_ref().is_none_or(|best| distance < best.0) {
-                    let name = id.map_or(usual.to_owned(), |id| world.medium(id).name.clone());
+                    let name = id.map_or(usual.to_owned(), |id| scene.medium(id).name.clone());
                     let explanation = Explanation { inner: (name, ior), outer: (outer.name.clone(), outer.ior()) };
                     best = Some((distance, explanation));
                 }

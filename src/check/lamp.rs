@@ -7,9 +7,9 @@ use super::{Problem, names, samples};
 use crate::geometry::{Geometry, Ray};
 use crate::rectify::contact::primitives_of;
 use crate::rectify::tolerance;
-use crate::render::Prepared;
 use crate::scene::description::{Light, Shape};
-use crate::scene::world::{ObjectId, Surface};
+use crate::scene::{ObjectId, Surface};
+use crate::tracking::Prepared;
 
 /// Rays from each light.
 const RAYS: u32 = 48;
@@ -21,14 +21,14 @@ const NEAR: f64 = 0.01;
 const MOST_PAIRS: usize = 10_000_000;
 
 pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
-    let world = &*prepared.world;
+    let scene = &*prepared.scene;
     let first = prepared.description.refractors.len() + prepared.description.solids.len();
     let mut pairs_left = MOST_PAIRS;
     (prepared.description.lights.iter().enumerate())
         .filter(|(_, light)| light.visible && light.radiance != [0.0; 3])
         .filter_map(|(index, light)| {
             let lamp = Lamp { prepared, light, id: ObjectId((first + index) as u32) };
-            (world.geometry.face_count(lamp.id.0) > 0).then_some(())?;
+            (scene.geometry.face_count(lamp.id.0) > 0).then_some(())?;
             lamp.faces_away(&mut pairs_left).or_else(|| lamp.shines_into_solid())
         })
         .collect()
@@ -42,7 +42,7 @@ struct Lamp<'a> {
 
 impl Lamp<'_> {
     fn geometry(&self) -> &Geometry {
-        &self.prepared.world.geometry
+        &self.prepared.scene.geometry
     }
 
     fn camera(&self) -> DVec3 {
@@ -115,9 +115,9 @@ impl Lamp<'_> {
 
     /// The other objects that can be lit, if there is time left to look at them.
     fn others(&self, pairs_left: &mut usize) -> Option<impl Iterator<Item = u32>> {
-        let objects = &self.prepared.world.objects;
+        let objects = &self.prepared.scene.objects;
         *pairs_left = pairs_left.checked_sub(objects.len())?;
-        let is_lit = |object: &crate::scene::world::Object| !matches!(object.surface, Surface::Light { .. });
+        let is_lit = |object: &crate::scene::Object| !matches!(object.surface, Surface::Light { .. });
         Some((0..objects.len() as u32).filter(move |&id| is_lit(&objects[id as usize])))
     }
 
@@ -162,7 +162,7 @@ impl Lamp<'_> {
             let hit = geometry.closest(ray)?;
             let id = ObjectId(geometry.object_of(hit.primitive));
             let distance = hit.t * ray.direction.dot(normal).abs();
-            let surface = &self.prepared.world.object(id).surface;
+            let surface = &self.prepared.scene.object(id).surface;
             let is_solid = matches!(surface, Surface::Diffuse { .. } | Surface::Mirror { .. });
             (is_solid && distance <= near).then_some((id, distance))
         };
@@ -172,7 +172,7 @@ impl Lamp<'_> {
         }
         let (solid, _) = met[0];
         let distance = met.iter().map(|(_, distance)| *distance).fold(0.0, f64::max);
-        let name = &self.prepared.world.object(solid).name;
+        let name = &self.prepared.scene.object(solid).name;
         let behind = self
             .rays()
             .filter(|(ray, normal)| solid_along(&Ray { direction: -ray.direction, ..*ray }, *normal).is_some());

@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 
 use super::{Problem, names};
-use crate::optics::IorModel;
-use crate::render::Prepared;
+use crate::optics::Ior;
+use crate::tracking::Prepared;
 
 pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
     let description = &*prepared.description;
@@ -23,9 +23,9 @@ pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
         problems.push(Problem::advice(names::place(all()), "unused_medium", message));
     }
     let used = used.iter().map(|m| (m.name.as_str(), &m.ior));
-    let dispersive: Vec<(&str, &IorModel)> = ([("world", &description.world.ior)].into_iter().chain(used))
+    let dispersive: Vec<(&str, &Ior)> = ([("world", &description.world.ior)].into_iter().chain(used))
         // A catalogue's entry is asked for by name, and its IOR is shown; a formula was written for its dispersion.
-        .filter(|(_, ior)| ior.is_dispersive() && !matches!(ior, IorModel::Catalog(_)))
+        .filter(|(_, ior)| ior.is_dispersive() && !matches!(ior, Ior::Catalog(_)))
         .collect();
     if !dispersive.is_empty() {
         let values: Vec<String> =

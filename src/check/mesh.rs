@@ -5,17 +5,17 @@ use super::rims::Rims;
 use super::{Problem, Severity, Spot, names, nested};
 use crate::geometry::topology::{Finding, FindingKind};
 use crate::geometry::{Enclosure, Topology};
-use crate::render::Prepared;
+use crate::scene::ObjectId;
 use crate::scene::description::{Refractor, Shape};
-use crate::scene::world::ObjectId;
+use crate::tracking::Prepared;
 
 /// Takes from `doubts` what is said here, with its reason: the surface is not closed.
 pub(super) fn problems(prepared: &Prepared, rims: &Rims, doubts: &mut Doubts) -> Vec<Problem> {
     let description = &*prepared.description;
-    let world = &*prepared.world;
+    let scene = &*prepared.scene;
     let mut problems = Vec::new();
     // Refractors are the first objects.
-    for (index, (refractor, object)) in description.refractors.iter().zip(&world.objects).enumerate() {
+    for (index, (refractor, object)) in description.refractors.iter().zip(&scene.objects).enumerate() {
         let id = ObjectId(index as u32);
         match (&refractor.shape, &object.topology) {
             (Shape::Quad { .. }, _) => {
@@ -42,7 +42,7 @@ pub(super) fn problems(prepared: &Prepared, rims: &Rims, doubts: &mut Doubts) ->
                         },
                         _ => (finding.count, spot(refractor, finding)),
                     };
-                    let others = rims.get(&id).map(|others| names::list_of(world, others));
+                    let others = rims.get(&id).map(|others| names::list_of(scene, others));
                     let problem = problem(refractor, topology, finding.kind, count, spot, others.as_deref());
                     let is_open = matches!(topology.enclosure, Enclosure::Holed | Enclosure::Sheet);
                     problems.push(match finding.kind {

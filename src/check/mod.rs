@@ -20,9 +20,9 @@ mod samples;
 use glam::DVec3;
 
 use crate::rectify::{Cancelled, Progress};
-use crate::render::Prepared;
 use crate::scene::LoadNote;
 use crate::scene::description::Environment;
+use crate::tracking::Prepared;
 
 /// How bad a problem is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -91,7 +91,7 @@ pub fn check_watched(prepared: &Prepared, progress: &Progress) -> Result<Vec<Pro
     let rims = rims::joined(prepared);
     let mut problems = mesh::problems(prepared, &rims, &mut doubts);
     progress.go_on()?;
-    let encounters = prepared.table.encounters(&prepared.world);
+    let encounters = prepared.table.encounters(&prepared.scene);
     let parts: [&dyn Fn() -> Vec<Problem>; 12] = [
         &|| notes::problems(prepared),
         &|| overlap::problems(prepared, &encounters, &rims),

@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use crate::scene::World;
-use crate::scene::world::ObjectId;
+use crate::scene::{ObjectId, Scene};
 
 /// Names that one problem lists at the most; of more, it says how many.
 const MOST: usize = 8;
@@ -14,8 +13,8 @@ pub(super) fn place<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
 }
 
 /// The names of objects, for [`super::Problem::place`].
-pub(super) fn place_of(world: &World, objects: &[ObjectId]) -> String {
-    place(objects.iter().map(|id| world.object(*id).name.as_str()))
+pub(super) fn place_of(scene: &Scene, objects: &[ObjectId]) -> String {
+    place(objects.iter().map(|id| scene.object(*id).name.as_str()))
 }
 
 /// `` `a` ``, `` `a` and `b` ``, `` `a`, `b` and 7 more ``.
@@ -35,8 +34,8 @@ pub(super) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
 }
 
 /// The names of objects, in a sentence.
-pub(super) fn list_of(world: &World, objects: &[ObjectId]) -> String {
-    list(objects.iter().map(|id| world.object(*id).name.as_str()))
+pub(super) fn list_of(scene: &Scene, objects: &[ObjectId]) -> String {
+    list(objects.iter().map(|id| scene.object(*id).name.as_str()))
 }
 
 /// A place in scene coordinates.

@@ -5,17 +5,17 @@ use glam::DVec3;
 use super::Spot;
 use crate::rectify::PatchKind;
 use crate::rectify::contact::primitives_of;
-use crate::render::Prepared;
-use crate::scene::world::ObjectId;
+use crate::scene::ObjectId;
+use crate::tracking::Prepared;
 
 /// The components of a refractor of which nothing is to be seen because the refractor itself lies on both sides, and a sphere around them;
 /// `None` if there are none.
 pub(super) fn hidden(prepared: &Prepared, object: ObjectId) -> Option<(u64, Spot)> {
-    let world = &*prepared.world;
-    let topology = world.object(object).topology.as_ref()?;
+    let scene = &*prepared.scene;
+    let topology = scene.object(object).topology.as_ref()?;
     let mut is_hidden = vec![true; topology.components as usize];
-    for (face, &component) in primitives_of(&world.geometry, object).zip(&topology.component_of_face) {
-        let is_between_itself = prepared.table.patch_of(&world.geometry, face).is_some_and(|patch| {
+    for (face, &component) in primitives_of(&scene.geometry, object).zip(&topology.component_of_face) {
+        let is_between_itself = prepared.table.patch_of(&scene.geometry, face).is_some_and(|patch| {
             patch.kind == PatchKind::Null
                 && patch.outside_refractor == Some(object)
                 && patch.inside_refractor == Some(object)
@@ -24,13 +24,13 @@ pub(super) fn hidden(prepared: &Prepared, object: ObjectId) -> Option<(u64, Spot
     }
     let count = is_hidden.iter().filter(|hidden| **hidden).count() as u64;
     let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for (face, &component) in primitives_of(&world.geometry, object).zip(&topology.component_of_face) {
+    for (face, &component) in primitives_of(&scene.geometry, object).zip(&topology.component_of_face) {
         if is_hidden[component as usize] {
-            for corner in world.geometry.corners(face) {
+            for corner in scene.geometry.corners(face) {
                 (min, max) = (min.min(corner), max.max(corner));
             }
         }
     }
-    let spot = Spot { center: (min + max) / 2.0 + world.geometry.origin, radius: (max - min).length() / 2.0 };
+    let spot = Spot { center: (min + max) / 2.0 + scene.geometry.origin, radius: (max - min).length() / 2.0 };
     (count > 0).then_some((count, spot))
 }

@@ -1,9 +1,9 @@
 //! What was passed over in the files that a scene names.
 
 use super::{Problem, Severity};
-use crate::render::Prepared;
 use crate::scene::LoadNote;
 use crate::scene::description::Shape;
+use crate::tracking::Prepared;
 
 /// Kinds of notes that leave a mesh as its author meant it.
 const ADVICE: [&str; 1] = ["degenerate_triangles"];

@@ -8,9 +8,8 @@ use crate::rectify::PatchKind;
 use crate::rectify::containment::{containment_beside, is_same_volume, medium_of, priority, top};
 use crate::rectify::copies::Copies;
 use crate::rectify::encounters::{Encounter, Meeting};
-use crate::render::Prepared;
-use crate::scene::World;
-use crate::scene::world::ObjectId;
+use crate::scene::{ObjectId, Scene};
+use crate::tracking::Prepared;
 
 /// Ties among objects that overlap each other, directly or by way of others, are said pair by pair up to this number, and together beyond.
 const MOST_PAIRS: usize = 4;
@@ -19,25 +18,25 @@ const MOST_PAIRS: usize = 4;
 const POINTS: u32 = 32;
 
 pub(super) fn problems(prepared: &Prepared, encounters: &[Encounter], rims: &Rims) -> Vec<Problem> {
-    let world = &*prepared.world;
+    let scene = &*prepared.scene;
     let pairs_of = |meeting| encounters.iter().filter(move |e| e.meeting == meeting).map(|e| (e.a, e.b));
     // Interfaces of one body have no volumes that could overlap.
     let are_joined = |a: ObjectId, b: ObjectId| rims.get(&a).is_some_and(|others| others.contains(&b));
     let ties: Vec<_> =
-        pairs_of(Meeting::Overlap).filter(|&(a, b)| is_undecided(world, a, b) && !are_joined(a, b)).collect();
-    let alike = Copies::find(world);
+        pairs_of(Meeting::Overlap).filter(|&(a, b)| is_undecided(scene, a, b) && !are_joined(a, b)).collect();
+    let alike = Copies::find(scene);
     let copies: Vec<_> =
-        pairs_of(Meeting::Copy).filter(|&(a, b)| alike.are_alike(a, b) || is_filled(world, a, b)).collect();
+        pairs_of(Meeting::Copy).filter(|&(a, b)| alike.are_alike(a, b) || is_filled(scene, a, b)).collect();
     let mut problems = Vec::new();
     for group in groups(&ties) {
         if group.len() <= MOST_PAIRS {
-            problems.extend(group.into_iter().map(|(a, b)| tie(world, a, b)));
+            problems.extend(group.into_iter().map(|(a, b)| tie(scene, a, b)));
         } else {
-            problems.push(ties_of_many(world, &group));
+            problems.push(ties_of_many(scene, &group));
         }
     }
-    problems.extend(groups(&copies).iter().map(|group| copy(world, group)));
-    problems.extend(world.refractors().filter_map(|(refractor, _)| invisible(prepared, refractor)));
+    problems.extend(groups(&copies).iter().map(|group| copy(scene, group)));
+    problems.extend(scene.refractors().filter_map(|(refractor, _)| invisible(prepared, refractor)));
     problems
 }
 
@@ -74,98 +73,98 @@ fn members(pairs: &[(ObjectId, ObjectId)]) -> Vec<ObjectId> {
 }
 
 /// Whether nobody has decided which of two fills their overlap, and it matters.
-fn is_undecided(world: &World, a: ObjectId, b: ObjectId) -> bool {
-    let is_seamless = medium_of(world, Some(a)) == medium_of(world, Some(b));
-    priority(world, a) == priority(world, b) && !is_seamless
+fn is_undecided(scene: &Scene, a: ObjectId, b: ObjectId) -> bool {
+    let is_seamless = medium_of(scene, Some(a)) == medium_of(scene, Some(b));
+    priority(scene, a) == priority(scene, b) && !is_seamless
 }
 
 /// What decides a tie.
-fn reason(world: &World, objects: &[ObjectId]) -> &'static str {
-    let volumes = || objects.iter().map(|id| world.object(*id).volume);
+fn reason(scene: &Scene, objects: &[ObjectId]) -> &'static str {
+    let volumes = || objects.iter().map(|id| scene.object(*id).volume);
     if volumes().all(f64::is_infinite) {
         "the later one wins"
-    } else if volumes().all(|volume| is_same_volume(volume, world.object(objects[0]).volume)) {
+    } else if volumes().all(|volume| is_same_volume(volume, scene.object(objects[0]).volume)) {
         "their volumes are equal, so the later one wins"
     } else {
         "the smaller volume wins"
     }
 }
 
-fn tie(world: &World, a: ObjectId, b: ObjectId) -> Problem {
-    let [first, second] = [a, b].map(|id| &world.object(id).name);
-    let winner = top(world, [a, b]).map_or("", |id| &world.object(id).name);
+fn tie(scene: &Scene, a: ObjectId, b: ObjectId) -> Problem {
+    let [first, second] = [a, b].map(|id| &scene.object(id).name);
+    let winner = top(scene, [a, b]).map_or("", |id| &scene.object(id).name);
     Problem::warning(
         format!("{first}, {second}"),
         "overlap_tie",
         format!(
             "{first} and {second} overlap with equal priority: {}, here {winner}; set a priority to choose (higher wins)",
-            reason(world, &[a, b])
+            reason(scene, &[a, b])
         ),
     )
 }
 
-fn ties_of_many(world: &World, pairs: &[(ObjectId, ObjectId)]) -> Problem {
+fn ties_of_many(scene: &Scene, pairs: &[(ObjectId, ObjectId)]) -> Problem {
     let objects = members(pairs);
     Problem::warning(
-        names::place_of(world, &objects),
+        names::place_of(scene, &objects),
         "overlap_tie",
         format!(
             "{} objects, {}, overlap each other in {} pairs with equal priority: {}; set priorities to choose (higher wins)",
             objects.len(),
-            names::list_of(world, &objects),
+            names::list_of(scene, &objects),
             pairs.len(),
-            reason(world, &objects)
+            reason(scene, &objects)
         ),
     )
 }
 
 /// Whether, of two with the same surface, the one that wins does fill the other all along it.
-fn is_filled(world: &World, a: ObjectId, b: ObjectId) -> bool {
-    let Some(winner) = top(world, [a, b]) else { return false };
+fn is_filled(scene: &Scene, a: ObjectId, b: ObjectId) -> bool {
+    let Some(winner) = top(scene, [a, b]) else { return false };
     let other = if winner == a { b } else { a };
-    samples::of_surface(&world.geometry, other.0, 0..POINTS)
-        .all(|(point, _)| containment_beside(world, &point, false).refractors.contains(&winner))
+    samples::of_surface(&scene.geometry, other.0, 0..POINTS)
+        .all(|(point, _)| containment_beside(scene, &point, false).refractors.contains(&winner))
 }
 
-fn copy(world: &World, pairs: &[(ObjectId, ObjectId)]) -> Problem {
+fn copy(scene: &Scene, pairs: &[(ObjectId, ObjectId)]) -> Problem {
     let objects = members(pairs);
-    let winner = top(world, objects.iter().copied());
+    let winner = top(scene, objects.iter().copied());
     let others: Vec<ObjectId> = objects.iter().copied().filter(|id| Some(*id) != winner).collect();
-    let (winner, list) = (winner.map_or("", |id| &world.object(id).name), names::list_of(world, &others));
+    let (winner, list) = (winner.map_or("", |id| &scene.object(id).name), names::list_of(scene, &others));
     let (it, who) = if others.len() == 1 { ("it", "it") } else { ("them", "one of them") };
     Problem::warning(
-        names::place_of(world, &objects),
+        names::place_of(scene, &objects),
         "coincident",
         format!(
             "{} have the same surface at the same place: `{winner}` fills all of it, and {list} cannot be seen; remove {it}, or give a \
              higher priority to {who} and remove `{winner}`",
-            names::list_of(world, &objects),
+            names::list_of(scene, &objects),
         ),
     )
 }
 
 /// A refractor of which nothing is to be seen.
 fn invisible(prepared: &Prepared, refractor: ObjectId) -> Option<Problem> {
-    let world = &*prepared.world;
+    let scene = &*prepared.scene;
     let patches = prepared.table.patches_of(refractor);
     if patches.is_empty() || patches.iter().any(|patch| patch.kind != PatchKind::Null) {
         return None;
     }
-    let name = &world.object(refractor).name;
+    let name = &scene.object(refractor).name;
     let mut fills: Vec<ObjectId> = patches.iter().filter_map(|patch| patch.inside_refractor).collect();
     fills.sort_unstable();
     fills.dedup();
     fills.retain(|id| *id != refractor);
     if fills.is_empty() {
-        let container = patches[0].outside_refractor.map_or("the world", |id| &world.object(id).name);
+        let container = patches[0].outside_refractor.map_or("the world", |id| &scene.object(id).name);
         return Some(Problem::advice(
             name,
             "same_medium",
             format!("it is of the same medium as `{container}`, which surrounds it, and so cannot be seen"),
         ));
     }
-    let highest = fills.iter().map(|id| priority(world, *id)).max()?;
-    let (has, fills) = (if fills.len() == 1 { "has" } else { "have" }, names::list_of(world, &fills));
+    let highest = fills.iter().map(|id| priority(scene, *id)).max()?;
+    let (has, fills) = (if fills.len() == 1 { "has" } else { "have" }, names::list_of(scene, &fills));
     Some(Problem::warning(
         name,
         "hidden",

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::geometry::Mesh;
-use crate::optics::IorModel;
-use crate::render::prepare;
+use crate::optics::Ior;
 use crate::scene::description::{Description, Shape};
 use crate::scene::{LoadNote, builtin, load};
+use crate::tracking::prepare;
 
 const HEAD: &str = r#"
 [camera]
@@ -76,8 +76,8 @@ fn media_unused_or_dispersive() {
     let mut scene = scene(&sphere("ball", "glass", 0.0, 1.0));
     assert_eq!(found(scene.clone()), pairs(&[("unused_medium", "water")]));
     scene.media.pop();
-    scene.media[0].ior = IorModel::Cauchy([1.5, 0.01, 0.0]);
-    scene.world.ior = IorModel::Catalog(crate::optics::catalog::find("air").unwrap());
+    scene.media[0].ior = Ior::Cauchy([1.5, 0.01, 0.0]);
+    scene.world.ior = Ior::Catalog(crate::optics::catalog::find("air").unwrap());
     assert_eq!(found(scene.clone()), pairs(&[("dispersion", "glass")]));
     let message = &problems_of(scene)[0].message;
     assert!(message.contains("glass 1.5290"), "{message}");

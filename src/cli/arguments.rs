@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 
-use crate::estimator::sampler::Sequence;
-use crate::estimator::trace::Follow;
 use crate::render::{SampleRange, ToneCurve};
 use crate::report::make::Part;
 use crate::scene::shapes::MAX_LENGTH;
 use crate::tracking::Mode;
+use crate::transport::inspect::Follow;
+use crate::transport::sampler::Sequence;
 
 /// Longest side of an image.
 const MOST_SIDE: u32 = 32_768;

@@ -12,14 +12,13 @@ use super::Failure;
 use super::arguments::{ImageArguments, Size};
 use super::preparation::prepare_shown;
 use super::progress::Progress;
-use crate::estimator::sampler::Sequence;
 use crate::render::exact::unit_exponent;
-use crate::render::{
-    Display, Events, Film, Prepared, Recipe, RenderSettings, SampleRange, VarianceReduction, accumulate,
-};
+use crate::render::{Display, Film, Recipe, RenderSettings, SampleRange, VarianceReduction, accumulate};
 use crate::scene;
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
+use crate::tracking::{Events, Prepared};
+use crate::transport::sampler::Sequence;
 
 /// Samples per pixel where neither `--spp` nor `--time` is given.
 pub const DEFAULT_SPP: u32 = 64;
@@ -270,7 +269,7 @@ impl<'a> Job<'a> {
             },
             events: image.film.events,
             mixed_share: image.film.events.mixed_share().filter(|_| image.mode == Mode::Rectified),
-            left_out: if self.arguments.leave_out.0 { self.prepared.world.needs.left_out() } else { Vec::new() },
+            left_out: if self.arguments.leave_out.0 { self.prepared.scene.needs.left_out() } else { Vec::new() },
             output: output.map(Path::to_string_lossy),
         }
     }

@@ -11,7 +11,8 @@ use super::{Failure, plural, print, print_json};
 use crate::export::escape::{short_name, shown};
 use crate::export::words::events_in_words;
 use crate::export::{self, Format, Head, Picture, SumsError};
-use crate::render::{CannotMerge, Display, Events, Partial, Recipe, SampleRange};
+use crate::render::{CannotMerge, Display, Partial, Recipe, SampleRange};
+use crate::tracking::Events;
 use crate::tracking::Mode;
 use crate::writing::require_writable;
 

@@ -8,8 +8,8 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::rectify::Progress;
-use crate::render::{PrepareError, Prepared, prepare, prepare_watched};
 use crate::scene::{Description, SceneError};
+use crate::tracking::{PrepareError, Prepared, prepare, prepare_watched};
 
 /// Preparations that are done sooner show nothing.
 const PATIENCE: Duration = Duration::from_millis(500);

@@ -18,9 +18,9 @@ use crate::export::words::{brief, duration, grouped};
 use crate::rectify::containment::medium_of;
 use crate::rectify::table::RectifySeconds;
 use crate::rectify::{Patch, PatchKind};
-use crate::render::Prepared;
 use crate::scene;
-use crate::scene::world::{MediumId, ObjectId};
+use crate::scene::{MediumId, ObjectId};
+use crate::tracking::Prepared;
 
 /// Names that a list shows at the most.
 const MOST_LISTED: usize = 8;
@@ -91,18 +91,18 @@ pub fn run(arguments: &RectifyArguments) -> Result<ExitCode, Failure> {
 
 /// The source's answers, one for each object, in the form of patches.
 fn whole_objects(prepared: &Prepared) -> Vec<Patch> {
-    let world = &*prepared.world;
-    (prepared.table.per_object(world).answers.iter())
+    let scene = &*prepared.scene;
+    (prepared.table.per_object(scene).answers.iter())
         .map(|answer| {
             let refractor = answer.refractor;
-            let outside = medium_of(world, answer.outside_refractor());
-            let inside = medium_of(world, Some(refractor));
+            let outside = medium_of(scene, answer.outside_refractor());
+            let inside = medium_of(scene, Some(refractor));
             Patch {
                 refractor,
                 index: 0,
                 kind: if outside == inside { PatchKind::Null } else { PatchKind::Clear },
-                faces: world.geometry.face_count(refractor.0),
-                area: world.geometry.area(refractor.0),
+                faces: scene.geometry.face_count(refractor.0),
+                area: scene.geometry.area(refractor.0),
                 outside: Some(outside),
                 inside: Some(inside),
                 outside_refractor: answer.outside_refractor(),
@@ -118,9 +118,9 @@ fn whole_objects(prepared: &Prepared) -> Vec<Patch> {
 }
 
 fn patch_report<'a>(prepared: &'a Prepared, patch: &Patch) -> PatchReport<'a> {
-    let world = &prepared.world;
-    let name = |id: ObjectId| world.object(id).name.as_str();
-    let medium = |id: MediumId| world.medium(id).name.as_str();
+    let scene = &prepared.scene;
+    let name = |id: ObjectId| scene.object(id).name.as_str();
+    let medium = |id: MediumId| scene.medium(id).name.as_str();
     PatchReport {
         refractor: name(patch.refractor),
         patch: patch.index,
@@ -157,7 +157,7 @@ fn listed(names: &[&str]) -> String {
 }
 
 fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
-    let world = &prepared.world;
+    let scene = &prepared.scene;
     let mut table = Table::new(&[
         ("refractor", Align::Left),
         ("patch", Align::Right),
@@ -172,7 +172,7 @@ fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
     ]);
     // Of media of one name, the first.
     let iors: HashMap<&str, f64> =
-        world.media.iter().rev().map(|medium| (medium.name.as_str(), medium.ior())).collect();
+        scene.media.iter().rev().map(|medium| (medium.name.as_str(), medium.ior())).collect();
     let ior_of = |name: &str| iors.get(name).copied().unwrap_or(0.0);
     let medium =
         |name: Option<&str>| name.map_or("—".to_owned(), |name| format!("{} {:.4}", short_name(name), ior_of(name)));
@@ -213,7 +213,7 @@ fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
         text.push('\n');
     }
     let seconds = report.seconds;
-    let refractors = world.refractors().count();
+    let refractors = scene.refractors().count();
     text += &format!(
         "\n  {} refractor{}, {} patch{}, {} rays, {} (topology {} · patches {} · pre-trace {} · resolve {})\n",
         refractors,

@@ -9,12 +9,12 @@ use super::arguments::TraceArguments;
 use super::preparation::prepare_shown;
 use super::table::{Align, Table};
 use super::{Failure, print, print_json};
-use crate::estimator::trace::{TracedPath, Vertex, VertexEvent, trace};
 use crate::export::escape::short_name;
 use crate::export::words::{brief, events_in_words};
 use crate::geometry::Ray;
 use crate::scene;
 use crate::scene::camera::Camera;
+use crate::transport::inspect::{TracedPath, Vertex, VertexEvent, trace};
 
 pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Failure> {
     let description = Arc::new(scene::load::open(&arguments.scene.scene)?);

@@ -7,7 +7,8 @@ use super::color_map::{diverging, luminance, round_up_to_125};
 use super::words::{brief, events_in_words};
 use super::{ExportError, Picture};
 use crate::measure::{Difference, difference};
-use crate::render::{Display, Events};
+use crate::render::Display;
+use crate::tracking::Events;
 
 pub(super) const SHEET: Color = [0x17, 0x18, 0x1c];
 pub(super) const INK: Color = [0xf0, 0xf1, 0xf4];

@@ -1,20 +1,20 @@
 //! What a picture shows, in words that travel with it.
 
 use super::escape::escaped;
-use crate::render::Prepared;
-use crate::scene::world::{MediumId, WorldMedium};
+use crate::scene::{MediumId, SceneMedium};
 use crate::tracking::Mode;
+use crate::tracking::Prepared;
 
 /// Text chunks for a picture of `prepared`: (keyword, text), in the order in which readers should see them. `samples` are those of
 /// every pixel.
 pub fn metadata(prepared: &Prepared, modes: &[Mode], samples: u32, seed: u64) -> Vec<(String, String)> {
-    metadata_for_media(&prepared.description.name, &prepared.world.media, modes, samples, seed)
+    metadata_for_media(&prepared.description.name, &prepared.scene.media, modes, samples, seed)
 }
 
 /// [`metadata`] from the parts that it is made of: `media` begins with the global medium, or is empty where they are not known.
 pub fn metadata_for_media(
     scene: &str,
-    media: &[WorldMedium],
+    media: &[SceneMedium],
     modes: &[Mode],
     samples: u32,
     seed: u64,

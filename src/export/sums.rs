@@ -27,11 +27,12 @@ use serde::{Deserialize, Serialize};
 
 use super::ExportError;
 use crate::render::exact::{ExactSums, MOST_BITS};
-use crate::render::{Events, Partial, Recipe, SampleRange};
+use crate::render::{Partial, Recipe, SampleRange};
 use crate::scene::Fingerprint;
 use crate::scene::files::{self, FileError};
 use crate::scene::fingerprint::Hasher;
 use crate::scene::load::image::limits;
+use crate::tracking::Events;
 use crate::writing::write_atomically;
 
 /// Where the text stands in the file.

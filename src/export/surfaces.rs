@@ -4,8 +4,8 @@ use image::RgbImage;
 
 use super::canvas::{Align, Canvas, Color};
 use super::comparison::{INK, MUTED, SHEET, zoom_for};
-use crate::render::Prepared;
 use crate::render::surfaces::{Painting, SurfaceQuantity, Tint, confidence_color};
+use crate::tracking::Prepared;
 
 /// Entries of a legend at the most; the rest is counted.
 const MOST_ENTRIES: usize = 24;

@@ -1,6 +1,6 @@
 //! Numbers and counts in words, the same on exported pictures and in the terminal.
 
-use crate::render::Events;
+use crate::tracking::Events;
 
 /// `"no events"`, or every count that is not 0.
 pub fn events_in_words(events: &Events) -> String {

@@ -2,7 +2,9 @@
 //!
 //! Coefficients as collected by M. N. Polyanskiy, refractiveindex.info; the measurement behind each is cited with its entry.
 
-use super::dispersion::{WAVELENGTH_D_UM, cauchy, sellmeier};
+use std::borrow::Cow::Borrowed;
+
+use super::ior::Ior;
 
 /// A catalogue entry.
 #[derive(Debug, PartialEq)]
@@ -14,41 +16,13 @@ pub struct Entry {
     /// Who measured it, and under which conditions.
     pub source: &'static str,
     /// IOR against wavelength.
-    pub model: Formula,
+    pub model: Ior,
 }
 
 impl Entry {
     /// n at the d line, 587.56 nm.
     pub fn ior(&self) -> f64 {
-        1.0 + self.model.ior_minus_one(WAVELENGTH_D_UM)
-    }
-}
-
-/// A dispersion formula with its coefficients; λ in µm.
-#[derive(Debug, PartialEq)]
-pub enum Formula {
-    /// The same at every wavelength.
-    Constant(f64),
-    /// n = A + B/λ² + C/λ⁴.
-    Cauchy([f64; 3]),
-    /// n² = 1 + Σ Bλ²/(λ² − C), C in µm².
-    Sellmeier(&'static [[f64; 2]]),
-    /// n = 1 + Σ K/(L − λ⁻²), the form for gases: pairs of K and L in µm⁻².
-    Gas(&'static [[f64; 2]]),
-}
-
-impl Formula {
-    /// n − 1 at a wavelength in micrometres, with full relative precision.
-    pub fn ior_minus_one(&self, wavelength_um: f64) -> f64 {
-        match self {
-            Self::Constant(n) => n - 1.0,
-            Self::Cauchy(coefficients) => cauchy(coefficients, wavelength_um),
-            Self::Sellmeier(terms) => sellmeier(terms, wavelength_um),
-            Self::Gas(terms) => {
-                let inverse_square = 1.0 / (wavelength_um * wavelength_um);
-                terms.iter().map(|[k, l]| k / (l - inverse_square)).sum()
-            }
-        }
+        self.model.ior()
     }
 }
 
@@ -67,101 +41,101 @@ pub const ALL: &[Entry] = &[
         name: "air",
         label: "Air",
         source: "P. E. Ciddor, Appl. Opt. 35, 1566 (1996): dry, 15 °C, 101.325 kPa, 450 ppm CO2",
-        model: Formula::Gas(&[[0.057_921_05, 238.0185], [0.001_679_17, 57.362]]),
+        model: Ior::Gas(Borrowed(&[[0.057_921_05, 238.0185], [0.001_679_17, 57.362]])),
     },
     Entry {
         name: "ice",
         label: "Ice",
         source: "S. G. Warren and R. E. Brandt, J. Geophys. Res. 113, D14220 (2008): 266 K, at 587.56 nm",
-        model: Formula::Constant(1.3097),
+        model: Ior::Constant(1.3097),
     },
     Entry {
         name: "water",
         label: "Water",
         source: "M. Daimon and A. Masumura, Appl. Opt. 46, 3811 (2007): 20 °C",
-        model: Formula::Sellmeier(&[
+        model: Ior::Sellmeier(Borrowed(&[
             [0.568_402_756_5, 0.005_101_829_712],
             [0.172_617_739_1, 0.018_211_539_36],
             [0.020_861_895_78, 0.026_207_222_93],
             [0.113_074_868_8, 10.697_927_21],
-        ]),
+        ])),
     },
     Entry {
         name: "ethanol",
         label: "Ethanol",
         source: "J. Rheims, J. Köser and T. Wriedt, Meas. Sci. Technol. 8, 601 (1997): 20 °C",
-        model: Formula::Cauchy([1.352_650, 0.003_06, 0.000_02]),
+        model: Ior::Cauchy([1.352_650, 0.003_06, 0.000_02]),
     },
     Entry {
         name: "fused-silica",
         label: "Fused silica",
         source: "I. H. Malitson, J. Opt. Soc. Am. 55, 1205 (1965): 20 °C",
-        model: Formula::Sellmeier(&[
+        model: Ior::Sellmeier(Borrowed(&[
             [0.696_166_3, squared(0.068_404_3)],
             [0.407_942_6, squared(0.116_241_4)],
             [0.897_479_4, squared(9.896_161)],
-        ]),
+        ])),
     },
     Entry {
         name: "glycerol",
         label: "Glycerol",
         source: "J. Rheims, J. Köser and T. Wriedt, Meas. Sci. Technol. 8, 601 (1997): 20 °C",
-        model: Formula::Cauchy([1.457_97, 0.005_98, -0.000_36]),
+        model: Ior::Cauchy([1.457_97, 0.005_98, -0.000_36]),
     },
     Entry {
         name: "pmma",
         label: "Acrylic (PMMA)",
         source: "G. Beadie et al., Appl. Opt. 54, F139 (2015), one-term fit: 20 °C",
-        model: Formula::Sellmeier(PMMA),
+        model: Ior::Sellmeier(Borrowed(PMMA)),
     },
-    Entry { name: "acrylic", label: "Acrylic", source: "Another name for pmma", model: Formula::Sellmeier(PMMA) },
+    Entry { name: "acrylic", label: "Acrylic", source: "Another name for pmma", model: Ior::Sellmeier(Borrowed(PMMA)) },
     Entry {
         name: "n-bk7",
         label: "Crown glass N-BK7",
         source: "SCHOTT optical glass data sheets: 20 °C",
-        model: Formula::Sellmeier(N_BK7),
+        model: Ior::Sellmeier(Borrowed(N_BK7)),
     },
     Entry {
         name: "glass",
         label: "Glass",
         source: "Another name for n-bk7, the commonest optical glass; window glass is within 0.01 of it",
-        model: Formula::Sellmeier(N_BK7),
+        model: Ior::Sellmeier(Borrowed(N_BK7)),
     },
     Entry {
         name: "sapphire",
         label: "Sapphire (ordinary ray)",
         source: "I. H. Malitson and M. J. Dodge, J. Opt. Soc. Am. 62, 1405 (1972): 20 °C",
-        model: Formula::Sellmeier(&[
+        model: Ior::Sellmeier(Borrowed(&[
             [1.431_349_3, squared(0.072_663_1)],
             [0.650_547_13, squared(0.119_324_2)],
             [5.341_402_1, squared(18.028_251)],
-        ]),
+        ])),
     },
     Entry {
         name: "sf11",
         label: "Flint glass SF11",
         source: "SCHOTT optical glass data sheets: 20 °C",
-        model: Formula::Sellmeier(&[
+        model: Ior::Sellmeier(Borrowed(&[
             [1.738_484_03, 0.013_606_860_4],
             [0.311_168_974, 0.061_596_046_3],
             [1.174_908_71, 121.922_711],
-        ]),
+        ])),
     },
     Entry {
         name: "p-sf68",
         label: "Dense flint glass P-SF68",
         source: "SCHOTT optical glass data sheets: 20 °C",
-        model: Formula::Sellmeier(&[
+        model: Ior::Sellmeier(Borrowed(&[
             [2.333_006_7, 0.016_883_841_9],
             [0.452_961_396, 0.071_608_632_5],
             [1.251_723_39, 118.707_479],
-        ]),
+        ])),
     },
     Entry {
         name: "diamond",
         label: "Diamond",
         source: "F. Peter, Z. Phys. 15, 358 (1923)",
-        model: Formula::Sellmeier(&[[0.3306, squared(0.1750)], [4.3356, squared(0.1060)]]),
+        model: Ior::Sellmeier(Borrowed(&[[0.3306, squared(0.1750)], [4.3356, squared(0.1060)]])),
     },
 ];
 
@@ -174,6 +148,7 @@ pub fn find(name: &str) -> Option<&'static Entry> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::ior::WAVELENGTH_D_UM;
     use super::*;
     use std::collections::HashSet;
 

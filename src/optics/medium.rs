@@ -1,6 +1,6 @@
 //! A medium as the user describes it.
 
-use super::dispersion::IorModel;
+use super::Ior;
 
 /// Name of the global medium wherever media are named.
 pub const WORLD: &str = "world";
@@ -13,7 +13,7 @@ pub struct Medium {
     /// Unique in its scene; never [`WORLD`] or [`VACUUM`].
     pub name: String,
     /// Index of refraction.
-    pub ior: IorModel,
+    pub ior: Ior,
     /// Absorption coefficient σ per scene unit, base e, for red, green and blue; each ≥ 0.
     pub absorption: [f64; 3],
 }

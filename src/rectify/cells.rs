@@ -13,8 +13,7 @@ use super::containment::{containment_beside, fills_beside, is_inside, is_inside_
 use super::surroundings::{Answer, State, Surroundings};
 use super::tolerance::Tolerance;
 use crate::geometry::{PrimitiveId, SurfacePoint};
-use crate::scene::World;
-use crate::scene::world::ObjectId;
+use crate::scene::{ObjectId, Scene};
 
 /// Cells get no smaller than this share of the smallest object that has to do with them.
 const FINEST: f64 = 1.0 / 96.0;
@@ -70,7 +69,7 @@ impl Ask {
     }
 
     /// Every possible answer, in the order of [`Self::look`]; `None` where there are too many.
-    pub fn answers<'a>(&'a self, world: &'a World) -> Option<impl Iterator<Item = Answer> + 'a> {
+    pub fn answers<'a>(&'a self, scene: &'a Scene) -> Option<impl Iterator<Item = Answer> + 'a> {
         let combinations = self.combinations()?;
         Some((0..combinations).map(move |index| {
             let mut surroundings = self.base.clone();
@@ -79,26 +78,26 @@ impl Ask {
                 member.tell(&mut surroundings, State::ALL[rest % member.states()]);
                 rest /= member.states();
             }
-            surroundings.resolve(world)
+            surroundings.resolve(scene)
         }))
     }
 
     /// The answer at a point.
-    pub fn answer(&self, world: &World, point: &SurfacePoint) -> Answer {
+    pub fn answer(&self, scene: &Scene, point: &SurfacePoint) -> Answer {
         if self.is_crowded {
-            return answer_anew(world, point);
+            return answer_anew(scene, point);
         }
         let mut surroundings = self.base.clone();
-        match self.states_at(world, point, |member, state| member.tell(&mut surroundings, state)) {
-            Some(()) => surroundings.resolve(world),
+        match self.states_at(scene, point, |member, state| member.tell(&mut surroundings, state)) {
+            Some(()) => surroundings.resolve(scene),
             None => Answer::MASKED,
         }
     }
 
     /// Which of the listed answers holds at a point; `None` where a coincident face stands for this one.
-    pub fn look(&self, world: &World, point: &SurfacePoint) -> Option<usize> {
+    pub fn look(&self, scene: &Scene, point: &SurfacePoint) -> Option<usize> {
         let (mut index, mut stride) = (0, 1);
-        self.states_at(world, point, |member, state| {
+        self.states_at(scene, point, |member, state| {
             index += state as usize * stride;
             stride *= member.states();
         })?;
@@ -107,9 +106,9 @@ impl Ask {
 
     /// Asks about each member in turn; `None` where a coincident face stands for this one.
     #[inline]
-    fn states_at(&self, world: &World, point: &SurfacePoint, mut tell: impl FnMut(&Member, State)) -> Option<()> {
+    fn states_at(&self, scene: &Scene, point: &SurfacePoint, mut tell: impl FnMut(&Member, State)) -> Option<()> {
         let covers = |primitive: PrimitiveId| {
-            let geometry = &*world.geometry;
+            let geometry = &*scene.geometry;
             let (own, other) = (geometry.object_of(point.primitive), geometry.object_of(primitive));
             let tolerance = Tolerance::between(geometry, own, other);
             Face::of(geometry, primitive).cover(&[point.position], tolerance) == Cover::All
@@ -121,11 +120,11 @@ impl Ask {
             let state = match member.coincident.iter().find(|(primitive, _)| covers(*primitive)) {
                 // Of twins, the first one stands for both.
                 Some((primitive, _)) if *primitive < point.primitive => return None,
-                Some(_) if world.object(member.refractor).may_contain_itself() => {
-                    state_of_parts(world, member.refractor, self.base.subject, point)?
+                Some(_) if scene.object(member.refractor).may_contain_itself() => {
+                    state_of_parts(scene, member.refractor, self.base.subject, point)?
                 }
                 Some((_, same)) => State::of_coincident(*same),
-                None if is_inside(world, member.refractor, point) => State::In,
+                None if is_inside(scene, member.refractor, point) => State::In,
                 None => State::Out,
             };
             tell(member, state);
@@ -135,18 +134,18 @@ impl Ask {
 }
 
 /// The answer at a point, of which nothing is known beforehand.
-fn answer_anew(world: &World, point: &SurfacePoint) -> Answer {
-    if is_stood_for(world, point) {
+fn answer_anew(scene: &Scene, point: &SurfacePoint) -> Answer {
+    if is_stood_for(scene, point) {
         return Answer::MASKED;
     }
-    let mut surroundings = Surroundings::new(ObjectId(world.geometry.object_of(point.primitive)));
-    for refractor in containment_beside(world, point, true).refractors {
+    let mut surroundings = Surroundings::new(ObjectId(scene.geometry.object_of(point.primitive)));
+    for refractor in containment_beside(scene, point, true).refractors {
         surroundings.add(refractor, State::OuterOnly);
     }
-    for refractor in containment_beside(world, point, false).refractors {
+    for refractor in containment_beside(scene, point, false).refractors {
         surroundings.add(refractor, State::InnerOnly);
     }
-    surroundings.resolve(world)
+    surroundings.resolve(scene)
 }
 
 impl Member {
@@ -164,16 +163,16 @@ impl Member {
 
 /// How a refractor of several parts lies at a point of a surface that faces of its own coincide with: several of them may, of parts on either
 /// side, and other parts may contain all of it. `None` where the refractor is the subject itself and its faces there enclose nothing between them.
-fn state_of_parts(world: &World, refractor: ObjectId, subject: ObjectId, point: &SurfacePoint) -> Option<State> {
-    let [is_outer, is_inner] = [true, false].map(|is_outer| fills_beside(world, refractor, point, is_outer));
+fn state_of_parts(scene: &Scene, refractor: ObjectId, subject: ObjectId, point: &SurfacePoint) -> Option<State> {
+    let [is_outer, is_inner] = [true, false].map(|is_outer| fills_beside(scene, refractor, point, is_outer));
     (is_inner || refractor != subject).then(|| State::of_sides(is_outer, is_inner))
 }
 
 /// A touched face, divided. Children come after their parents; a triangle has one root, a sphere one for each octant.
 pub type Division = Vec<Node<Surroundings, Ask>>;
 
-fn is_sphere(world: &World, face: PrimitiveId) -> bool {
-    world.geometry.sphere(face).is_some()
+fn is_sphere(scene: &Scene, face: PrimitiveId) -> bool {
+    scene.geometry.sphere(face).is_some()
 }
 
 /// The number of roots of a face's division.
@@ -183,8 +182,8 @@ pub fn roots(is_sphere: bool) -> u32 {
 
 /// Where in a division a point of the face lies: the root's offset, and its weights at that root's corners, up to a common factor.
 #[inline]
-pub fn locate(world: &World, point: &SurfacePoint, barycentric: [f64; 2]) -> (u32, [f64; 3]) {
-    match world.geometry.sphere(point.primitive) {
+pub fn locate(scene: &Scene, point: &SurfacePoint, barycentric: [f64; 2]) -> (u32, [f64; 3]) {
+    match scene.geometry.sphere(point.primitive) {
         Some(_) => {
             let n = point.normal;
             let octant = u32::from(n.x < 0.0) | u32::from(n.y < 0.0) << 1 | u32::from(n.z < 0.0) << 2;
@@ -214,68 +213,68 @@ pub fn descend<K, A>(nodes: &[Node<K, A>], root: u32, mut weights: [f64; 3]) -> 
 }
 
 /// The objects that touch a face, in ascending order.
-pub fn touching(world: &World, contacts: &[Contact]) -> Vec<ObjectId> {
+pub fn touching(scene: &Scene, contacts: &[Contact]) -> Vec<ObjectId> {
     let mut objects: Vec<ObjectId> =
-        contacts.iter().map(|contact| ObjectId(world.geometry.object_of(contact.primitive))).collect();
+        contacts.iter().map(|contact| ObjectId(scene.geometry.object_of(contact.primitive))).collect();
     objects.sort_unstable();
     objects.dedup();
     objects
 }
 
 /// The refractors that contain the outer side of a face all over, without asking about those that touch it.
-pub fn containers(world: &World, face: PrimitiveId, touching: &[ObjectId]) -> Vec<ObjectId> {
-    let Some(point) = world.geometry.sample_primitive(face, [1.0 / 3.0, 1.0 / 3.0]) else { return Vec::new() };
-    let mut refractors = containment_beside(world, &point, true).refractors;
+pub fn containers(scene: &Scene, face: PrimitiveId, touching: &[ObjectId]) -> Vec<ObjectId> {
+    let Some(point) = scene.geometry.sample_primitive(face, [1.0 / 3.0, 1.0 / 3.0]) else { return Vec::new() };
+    let mut refractors = containment_beside(scene, &point, true).refractors;
     refractors.retain(|refractor| !touching.contains(refractor));
     refractors
 }
 
 /// The radius of the finest cells of a face; `None` where it is not divided, because nothing does more than touch its edges.
-pub fn finest(world: &World, face: PrimitiveId, contacts: &[Contact]) -> Option<f64> {
+pub fn finest(scene: &Scene, face: PrimitiveId, contacts: &[Contact]) -> Option<f64> {
     let size = |object: ObjectId| {
-        let (min, max) = world.geometry.bounds_of(object.0);
+        let (min, max) = scene.geometry.bounds_of(object.0);
         (max - min).length()
     };
-    let subject = ObjectId(world.geometry.object_of(face));
+    let subject = ObjectId(scene.geometry.object_of(face));
     let mut active = contacts.iter().filter(|contact| contact.relation != Relation::Touches).peekable();
     active.peek()?;
-    let objects = active.map(|contact| ObjectId(world.geometry.object_of(contact.primitive)));
-    Some(objects.filter(|&object| is_refractor(world, object)).map(size).fold(size(subject), f64::min) * FINEST)
+    let objects = active.map(|contact| ObjectId(scene.geometry.object_of(contact.primitive)));
+    Some(objects.filter(|&object| is_refractor(scene, object)).map(size).fold(size(subject), f64::min) * FINEST)
 }
 
 /// Divides a touched face, or says that it is crowded. `containers` are the refractors that contain its outer side and do not touch it. Cells may be coarser than the
 /// finest by the factor `coarseness` ≥ 1: more hits are then asked about at their own place, and the answers are the same.
 pub fn divide(
-    world: &World,
+    scene: &Scene,
     face: PrimitiveId,
     contacts: &[Contact],
     containers: &[ObjectId],
     coarseness: f64,
 ) -> Division {
-    let subject = ObjectId(world.geometry.object_of(face));
+    let subject = ObjectId(scene.geometry.object_of(face));
     if contacts.is_empty() {
         let (base, members, opaque) = (Surroundings::new(subject), Vec::new(), Vec::new());
         return vec![
             Node::Asked(Ask { base, members, opaque, is_crowded: true });
-            roots(is_sphere(world, face)) as usize
+            roots(is_sphere(scene, face)) as usize
         ];
     }
-    let shape = Face::of(&world.geometry, face);
+    let shape = Face::of(&scene.geometry, face);
     let pool: Vec<(Contact, Face)> =
-        contacts.iter().map(|contact| (*contact, Face::of(&world.geometry, contact.primitive))).collect();
+        contacts.iter().map(|contact| (*contact, Face::of(&scene.geometry, contact.primitive))).collect();
     let mut actives: Vec<Active> = Vec::new();
     for (index, (contact, _)) in pool.iter().enumerate() {
         if contact.relation == Relation::Touches {
             continue;
         }
-        let object = ObjectId(world.geometry.object_of(contact.primitive));
+        let object = ObjectId(scene.geometry.object_of(contact.primitive));
         // Contacts are in the order of primitives, and those of one object follow each other.
         let active = match actives.last_mut() {
             Some(active) if active.object == object => active,
             _ => {
-                let is_refractor = is_refractor(world, object);
-                let tolerance = Tolerance::between(&world.geometry, subject.0, object.0);
-                let has_several_parts = world.object(object).may_contain_itself();
+                let is_refractor = is_refractor(scene, object);
+                let tolerance = Tolerance::between(&scene.geometry, subject.0, object.0);
+                let has_several_parts = scene.object(object).may_contain_itself();
                 let (crossing, coincident) = (Vec::new(), Vec::new());
                 actives.push(Active { object, is_refractor, has_several_parts, tolerance, crossing, coincident });
                 actives.last_mut().expect("it has just been added")
@@ -286,8 +285,8 @@ pub fn divide(
             _ => active.crossing.push(index as u32),
         }
     }
-    let finest = finest(world, face, contacts).unwrap_or_default() * coarseness;
-    let mut divider = Divider { world, face, shape, pool, finest, nodes: Vec::new() };
+    let finest = finest(scene, face, contacts).unwrap_or_default() * coarseness;
+    let mut divider = Divider { scene, face, shape, pool, finest, nodes: Vec::new() };
 
     let mut base = Surroundings::new(subject);
     let Some(middle) = divider.point(&divider.root_corners(0)) else {
@@ -299,13 +298,13 @@ pub fn divide(
         base.add(refractor, State::In);
     }
     // What touches it at its edges only is the same all over it.
-    for object in touching(world, contacts) {
+    for object in touching(scene, contacts) {
         let is_active = actives.iter().any(|active| active.object == object);
-        if !is_active && is_refractor(world, object) && is_inside_by_vote(world, object, &middle) {
+        if !is_active && is_refractor(scene, object) && is_inside_by_vote(scene, object, &middle) {
             base.add(object, State::In);
         }
     }
-    let roots = roots(is_sphere(world, face));
+    let roots = roots(is_sphere(scene, face));
     divider.nodes.resize(roots as usize, Node::Known(Surroundings::new(subject)));
     for root in 0..roots {
         let corners = divider.root_corners(root);
@@ -335,7 +334,7 @@ struct Active {
 }
 
 struct Divider<'a> {
-    world: &'a World,
+    scene: &'a Scene,
     face: PrimitiveId,
     shape: Face,
     pool: Vec<(Contact, Face)>,
@@ -405,13 +404,13 @@ impl Divider<'_> {
             if let Some(index) = covering.filter(|_| !has_parts && active.crossing.is_empty()) {
                 // Contacts are in the order of primitives, so this is the first of the object's faces here.
                 base.is_masked |= self.pool[index as usize].0.primitive < self.face;
-                match state_of_parts(self.world, active.object, base.subject, &middle) {
+                match state_of_parts(self.scene, active.object, base.subject, &middle) {
                     Some(state) => base.add(active.object, state),
                     None => base.is_masked = true,
                 }
             } else if !active.crossing.is_empty() || !active.coincident.is_empty() {
                 remaining.push(active);
-            } else if active.is_refractor && is_inside_by_vote(self.world, active.object, &middle) {
+            } else if active.is_refractor && is_inside_by_vote(self.scene, active.object, &middle) {
                 base.add(active.object, State::In);
             }
         }

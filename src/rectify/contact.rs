@@ -14,8 +14,7 @@ use super::progress::{Cancelled, Progress, Stage};
 use super::tolerance::{Margins, Tolerance, largest};
 use crate::geometry::sphere::Sphere;
 use crate::geometry::{Geometry, ObjectRange, PrimitiveId, SurfacePoint, closest_point};
-use crate::scene::World;
-use crate::scene::world::{ObjectId, Surface};
+use crate::scene::{ObjectId, Scene, Surface};
 
 /// Normals of coincident faces differ by less than the angle of this cosine.
 const PARALLEL: f64 = 0.9;
@@ -84,10 +83,10 @@ impl Contacts {
 ///
 /// # Errors
 /// When `progress` is cancelled.
-pub fn find(world: &World, subjects: &[ObjectId], copies: &Copies, progress: &Progress) -> Result<Contacts, Cancelled> {
+pub fn find(scene: &Scene, subjects: &[ObjectId], copies: &Copies, progress: &Progress) -> Result<Contacts, Cancelled> {
     /// Faces that one task looks at.
     const CHUNK: u32 = 2048;
-    let geometry = &*world.geometry;
+    let geometry = &*scene.geometry;
     let mut tasks = Vec::new();
     for &subject in subjects {
         let range = primitives_of(geometry, subject);
@@ -96,7 +95,7 @@ pub fn find(world: &World, subjects: &[ObjectId], copies: &Copies, progress: &Pr
         );
     }
     tasks.sort_by_key(|(_, range)| range.start);
-    let margins = Margins::new(geometry, world.objects.len() as u32);
+    let margins = Margins::new(geometry, scene.objects.len() as u32);
     let margins: HashMap<ObjectId, f64> =
         subjects.par_iter().map(|subject| (*subject, margins.of(geometry, subject.0))).collect();
     progress.enter(Stage::Contacts, tasks.iter().map(|(_, range)| range.len()).sum())?;
@@ -105,10 +104,10 @@ pub fn find(world: &World, subjects: &[ObjectId], copies: &Copies, progress: &Pr
         .map(|(subject, range)| {
             let mut contacts = Contacts::default();
             let seeker = Seeker {
-                world,
+                scene,
                 subject,
                 copies,
-                is_refractor: is_refractor(world, subject),
+                is_refractor: is_refractor(scene, subject),
                 margin: margins[&subject],
             };
             let faces = range.len();
@@ -134,15 +133,15 @@ pub fn find(world: &World, subjects: &[ObjectId], copies: &Copies, progress: &Pr
 }
 
 /// The objects whose surroundings are asked for.
-pub fn subjects(world: &World) -> impl Iterator<Item = ObjectId> {
-    (0..world.objects.len() as u32).map(ObjectId).filter(|&id| {
-        matches!(world.object(id).surface, Surface::Refractor { .. } | Surface::Light { .. })
-            && world.geometry.face_count(id.0) > 0
+pub fn subjects(scene: &Scene) -> impl Iterator<Item = ObjectId> {
+    (0..scene.objects.len() as u32).map(ObjectId).filter(|&id| {
+        matches!(scene.object(id).surface, Surface::Refractor { .. } | Surface::Light { .. })
+            && scene.geometry.face_count(id.0) > 0
     })
 }
 
-pub fn is_refractor(world: &World, object: ObjectId) -> bool {
-    matches!(world.object(object).surface, Surface::Refractor { .. })
+pub fn is_refractor(scene: &Scene, object: ObjectId) -> bool {
+    matches!(scene.object(object).surface, Surface::Refractor { .. })
 }
 
 /// The primitives of an object.
@@ -154,7 +153,7 @@ pub fn primitives_of(geometry: &Geometry, object: ObjectId) -> std::ops::Range<P
 }
 
 struct Seeker<'a> {
-    world: &'a World,
+    scene: &'a Scene,
     subject: ObjectId,
     copies: &'a Copies,
     is_refractor: bool,
@@ -175,19 +174,19 @@ impl Seeker<'_> {
         Other {
             object,
             is_copy: self.copies.is_copy(object),
-            is_refractor: is_refractor(self.world, object),
-            tolerance: Tolerance::between(&self.world.geometry, self.subject.0, object.0),
+            is_refractor: is_refractor(self.scene, object),
+            tolerance: Tolerance::between(&self.scene.geometry, self.subject.0, object.0),
         }
     }
 
     /// Adds `face` and what touches it, if anything does.
     fn look(&self, face: PrimitiveId, to: &mut Contacts) {
-        let geometry = &*self.world.geometry;
+        let geometry = &*self.scene.geometry;
         let (min, max) = Face::bounds_of(geometry, face);
         let (min, max) = (min - self.margin, max + self.margin);
         // Worked out for the first other one: most faces have none near.
         let mut this = None;
-        let asks_itself = self.world.object(self.subject).may_contain_itself();
+        let asks_itself = self.scene.object(self.subject).may_contain_itself();
         let except = (!asks_itself).then_some(self.subject.0);
         let before = to.contacts.len();
         let mut comparable = 0;
@@ -572,17 +571,17 @@ pub fn coincides(geometry: &Geometry, face: PrimitiveId, other: PrimitiveId) -> 
 }
 
 /// Whether a coincident face stands for the one at `point`: that of something opaque, or the first of the refractors'.
-pub fn is_stood_for(world: &World, point: &SurfacePoint) -> bool {
-    let geometry = &*world.geometry;
+pub fn is_stood_for(scene: &Scene, point: &SurfacePoint) -> bool {
+    let geometry = &*scene.geometry;
     let own = ObjectId(geometry.object_of(point.primitive));
     let this = Face::of(geometry, point.primitive);
-    let except = (!world.object(own).may_contain_itself()).then_some(own.0);
+    let except = (!scene.object(own).may_contain_itself()).then_some(own.0);
     // With room for what reaches farther.
     let margin = 4.0 * largest(geometry, own.0);
     let (min, max) = (point.position - margin, point.position + margin);
     let search = geometry.search_near_box(min, max, except, |primitive| {
         let object = ObjectId(geometry.object_of(primitive));
-        let goes_first = primitive < point.primitive || !is_refractor(world, object);
+        let goes_first = primitive < point.primitive || !is_refractor(scene, object);
         if primitive == point.primitive || !goes_first || (except.is_some() && object == own) {
             return ControlFlow::Continue(());
         }

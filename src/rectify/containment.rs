@@ -8,8 +8,7 @@ use super::contact;
 use super::tolerance::largest;
 use crate::geometry::{Enclosure, Hit, NO_PRIMITIVE, Ray, SurfacePoint, uniform_direction};
 use crate::rectify::random::Random;
-use crate::scene::World;
-use crate::scene::world::{MediumId, ObjectId, Surface};
+use crate::scene::{MediumId, ObjectId, Scene, Surface};
 
 /// Rays of the first round. Odd, so that a vote among them decides.
 const FIRST_ROUND: u32 = 3;
@@ -83,33 +82,33 @@ thread_local! {
 }
 
 impl Poll {
-    fn clear(&mut self, world: &World) {
+    fn clear(&mut self, scene: &Scene) {
         for candidate in self.candidates.drain(..) {
             self.votes[candidate as usize] = (0, 0);
         }
         (self.rays, self.hits) = (0, 0);
-        self.meetings.resize(world.objects.len(), NO_MEETING);
-        self.votes.resize(world.objects.len(), (0, 0));
+        self.meetings.resize(scene.objects.len(), NO_MEETING);
+        self.votes.resize(scene.objects.len(), (0, 0));
     }
 
     /// One ray's votes about every refractor. Hits that `is_ignored` names do not count.
-    pub(super) fn ask(&mut self, world: &World, ray: &Ray, is_ignored: impl Fn(&Hit) -> bool) {
+    pub(super) fn ask(&mut self, scene: &Scene, ray: &Ray, is_ignored: impl Fn(&Hit) -> bool) {
         self.rays += 1;
-        self.look(world, ray, is_ignored, false);
+        self.look(scene, ray, is_ignored, false);
     }
 
     /// One ray's votes about sheets alone: those do not mind through what a ray goes.
-    pub(super) fn ask_sheets(&mut self, world: &World, ray: &Ray, is_ignored: impl Fn(&Hit) -> bool) {
-        self.look(world, ray, is_ignored, true);
+    pub(super) fn ask_sheets(&mut self, scene: &Scene, ray: &Ray, is_ignored: impl Fn(&Hit) -> bool) {
+        self.look(scene, ray, is_ignored, true);
     }
 
-    fn look(&mut self, world: &World, ray: &Ray, is_ignored: impl Fn(&Hit) -> bool, only_sheets: bool) {
+    fn look(&mut self, scene: &Scene, ray: &Ray, is_ignored: impl Fn(&Hit) -> bool, only_sheets: bool) {
         let mut nearest_opaque = f64::INFINITY;
         let mut hits = 0;
-        world.geometry.for_each_hit(ray, |hit| {
+        scene.geometry.for_each_hit(ray, |hit| {
             hits += 1;
-            let object = world.geometry.object_of(hit.primitive);
-            if !contact::is_refractor(world, ObjectId(object)) {
+            let object = scene.geometry.object_of(hit.primitive);
+            if !contact::is_refractor(scene, ObjectId(object)) {
                 nearest_opaque = nearest_opaque.min(hit.t);
                 return;
             }
@@ -128,7 +127,7 @@ impl Poll {
         self.hits += hits;
         for object in self.met.drain(..) {
             let meeting = std::mem::replace(&mut self.meetings[object as usize], NO_MEETING);
-            let enclosure = world.objects[object as usize].enclosure;
+            let enclosure = scene.objects[object as usize].enclosure;
             let is_sheet = enclosure == Enclosure::Sheet;
             let is_inside = match enclosure {
                 Enclosure::Closed => !meeting.is_front,
@@ -150,12 +149,12 @@ impl Poll {
     }
 
     /// Votes so far about every refractor that any ray found to contain the start, and about every sheet that was met, in ascending order.
-    pub(super) fn votes(&self, world: &World) -> Vec<Vote> {
+    pub(super) fn votes(&self, scene: &Scene) -> Vec<Vote> {
         let mut votes: Vec<Vote> = (self.candidates.iter())
             .map(|&object| {
                 let (inside, asked) = self.votes[object as usize];
                 // Of a closed refractor every ray knows something.
-                let is_sheet = world.objects[object as usize].enclosure == Enclosure::Sheet;
+                let is_sheet = scene.objects[object as usize].enclosure == Enclosure::Sheet;
                 Vote { refractor: ObjectId(object), inside, asked: if is_sheet { asked } else { self.rays } }
             })
             .collect();
@@ -168,95 +167,95 @@ impl Poll {
         self.hits
     }
 
-    pub(super) fn is_unanimous(&self, world: &World) -> bool {
+    pub(super) fn is_unanimous(&self, scene: &Scene) -> bool {
         self.candidates.iter().all(|&object| {
             let (inside, asked) = self.votes[object as usize];
-            let is_sheet = world.objects[object as usize].enclosure == Enclosure::Sheet;
+            let is_sheet = scene.objects[object as usize].enclosure == Enclosure::Sheet;
             inside == if is_sheet { asked } else { self.rays } || inside == 0
         })
     }
 }
 
 /// The refractors, other than `except`, that contain `point` (local coordinates). Directions follow from the point alone.
-pub fn containment(world: &World, point: DVec3, except: Option<ObjectId>) -> Containment {
-    let votes = poll(world, point, |random| Ray::new(point, random.direction()), |_| false);
+pub fn containment(scene: &Scene, point: DVec3, except: Option<ObjectId>) -> Containment {
+    let votes = poll(scene, point, |random| Ray::new(point, random.direction()), |_| false);
     let nowhere = SurfacePoint { position: point, normal: DVec3::ZERO, primitive: NO_PRIMITIVE };
-    settle(world, &nowhere, votes, except)
+    settle(scene, &nowhere, votes, except)
 }
 
 /// The refractors that lie on a side of a surface: the outer one, or the inner one. Faces that coincide with the surface are no hits: which
 /// side they look to is told by the rays that leave on that side. The object itself is asked about on its outer side only if it is a
 /// union, and never on the inner.
-pub fn containment_beside(world: &World, point: &SurfacePoint, is_outer: bool) -> Containment {
-    let own = ObjectId(world.geometry.object_of(point.primitive));
-    let votes = votes_beside(world, point, is_outer);
-    let may_contain_itself = is_outer && world.object(own).may_contain_itself();
-    settle(world, point, votes, (!may_contain_itself).then_some(own))
+pub fn containment_beside(scene: &Scene, point: &SurfacePoint, is_outer: bool) -> Containment {
+    let own = ObjectId(scene.geometry.object_of(point.primitive));
+    let votes = votes_beside(scene, point, is_outer);
+    let may_contain_itself = is_outer && scene.object(own).may_contain_itself();
+    settle(scene, point, votes, (!may_contain_itself).then_some(own))
 }
 
 /// Generalised winding number of a surface with holes around a point: next to it, on the outer side, where the point lies on that very surface.
-pub(super) fn winding_beside(world: &World, holed: ObjectId, point: &SurfacePoint) -> f64 {
-    let is_own = point.primitive != NO_PRIMITIVE && world.geometry.object_of(point.primitive) == holed.0;
-    if is_own { winding_on_side(world, holed, point, true) } else { world.object(holed).winding_at(point.position) }
+pub(super) fn winding_beside(scene: &Scene, holed: ObjectId, point: &SurfacePoint) -> f64 {
+    let is_own = point.primitive != NO_PRIMITIVE && scene.geometry.object_of(point.primitive) == holed.0;
+    if is_own { winding_on_side(scene, holed, point, true) } else { scene.object(holed).winding_at(point.position) }
 }
 
 /// The same on a side of a surface that faces of the object lie on: on them rounding would decide between the numbers of their two sides.
-fn winding_on_side(world: &World, holed: ObjectId, point: &SurfacePoint, is_outer: bool) -> f64 {
+fn winding_on_side(scene: &Scene, holed: ObjectId, point: &SurfacePoint, is_outer: bool) -> f64 {
     /// Share of the object's radius: beyond the rounding of vertices.
     const BESIDE: f64 = 1e-6;
-    let away = point.normal * (BESIDE * world.geometry.radius_of(holed.0));
-    world.object(holed).winding_at(point.position + if is_outer { away } else { -away })
+    let away = point.normal * (BESIDE * scene.geometry.radius_of(holed.0));
+    scene.object(holed).winding_at(point.position + if is_outer { away } else { -away })
 }
 
 /// The votes of rays that leave a surface on one side. Faces that coincide with it there are no hits.
-fn votes_beside(world: &World, point: &SurfacePoint, is_outer: bool) -> Vec<Vote> {
+fn votes_beside(scene: &Scene, point: &SurfacePoint, is_outer: bool) -> Vec<Vote> {
     let side = SurfacePoint { normal: if is_outer { point.normal } else { -point.normal }, ..*point };
-    poll(world, point.position, |random| outward_ray(&side, random), |hit| is_at_start(world, point, hit))
+    poll(scene, point.position, |random| outward_ray(&side, random), |hit| is_at_start(scene, point, hit))
 }
 
 /// Whether a hit of a ray that leaves `point` is of a face that coincides with that of the point.
-pub(super) fn is_at_start(world: &World, point: &SurfacePoint, hit: &Hit) -> bool {
+pub(super) fn is_at_start(scene: &Scene, point: &SurfacePoint, hit: &Hit) -> bool {
     // A coincident face lies within the tolerance, which is longer along a ray that grazes it; everything farther away is none.
     const GRAZING: f64 = 32.0;
-    let geometry = &*world.geometry;
+    let geometry = &*scene.geometry;
     let tolerance = |primitive| largest(geometry, geometry.object_of(primitive));
     hit.t < GRAZING * tolerance(point.primitive).max(tolerance(hit.primitive))
         && contact::coincides(geometry, point.primitive, hit.primitive).is_some()
 }
 
 /// Lends this thread's votes, cleared. Clearing costs as much as the last question touched, not as much as there are objects.
-pub(super) fn with_poll<R>(world: &World, ask: impl FnOnce(&mut Poll) -> R) -> R {
+pub(super) fn with_poll<R>(scene: &Scene, ask: impl FnOnce(&mut Poll) -> R) -> R {
     POLL.with_borrow_mut(|poll| {
-        poll.clear(world);
+        poll.clear(scene);
         ask(poll)
     })
 }
 
-fn poll(world: &World, point: DVec3, ray: impl Fn(&mut Random) -> Ray, is_ignored: impl Fn(&Hit) -> bool) -> Vec<Vote> {
-    with_poll(world, |poll| {
+fn poll(scene: &Scene, point: DVec3, ray: impl Fn(&mut Random) -> Ray, is_ignored: impl Fn(&Hit) -> bool) -> Vec<Vote> {
+    with_poll(scene, |poll| {
         let mut random = Random::from_point(point);
         for _ in 0..FIRST_ROUND {
-            poll.ask(world, &ray(&mut random), &is_ignored);
+            poll.ask(scene, &ray(&mut random), &is_ignored);
         }
-        if !poll.is_unanimous(world) {
+        if !poll.is_unanimous(scene) {
             for _ in FIRST_ROUND..LAST_ROUND {
-                poll.ask(world, &ray(&mut random), &is_ignored);
+                poll.ask(scene, &ray(&mut random), &is_ignored);
             }
         }
-        if world.has_sheets {
+        if scene.has_sheets {
             // Rays past a sheet say nothing, so a few are too few; and below a sheet it may be the rays back through the object that meet it.
             for _ in 0..LAST_ROUND {
                 let ray = ray(&mut random);
-                poll.ask_sheets(world, &ray, &is_ignored);
-                poll.ask_sheets(world, &Ray { direction: -ray.direction, ..ray }, &is_ignored);
+                poll.ask_sheets(scene, &ray, &is_ignored);
+                poll.ask_sheets(scene, &Ray { direction: -ray.direction, ..ray }, &is_ignored);
             }
         }
-        poll.votes(world)
+        poll.votes(scene)
     })
 }
 
 /// Majorities, and the refractors with holes, all but `except`.
-fn settle(world: &World, point: &SurfacePoint, votes: Vec<Vote>, except: Option<ObjectId>) -> Containment {
+fn settle(scene: &Scene, point: &SurfacePoint, votes: Vec<Vote>, except: Option<ObjectId>) -> Containment {
     let mut answer = Containment::default();
     let is_asked = |refractor: ObjectId| Some(refractor) != except;
     for vote in votes.into_iter().filter(|vote| is_asked(vote.refractor)) {
@@ -265,8 +264,8 @@ fn settle(world: &World, point: &SurfacePoint, votes: Vec<Vote>, except: Option<
         }
         answer.is_ambiguous |= vote.share() < CLEAR_SHARE;
     }
-    for &holed in world.holed.iter().filter(|holed| is_asked(**holed)) {
-        let winding = winding_beside(world, holed, point);
+    for &holed in scene.holed.iter().filter(|holed| is_asked(**holed)) {
+        let winding = winding_beside(scene, holed, point);
         if winding > 0.5 {
             answer.refractors.push(holed);
         }
@@ -278,36 +277,36 @@ fn settle(world: &World, point: &SurfacePoint, votes: Vec<Vote>, except: Option<
 
 /// Whether `refractor` contains a point on a face of another object, or the outer side of one of its own: one ray where one is enough.
 /// Faces that coincide with that face must have been dealt with.
-pub fn is_inside(world: &World, refractor: ObjectId, point: &SurfacePoint) -> bool {
-    if let Some(sphere) = world.geometry.sphere_of(refractor.0) {
+pub fn is_inside(scene: &Scene, refractor: ObjectId, point: &SurfacePoint) -> bool {
+    if let Some(sphere) = scene.geometry.sphere_of(refractor.0) {
         return point.position.distance_squared(sphere.center) < sphere.radius * sphere.radius;
     }
-    if world.object(refractor).enclosure == Enclosure::Closed {
+    if scene.object(refractor).enclosure == Enclosure::Closed {
         let ray = outward_ray(point, &mut Random::from_point(point.position));
-        return world.geometry.closest_of(&ray, refractor.0).is_some_and(|hit| !hit.is_front);
+        return scene.geometry.closest_of(&ray, refractor.0).is_some_and(|hit| !hit.is_front);
     }
-    is_inside_by_vote(world, refractor, point)
+    is_inside_by_vote(scene, refractor, point)
 }
 
 /// [`is_inside`], decided by several rays.
-pub fn is_inside_by_vote(world: &World, refractor: ObjectId, point: &SurfacePoint) -> bool {
-    if let Some(sphere) = world.geometry.sphere_of(refractor.0) {
+pub fn is_inside_by_vote(scene: &Scene, refractor: ObjectId, point: &SurfacePoint) -> bool {
+    if let Some(sphere) = scene.geometry.sphere_of(refractor.0) {
         return point.position.distance_squared(sphere.center) < sphere.radius * sphere.radius;
     }
-    match world.object(refractor).enclosure {
+    match scene.object(refractor).enclosure {
         Enclosure::Closed => {
             let mut random = Random::from_point(point.position);
             let (mut inside, mut rays) = (0, 0);
             while rays < 2 || (inside % rays != 0 && rays < LAST_ROUND) {
-                let hit = world.geometry.closest_of(&outward_ray(point, &mut random), refractor.0);
+                let hit = scene.geometry.closest_of(&outward_ray(point, &mut random), refractor.0);
                 inside += u32::from(hit.is_some_and(|hit| !hit.is_front));
                 rays += 1;
             }
             2 * inside > rays
         }
-        Enclosure::Holed => winding_beside(world, refractor, point) > 0.5,
+        Enclosure::Holed => winding_beside(scene, refractor, point) > 0.5,
         Enclosure::Union | Enclosure::Sheet => {
-            let votes = poll(world, point.position, |random| outward_ray(point, random), |_| false);
+            let votes = poll(scene, point.position, |random| outward_ray(point, random), |_| false);
             votes.iter().any(|vote| vote.refractor == refractor && vote.is_inside())
         }
     }
@@ -315,11 +314,11 @@ pub fn is_inside_by_vote(world: &World, refractor: ObjectId, point: &SurfacePoin
 
 /// Whether `refractor`, of several parts, fills the outer side of a surface, or the inner side, next to a point where faces of its own may
 /// coincide with that surface: rays that leave on that side tell, and those faces are no hits.
-pub(super) fn fills_beside(world: &World, refractor: ObjectId, point: &SurfacePoint, is_outer: bool) -> bool {
-    if world.object(refractor).enclosure == Enclosure::Holed {
-        return winding_on_side(world, refractor, point, is_outer) > 0.5;
+pub(super) fn fills_beside(scene: &Scene, refractor: ObjectId, point: &SurfacePoint, is_outer: bool) -> bool {
+    if scene.object(refractor).enclosure == Enclosure::Holed {
+        return winding_on_side(scene, refractor, point, is_outer) > 0.5;
     }
-    let votes = votes_beside(world, point, is_outer);
+    let votes = votes_beside(scene, point, is_outer);
     votes.iter().any(|vote| vote.refractor == refractor && vote.is_inside())
 }
 
@@ -334,11 +333,11 @@ pub(super) fn outward_ray(point: &SurfacePoint, random: &mut Random) -> Ray {
 const SAME_VOLUME: f64 = 1e-6;
 
 /// Of the refractors that contain a point, the one whose interior fills it: highest priority, then smallest volume, then the later.
-pub fn top(world: &World, refractors: impl IntoIterator<Item = ObjectId>) -> Option<ObjectId> {
+pub fn top(scene: &Scene, refractors: impl IntoIterator<Item = ObjectId>) -> Option<ObjectId> {
     refractors.into_iter().reduce(|a, b| {
         let (low, high) = (a.min(b), a.max(b));
-        let (volume_low, volume_high) = (world.object(low).volume, world.object(high).volume);
-        match priority(world, low).cmp(&priority(world, high)) {
+        let (volume_low, volume_high) = (scene.object(low).volume, scene.object(high).volume);
+        match priority(scene, low).cmp(&priority(scene, high)) {
             std::cmp::Ordering::Less => high,
             std::cmp::Ordering::Greater => low,
             std::cmp::Ordering::Equal if volume_low < volume_high && !is_same_volume(volume_low, volume_high) => low,
@@ -353,25 +352,25 @@ pub fn is_same_volume(a: f64, b: f64) -> bool {
 }
 
 /// The priority of a refractor; the lowest of all for other objects.
-pub fn priority(world: &World, object: ObjectId) -> i32 {
-    match world.object(object).surface {
+pub fn priority(scene: &Scene, object: ObjectId) -> i32 {
+    match scene.object(object).surface {
         Surface::Refractor { priority, .. } => priority,
         _ => i32::MIN,
     }
 }
 
 /// The medium that fills the innermost of `refractors`; the global medium if there is none.
-pub fn medium_of(world: &World, refractor: Option<ObjectId>) -> MediumId {
-    match refractor.map(|id| &world.object(id).surface) {
+pub fn medium_of(scene: &Scene, refractor: Option<ObjectId>) -> MediumId {
+    match refractor.map(|id| &scene.object(id).surface) {
         Some(Surface::Refractor { medium, .. }) => *medium,
         _ => MediumId::WORLD,
     }
 }
 
 /// The medium at a point in space (local coordinates), and whether the answer is ambiguous.
-pub fn medium_at(world: &World, point: DVec3) -> (MediumId, bool) {
-    let found = containment(world, point, None);
-    (medium_of(world, top(world, found.refractors)), found.is_ambiguous)
+pub fn medium_at(scene: &Scene, point: DVec3) -> (MediumId, bool) {
+    let found = containment(scene, point, None);
+    (medium_of(scene, top(scene, found.refractors)), found.is_ambiguous)
 }
 
 impl Random {

@@ -10,8 +10,7 @@ use super::contact::{Cover, Face, Relation, primitives_of};
 use super::surroundings::{State, Surroundings};
 use super::tolerance::{Tolerance, largest};
 use crate::geometry::{Enclosure, Geometry, PrimitiveId};
-use crate::scene::World;
-use crate::scene::world::ObjectId;
+use crate::scene::{ObjectId, Scene};
 
 /// The closed refractors that are copies of another one, bit by bit.
 #[derive(Debug, Clone, Default)]
@@ -22,12 +21,12 @@ pub struct Copies {
 }
 
 impl Copies {
-    pub fn find(world: &World) -> Self {
-        let geometry = &*world.geometry;
+    pub fn find(scene: &Scene) -> Self {
+        let geometry = &*scene.geometry;
         let mut alike: HashMap<[u64; 7], Vec<ObjectId>> = HashMap::new();
-        for (refractor, _) in world.refractors() {
+        for (refractor, _) in scene.refractors() {
             let faces = geometry.face_count(refractor.0);
-            if faces > 0 && world.object(refractor).enclosure == Enclosure::Closed {
+            if faces > 0 && scene.object(refractor).enclosure == Enclosure::Closed {
                 let (min, max) = geometry.bounds_of(refractor.0);
                 let [a, b, c] = (min + 0.0).to_array().map(f64::to_bits);
                 let [d, e, f] = (max + 0.0).to_array().map(f64::to_bits);
@@ -117,10 +116,10 @@ fn is_bit_equal(geometry: &Geometry, a: ObjectId, b: ObjectId) -> bool {
 }
 
 /// Whether two refractors have the same surface, looking the same way, however it is divided into faces.
-pub fn have_same_surface(world: &World, a: ObjectId, b: ObjectId) -> bool {
+pub fn have_same_surface(scene: &Scene, a: ObjectId, b: ObjectId) -> bool {
     /// Areas that differ by less than this, relatively, count as equal.
     const SAME_AREA: f64 = 1e-6;
-    let geometry = &*world.geometry;
+    let geometry = &*scene.geometry;
     if is_bit_equal(geometry, a, b) {
         return true;
     }
@@ -129,13 +128,13 @@ pub fn have_same_surface(world: &World, a: ObjectId, b: ObjectId) -> bool {
         return false;
     }
     // Where all of one lies on the other and is as large, it is the other.
-    primitives_of(geometry, a).into_par_iter().all(|face| lies_on(world, face, b))
+    primitives_of(geometry, a).into_par_iter().all(|face| lies_on(scene, face, b))
 }
 
 /// Whether a face lies on the surface of `other` and looks the same way: asked at its middle and close to its corners.
-fn lies_on(world: &World, face: PrimitiveId, other: ObjectId) -> bool {
+fn lies_on(scene: &Scene, face: PrimitiveId, other: ObjectId) -> bool {
     const CLOSE: f64 = 1.0 / 64.0;
-    let geometry = &*world.geometry;
+    let geometry = &*scene.geometry;
     let own = geometry.object_of(face);
     let tolerance = Tolerance::between(geometry, own, other.0);
     let this = Face::of(geometry, face);

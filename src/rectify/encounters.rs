@@ -6,8 +6,7 @@ use super::pretrace::SiteVotes;
 use super::surroundings::Surroundings;
 use crate::rectify::cells::Node;
 use crate::rectify::contact::is_refractor;
-use crate::scene::World;
-use crate::scene::world::ObjectId;
+use crate::scene::{ObjectId, Scene};
 
 /// How two refractors meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -38,20 +37,20 @@ struct Seen {
 }
 
 /// All encounters, sorted; each pair once for each way in which it meets.
-pub(super) fn encounters(world: &World, layout: &Layout, votes: &[SiteVotes]) -> Vec<Encounter> {
+pub(super) fn encounters(scene: &Scene, layout: &Layout, votes: &[SiteVotes]) -> Vec<Encounter> {
     let used = layout.nodes.iter().filter_map(|node| match node {
         Node::Known(answer) => layout.surroundings.get(*answer as usize - layout.sites.len()),
         _ => None,
     });
-    let mut of_cells: Vec<&Surroundings> = used.filter(|s| is_refractor(world, s.subject)).collect();
+    let mut of_cells: Vec<&Surroundings> = used.filter(|s| is_refractor(scene, s.subject)).collect();
     of_cells.sort_unstable_by_key(|s| (s.subject, &s.outer, &s.inner, s.is_masked));
     of_cells.dedup();
 
     let mut found = Vec::new();
-    let mut tally = Tally::new(world.objects.len());
+    let mut tally = Tally::new(scene.objects.len());
     let mut cells = of_cells.chunk_by(|x, y| x.subject == y.subject).peekable();
     let mut first_site = 0;
-    for (subject, _) in world.refractors() {
+    for (subject, _) in scene.refractors() {
         let sites = first_site..first_site + layout.sites[first_site..].partition_point(|s| s.subject <= subject);
         first_site = sites.end;
         let cells = cells.next_if(|cells| cells[0].subject == subject).unwrap_or_default();
@@ -71,7 +70,7 @@ pub(super) fn encounters(world: &World, layout: &Layout, votes: &[SiteVotes]) ->
             }
             // What is masked says nothing, so it takes a closer look.
             let may_be_copy = seen.same && !seen.inside && !seen.outside && !seen.opposed;
-            if may_be_copy && have_same_surface(world, a, b) {
+            if may_be_copy && have_same_surface(scene, a, b) {
                 found.push(Encounter { a, b, meeting: Meeting::Copy });
             } else if seen.same || seen.opposed {
                 found.push(Encounter { a, b, meeting: Meeting::Touch });

@@ -24,8 +24,7 @@ use super::surroundings::{State, Surroundings};
 use super::table::RectifySeconds;
 use super::tolerance;
 use crate::geometry::{Enclosure, Geometry, PrimitiveId, SurfacePoint};
-use crate::scene::World;
-use crate::scene::world::ObjectId;
+use crate::scene::{ObjectId, Scene};
 
 /// Where the answer for a piece of surface stands: an index of an answer, or with the highest bit one of a divided face.
 pub(super) type Place = u32;
@@ -134,45 +133,45 @@ pub struct Layout {
 /// An earlier scene, to take over what an edit cannot have changed.
 #[derive(Clone, Copy)]
 pub struct Earlier<'a> {
-    pub world: &'a World,
+    pub scene: &'a Scene,
     pub layout: &'a Layout,
     /// The objects whose shapes or transforms are not the same any more.
     pub changed: &'a [ObjectId],
 }
 
-/// Lays out `world`; also gives the votes of each site, and the time that this took.
+/// Lays out `scene`; also gives the votes of each site, and the time that this took.
 ///
 /// # Errors
 /// When `progress` is cancelled.
 pub fn lay_out(
-    world: &World,
+    scene: &Scene,
     earlier: Option<Earlier<'_>>,
     progress: &Progress,
 ) -> Result<(Layout, Vec<SiteVotes>, RectifySeconds), Cancelled> {
     let start = Instant::now();
     let mut seconds = RectifySeconds::default();
-    let kept = earlier.map(|earlier| unaffected(world, earlier)).unwrap_or_default();
-    let copies = Copies::find(world);
-    let (of_copies, anew): (Vec<ObjectId>, Vec<ObjectId>) = contact::subjects(world)
+    let kept = earlier.map(|earlier| unaffected(scene, earlier)).unwrap_or_default();
+    let copies = Copies::find(scene);
+    let (of_copies, anew): (Vec<ObjectId>, Vec<ObjectId>) = contact::subjects(scene)
         .filter(|subject| !kept.contains_key(subject))
         .partition(|subject| copies.is_copy(*subject));
-    let contacts = contact::find(world, &anew, &copies, progress)?;
-    let coarseness = coarseness(world, &contacts);
+    let contacts = contact::find(scene, &anew, &copies, progress)?;
+    let coarseness = coarseness(scene, &contacts);
     seconds.patches = start.elapsed().as_secs_f64();
     progress.enter(Stage::Votes, anew.len())?;
-    let nest = Nest::new(world, |refractor| match kept.get(&refractor) {
+    let nest = Nest::new(scene, |refractor| match kept.get(&refractor) {
         Some(found) => {
             matches!(found.sites[..], [(Site { faces: Faces::Whole, .. }, _)]) && !copies.is_copied(refractor)
         }
         None => {
-            contacts.of_range(primitives_of(&world.geometry, refractor)).next().is_none()
+            contacts.of_range(primitives_of(&scene.geometry, refractor)).next().is_none()
                 && !copies.is_copied(refractor)
         }
     });
     let whole: Vec<Option<SubjectLayout>> = (anew.par_iter())
         .map(|&subject| {
             progress.go_on()?;
-            let whole = whole_object(world, subject, &contacts, &copies, &nest);
+            let whole = whole_object(scene, subject, &contacts, &copies, &nest);
             progress.advance(1);
             Ok(whole)
         })
@@ -184,19 +183,19 @@ pub fn lay_out(
     for (subject, whole) in anew.into_iter().zip(whole) {
         let found = match whole {
             Some(whole) => whole,
-            None => Splitter { world, subject, contacts: &contacts, copies: &copies, coarseness, progress }.split()?,
+            None => Splitter { scene, subject, contacts: &contacts, copies: &copies, coarseness, progress }.split()?,
         };
         subjects.push((subject, Arc::new(found)));
     }
     subjects.sort_unstable_by_key(|(subject, _)| *subject);
-    let (layout, votes) = assemble(world, subjects);
+    let (layout, votes) = assemble(scene, subjects);
     seconds.patches = start.elapsed().as_secs_f64() - seconds.pretrace;
     Ok((layout, votes, seconds))
 }
 
 /// How coarse cells may be, as in [`cells::divide`]: time and memory for cells are spent on some thousands of meetings with large faces, and
 /// not on more; and never on more cells than a computer has room for.
-fn coarseness(world: &World, contacts: &Contacts) -> f64 {
+fn coarseness(scene: &Scene, contacts: &Contacts) -> f64 {
     /// Meetings for which cells are as fine as can be.
     const AMPLE: f64 = 4000.0;
     /// A triangle is large from this share of its object's size on; smaller ones are cells themselves.
@@ -204,7 +203,7 @@ fn coarseness(world: &World, contacts: &Contacts) -> f64 {
     if contacts.face_count() == 0 {
         return 1.0;
     }
-    let geometry = &*world.geometry;
+    let geometry = &*scene.geometry;
     let is_large = |face: PrimitiveId| {
         let (min, max) = geometry.bounds_of(geometry.object_of(face));
         geometry.sphere(face).is_some() || geometry.primitive_area(face) > (LARGE * (max - min).length()).powi(2)
@@ -214,8 +213,8 @@ fn coarseness(world: &World, contacts: &Contacts) -> f64 {
     // Of each face: how many refractors it is divided for, and how many cells lie side by side along it when they are as fine as can be.
     let faces: Vec<(f64, f64)> = (contacts.iter().collect::<Vec<_>>().par_iter())
         .filter_map(|(face, others)| {
-            let finest = cells::finest(world, *face, others)?;
-            Some((cells::touching(world, others).len() as f64, geometry.primitive_area(*face).sqrt() / finest))
+            let finest = cells::finest(scene, *face, others)?;
+            Some((cells::touching(scene, others).len() as f64, geometry.primitive_area(*face).sqrt() / finest))
         })
         .collect();
     let mut coarseness = by_meetings;
@@ -238,14 +237,14 @@ fn predicted_entries(faces: &[(f64, f64)], coarseness: f64) -> f64 {
 }
 
 /// What has been found out about objects that the edit cannot have affected: those that are far from everything that has changed, before and after.
-fn unaffected(world: &World, earlier: Earlier<'_>) -> HashMap<ObjectId, Arc<SubjectLayout>> {
-    let (now, before) = (&*world.geometry, &*earlier.world.geometry);
-    let objects = 0..world.objects.len() as u32;
+fn unaffected(scene: &Scene, earlier: Earlier<'_>) -> HashMap<ObjectId, Arc<SubjectLayout>> {
+    let (now, before) = (&*scene.geometry, &*earlier.scene.geometry);
+    let objects = 0..scene.objects.len() as u32;
     let is_comparable = now.origin == before.origin
-        && world.objects.len() == earlier.world.objects.len()
+        && scene.objects.len() == earlier.scene.objects.len()
         && objects.clone().all(|object| now.range(object) == before.range(object));
     // Where a sheet's rays end at something opaque, everything depends on everything.
-    if !is_comparable || world.has_sheets || earlier.world.has_sheets {
+    if !is_comparable || scene.has_sheets || earlier.scene.has_sheets {
         return HashMap::new();
     }
     let grown = |geometry: &Geometry, object: ObjectId| {
@@ -278,9 +277,9 @@ fn unaffected(world: &World, earlier: Earlier<'_>) -> HashMap<ObjectId, Arc<Subj
 }
 
 /// Puts what has been found out about all objects into tables.
-fn assemble(world: &World, subjects: Vec<(ObjectId, Arc<SubjectLayout>)>) -> (Layout, Vec<SiteVotes>) {
-    let geometry = &*world.geometry;
-    let mut layout = Layout { place_of_object: vec![BY_FACE; world.objects.len()], ..Layout::default() };
+fn assemble(scene: &Scene, subjects: Vec<(ObjectId, Arc<SubjectLayout>)>) -> (Layout, Vec<SiteVotes>) {
+    let geometry = &*scene.geometry;
+    let mut layout = Layout { place_of_object: vec![BY_FACE; scene.objects.len()], ..Layout::default() };
     let mut votes = Vec::new();
     for (subject, found) in &subjects {
         for (site, site_votes) in &found.sites {
@@ -361,21 +360,21 @@ impl Layout {
 
 /// The site of an object that need not be split.
 fn whole_object(
-    world: &World,
+    scene: &Scene,
     subject: ObjectId,
     contacts: &Contacts,
     copies: &Copies,
     nest: &Nest,
 ) -> Option<SubjectLayout> {
-    let range = primitives_of(&world.geometry, subject);
-    if contacts.of_range(range).next().is_some() || world.object(subject).has_several_components() {
+    let range = primitives_of(&scene.geometry, subject);
+    if contacts.of_range(range).next().is_some() || scene.object(subject).has_several_components() {
         return None;
     }
     let mut fixed = Surroundings::new(subject);
     copies.complete(&mut fixed);
     let site = Site { subject, faces: Faces::Whole, fixed, settled: copies.of(subject).to_vec() };
-    let votes = pretrace::vote(world, &site, nest, SiteVotes::default());
-    let is_one = !depends_on_place(world, subject, &votes);
+    let votes = pretrace::vote(scene, &site, nest, SiteVotes::default());
+    let is_one = !depends_on_place(scene, subject, &votes);
     is_one.then(|| SubjectLayout { sites: vec![(site, votes)], divided: Vec::new(), crossed_by: Vec::new() })
 }
 
@@ -387,9 +386,9 @@ fn stood_for(subject: ObjectId) -> SubjectLayout {
 }
 
 /// Whether the votes about an open refractor differ, which its edge may be the reason of.
-fn depends_on_place(world: &World, subject: ObjectId, votes: &SiteVotes) -> bool {
-    let is_mesh = world.geometry.sphere_of(subject.0).is_none();
-    let is_open = |object| matches!(world.object(object).enclosure, Enclosure::Sheet | Enclosure::Holed);
+fn depends_on_place(scene: &Scene, subject: ObjectId, votes: &SiteVotes) -> bool {
+    let is_mesh = scene.geometry.sphere_of(subject.0).is_none();
+    let is_open = |object| matches!(scene.object(object).enclosure, Enclosure::Sheet | Enclosure::Holed);
     is_mesh && votes.list.iter().any(|vote| is_open(vote.refractor) && vote.share() < 1.0)
 }
 
@@ -425,7 +424,7 @@ enum Fate {
 }
 
 struct Splitter<'a> {
-    world: &'a World,
+    scene: &'a Scene,
     subject: ObjectId,
     contacts: &'a Contacts,
     copies: &'a Copies,
@@ -437,7 +436,7 @@ struct Splitter<'a> {
 impl Splitter<'_> {
     /// Splits an object into sites and divided faces.
     fn split(&self) -> Result<SubjectLayout, Cancelled> {
-        let range = primitives_of(&self.world.geometry, self.subject);
+        let range = primitives_of(&self.scene.geometry, self.subject);
         let mut fates = vec![Fate::Untouched; range.len()];
         let touched: Vec<(PrimitiveId, &[contact::Contact])> = self.contacts.of_range(range.clone()).collect();
         let neighbours = self.neighbours(&range);
@@ -466,10 +465,10 @@ impl Splitter<'_> {
 
     /// For each face of the object the faces across its edges, by offset in its range.
     fn neighbours(&self, range: &Range<PrimitiveId>) -> Cow<'_, [[u32; 3]]> {
-        match &self.world.object(self.subject).topology {
+        match &self.scene.object(self.subject).topology {
             Some(topology) => Cow::Borrowed(&topology.neighbours),
-            None if self.world.geometry.sphere_of(self.subject.0).is_some() => Cow::Owned(vec![[u32::MAX; 3]]),
-            None => Cow::Owned(neighbours(&self.world.geometry, range)),
+            None if self.scene.geometry.sphere_of(self.subject.0).is_some() => Cow::Owned(vec![[u32::MAX; 3]]),
+            None => Cow::Owned(neighbours(&self.scene.geometry, range)),
         }
     }
 
@@ -483,7 +482,7 @@ impl Splitter<'_> {
     ) -> Vec<Vec<ObjectId>> {
         let touching: Vec<Vec<ObjectId>> = touched.par_iter().map(|(_, contacts)| self.touching(contacts)).collect();
         let mut sets = Sets::new(touched.len());
-        if !self.world.has_sheets && self.world.holed.is_empty() {
+        if !self.scene.has_sheets && self.scene.holed.is_empty() {
             let number = |face: PrimitiveId| touched.binary_search_by_key(&face, |(face, _)| *face).ok();
             // Where one face stands for all of another, that face's other contacts are not listed.
             let is_complete = |at: usize| !matches!(touched[at].1, [contact] if matches!(contact.relation, contact::Relation::Coincides { .. }));
@@ -501,20 +500,20 @@ impl Splitter<'_> {
         let roots: Vec<usize> = (0..touched.len()).map(|at| sets.find(at as u32) as usize).collect();
         let asked: Vec<Option<Vec<ObjectId>>> = (0..touched.len())
             .into_par_iter()
-            .map(|at| (roots[at] == at).then(|| cells::containers(self.world, touched[at].0, &touching[at])))
+            .map(|at| (roots[at] == at).then(|| cells::containers(self.scene, touched[at].0, &touching[at])))
             .collect();
         roots.into_iter().map(|root| asked[root].clone().unwrap_or_default()).collect()
     }
 
     /// The objects that touch a face, in ascending order.
     fn touching(&self, contacts: &[contact::Contact]) -> Vec<ObjectId> {
-        let mut objects = cells::touching(self.world, contacts);
+        let mut objects = cells::touching(self.scene, contacts);
         self.copies.complete_list(&mut objects);
         objects
     }
 
     fn divide(&self, face: PrimitiveId, contacts: &[contact::Contact], containers: &[ObjectId]) -> Fate {
-        let mut division = cells::divide(self.world, face, contacts, containers, self.coarseness);
+        let mut division = cells::divide(self.scene, face, contacts, containers, self.coarseness);
         for node in &mut division {
             match node {
                 Node::Halves { .. } => {}
@@ -534,11 +533,11 @@ impl Splitter<'_> {
                     // Of what stands for all of a face it does not matter whose it is.
                     .filter(|_| !surroundings.is_masked)
                     .filter(|contact| matches!(contact.relation, contact::Relation::Coincides { .. }))
-                    .map(|contact| ObjectId(self.world.geometry.object_of(contact.primitive)))
+                    .map(|contact| ObjectId(self.scene.geometry.object_of(contact.primitive)))
                     // Those that coincide next to it and do not reach it lie on both sides or on neither. So may parts of one object on either side
                     // of it, which rays that start on it cannot tell.
                     .filter(|object| {
-                        let has_several_parts = self.world.object(*object).may_contain_itself();
+                        let has_several_parts = self.scene.object(*object).may_contain_itself();
                         has_several_parts || surroundings.outer.contains(object) != surroundings.inner.contains(object)
                     });
                 let mut settled: Vec<ObjectId> = settled.collect();
@@ -583,14 +582,14 @@ impl Splitter<'_> {
         let pieces = self.pieces(range, &mut sets, |face| is_untouched[face]);
         let voted: Vec<(Site, SiteVotes)> = (pieces.into_par_iter())
             .map(|site| {
-                let votes = pretrace::vote(self.world, &site, &Nest::default(), SiteVotes::default());
+                let votes = pretrace::vote(self.scene, &site, &Nest::default(), SiteVotes::default());
                 (site, votes)
             })
             .collect();
         let mut votes_of_root: HashMap<u32, SiteVotes> = HashMap::new();
         for (site, votes) in voted {
             let Faces::Some { faces, .. } = &site.faces else { continue };
-            if depends_on_place(self.world, self.subject, &votes) {
+            if depends_on_place(self.scene, self.subject, &votes) {
                 let asked: Vec<Fate> = faces.par_iter().map(|&face| self.ask_face(face)).collect();
                 for (face, fate) in faces.iter().zip(asked) {
                     fates[(face - range.start) as usize] = fate;
@@ -632,7 +631,7 @@ impl Splitter<'_> {
                 let votes = match (earlier.next(), earlier.next()) {
                     // The votes of the piece that it consists of, but for a few faces.
                     (Some(votes), None) => votes.clone(),
-                    _ => pretrace::vote(self.world, &site, &Nest::default(), SiteVotes::default()),
+                    _ => pretrace::vote(self.scene, &site, &Nest::default(), SiteVotes::default()),
                 };
                 (site, votes)
             })
@@ -651,7 +650,7 @@ impl Splitter<'_> {
             });
             lists[number].push(range.start + face as u32);
         }
-        let geometry = &*self.world.geometry;
+        let geometry = &*self.scene.geometry;
         (lists.into_iter())
             .map(|faces| {
                 let mut sum = 0.0;
@@ -672,9 +671,9 @@ impl Splitter<'_> {
     /// Asks about one face by itself.
     fn ask_face(&self, face: PrimitiveId) -> Fate {
         let mut surroundings = Surroundings::new(self.subject);
-        match self.world.geometry.sample_primitive(face, [1.0 / 3.0, 1.0 / 3.0]) {
+        match self.scene.geometry.sample_primitive(face, [1.0 / 3.0, 1.0 / 3.0]) {
             Some(point) => {
-                for refractor in containment_beside(self.world, &point, true).refractors {
+                for refractor in containment_beside(self.scene, &point, true).refractors {
                     surroundings.add(refractor, State::In);
                 }
             }
@@ -697,8 +696,8 @@ mod tests {
     fn an_edit_redoes_what_it_touches_and_no_more() {
         for name in ["iced-water", "half-submerged", "siblings"] {
             let mut description = load::open(name).expect("a built-in scene");
-            let mut world = compile(&description, None).expect("it is fine");
-            let mut table = InterfaceTable::new(&world);
+            let mut scene = compile(&description, None).expect("it is fine");
+            let mut table = InterfaceTable::new(&scene);
             let mut kept = 0;
             for index in 0..description.refractors.len() {
                 for step in [0.13, -0.4, 0.05] {
@@ -706,10 +705,10 @@ mod tests {
                     let transform = &mut description.refractors[index].transform;
                     transform.translate += DVec3::new(0.4 * step, step, 0.0);
                     transform.rotate.y += 100.0 * step;
-                    let moved = compile(&description, Some((&before, &world))).expect("it is fine");
+                    let moved = compile(&description, Some((&before, &scene))).expect("it is fine");
                     let changed = changed_objects(&before, &description).expect("the objects are the same");
                     assert_eq!(changed, [ObjectId(index as u32)]);
-                    let after = table.updated(&moved, &world, &changed);
+                    let after = table.updated(&moved, &scene, &changed);
                     let fresh = InterfaceTable::new(&moved);
                     assert!(after.says_the_same(&fresh), "{name}, refractor {index} by {step}");
                     let known = |table: &InterfaceTable| {
@@ -718,7 +717,7 @@ mod tests {
                     };
                     assert_eq!(known(&after), known(&fresh), "{name}, refractor {index} by {step}");
                     kept += after.shared_subjects(&table);
-                    (world, table) = (moved, after);
+                    (scene, table) = (moved, after);
                 }
             }
             assert!(kept > 0, "{name}: nothing was taken over");

@@ -8,8 +8,7 @@ use super::pretrace::SiteVotes;
 use super::random::Random;
 use crate::geometry::Enclosure;
 use crate::rectify::contact::is_refractor;
-use crate::scene::World;
-use crate::scene::world::ObjectId;
+use crate::scene::{ObjectId, Scene};
 
 /// Refractors from which on containers are inherited. With fewer, every piece of surface asks about all, which finds more that is doubtful.
 const MANY: usize = 256;
@@ -25,47 +24,47 @@ pub struct Nest {
 
 impl Nest {
     /// Of a scene in which `is_untouched` says of every closed refractor of one component whether no surface touches it.
-    pub fn new(world: &World, is_untouched: impl Fn(ObjectId) -> bool) -> Self {
-        let refractors = || world.refractors().map(|(refractor, _)| refractor);
+    pub fn new(scene: &Scene, is_untouched: impl Fn(ObjectId) -> bool) -> Self {
+        let refractors = || scene.refractors().map(|(refractor, _)| refractor);
         // Of anything but a closed surface the first hit along a ray says too little.
-        let is_simple = refractors().all(|refractor| world.object(refractor).enclosure == Enclosure::Closed);
+        let is_simple = refractors().all(|refractor| scene.object(refractor).enclosure == Enclosure::Closed);
         if !is_simple || refractors().count() < MANY {
             return Self::default();
         }
-        let mut is_whole = vec![false; world.objects.len()];
+        let mut is_whole = vec![false; scene.objects.len()];
         for refractor in refractors() {
             let is_one =
-                world.geometry.face_count(refractor.0) > 0 && !world.object(refractor).has_several_components();
+                scene.geometry.face_count(refractor.0) > 0 && !scene.object(refractor).has_several_components();
             is_whole[refractor.0 as usize] = is_one && is_untouched(refractor);
         }
         Self { is_whole }
     }
 
     /// Of a scene that has been laid out.
-    pub fn of_layout(world: &World, layout: &Layout) -> Self {
-        Self::new(world, |refractor| {
+    pub fn of_layout(scene: &Scene, layout: &Layout) -> Self {
+        Self::new(scene, |refractor| {
             let site = layout.sites.get(layout.place_of_object[refractor.0 as usize] as usize);
             site.is_some_and(can_inherit)
         })
     }
 
     /// Asks for the innermost container of a site. `None` where that does not tell all of them; `Some(None)` where there is none.
-    pub fn container(&self, world: &World, site: &Site, random: &mut Random) -> Option<Option<ObjectId>> {
+    pub fn container(&self, scene: &Scene, site: &Site, random: &mut Random) -> Option<Option<ObjectId>> {
         if self.is_whole.is_empty() || !can_inherit(site) {
             return None;
         }
         let mut found: Option<Option<ObjectId>> = None;
         for _ in 0..RAYS {
-            let point = site.sample(&world.geometry, [random.next(), random.next(), random.next()])?;
-            let container = container_along(world, outward_ray(&point, random), site.subject);
+            let point = site.sample(&scene.geometry, [random.next(), random.next(), random.next()])?;
+            let container = container_along(scene, outward_ray(&point, random), site.subject);
             if found.is_some_and(|found| found != container) {
                 return None;
             }
             found = Some(container);
         }
         let is_larger = |container: ObjectId| {
-            let is_refractor = is_refractor(world, site.subject);
-            !is_refractor || world.object(container).volume > world.object(site.subject).volume
+            let is_refractor = is_refractor(scene, site.subject);
+            !is_refractor || scene.object(container).volume > scene.object(site.subject).volume
         };
         found.filter(|found| found.is_none_or(|found| self.is_whole[found.0 as usize] && is_larger(found)))
     }
@@ -84,11 +83,11 @@ pub struct Fillers {
 }
 
 /// What fills the two sides of every site, by priority and volume.
-pub fn fillers(world: &World, layout: &Layout, votes: &[SiteVotes]) -> Vec<Fillers> {
+pub fn fillers(scene: &Scene, layout: &Layout, votes: &[SiteVotes]) -> Vec<Fillers> {
     let of_listed = |(site, votes): (&Site, &SiteVotes)| {
         votes.within.is_none().then(|| {
             let surroundings = votes.surroundings(site);
-            Fillers { outer: surroundings.outer_refractor(world), inner: surroundings.inner_refractor(world) }
+            Fillers { outer: surroundings.outer_refractor(scene), inner: surroundings.inner_refractor(scene) }
         })
     };
     let mut fillers: Vec<Option<Fillers>> = layout.sites.iter().zip(votes).map(of_listed).collect();
@@ -102,8 +101,8 @@ pub fn fillers(world: &World, layout: &Layout, votes: &[SiteVotes]) -> Vec<Fille
             at = around;
         }
         for (site, container, around) in ways.into_iter().rev() {
-            let outer = top(world, fillers[around].and_then(|around| around.outer).into_iter().chain([container]));
-            let inner = top(world, outer.into_iter().chain([layout.sites[site].subject]));
+            let outer = top(scene, fillers[around].and_then(|around| around.outer).into_iter().chain([container]));
+            let inner = top(scene, outer.into_iter().chain([layout.sites[site].subject]));
             fillers[site] = Some(Fillers { outer, inner });
         }
     }
@@ -149,26 +148,26 @@ mod tests {
 
     #[test]
     fn what_is_inherited_is_what_would_be_found() {
-        let world = compile(&heaps(400), None).unwrap();
-        let table = InterfaceTable::new(&world);
+        let scene = compile(&heaps(400), None).unwrap();
+        let table = InterfaceTable::new(&scene);
         let (layout, votes) = table.parts();
         let inherited = votes.iter().filter(|votes| votes.within.is_some()).count();
         assert!(inherited > 100, "{inherited}");
-        let fillers = fillers(&world, layout, votes);
+        let fillers = fillers(&scene, layout, votes);
         for (number, site) in layout.sites.iter().enumerate() {
-            let all = vote(&world, site, &Nest::default(), SiteVotes::default()).surroundings(site);
-            let expected = Fillers { outer: all.outer_refractor(&world), inner: all.inner_refractor(&world) };
-            assert_eq!(fillers[number], expected, "{}", world.object(site.subject).name);
+            let all = vote(&scene, site, &Nest::default(), SiteVotes::default()).surroundings(site);
+            let expected = Fillers { outer: all.outer_refractor(&scene), inner: all.inner_refractor(&scene) };
+            assert_eq!(fillers[number], expected, "{}", scene.object(site.subject).name);
         }
-        assert!(table.repeated(&world).says_the_same(&table));
+        assert!(table.repeated(&scene).says_the_same(&table));
     }
 
     /// A ball beside the heaps is moved across the outermost shell of one, far from all that lies deeper, and away again.
     #[test]
     fn an_edit_of_a_shell_finds_what_inherits_from_it_anew() {
         let mut description = heaps(400);
-        let mut world = compile(&description, None).unwrap();
-        let mut table = InterfaceTable::new(&world);
+        let mut scene = compile(&description, None).unwrap();
+        let mut table = InterfaceTable::new(&scene);
         let mover = 31;
         assert_eq!(mover % 5, 1);
         let place = |description: &Description, to: DVec3| {
@@ -179,11 +178,11 @@ mod tests {
         for to in [across, DVec3::new(0.0, 9.0, 0.0), across * 1.0001, DVec3::new(0.5, 0.5, 2.0)] {
             let before = description.clone();
             description.refractors[mover].transform.translate = place(&description, to);
-            let moved = compile(&description, Some((&before, &world))).unwrap();
+            let moved = compile(&description, Some((&before, &scene))).unwrap();
             let changed = changed_objects(&before, &description).unwrap();
-            let after = table.updated(&moved, &world, &changed);
+            let after = table.updated(&moved, &scene, &changed);
             assert!(after.says_the_same(&InterfaceTable::new(&moved)), "{to}");
-            (world, table) = (moved, after);
+            (scene, table) = (moved, after);
         }
     }
 }

@@ -9,8 +9,7 @@ use super::contact::is_refractor;
 use super::containment::medium_of;
 use super::random::Random;
 use crate::geometry::{Hit, Ray, uniform_direction};
-use crate::scene::World;
-use crate::scene::world::{MediumId, ObjectId};
+use crate::scene::{MediumId, ObjectId, Scene};
 
 /// Rays for each refractor.
 const RAYS: u32 = 16;
@@ -50,34 +49,34 @@ pub struct ObjectTable {
 
 impl ObjectTable {
     /// Asks about every refractor.
-    pub fn new(world: &World) -> Self {
-        let refractors: Vec<ObjectId> = world.refractors().map(|(id, _)| id).collect();
-        let vote = |refractor: ObjectId| ObjectAnswer { refractor, votes: vote(world, refractor) };
+    pub fn new(scene: &Scene) -> Self {
+        let refractors: Vec<ObjectId> = scene.refractors().map(|(id, _)| id).collect();
+        let vote = |refractor: ObjectId| ObjectAnswer { refractor, votes: vote(scene, refractor) };
         Self { answers: refractors.into_par_iter().map(vote).collect() }
     }
 
     /// The medium outside each refractor, by object id.
-    pub fn outsides(&self, world: &World) -> Vec<MediumId> {
-        self.answers.iter().map(|answer| medium_of(world, answer.outside_refractor())).collect()
+    pub fn outsides(&self, scene: &Scene) -> Vec<MediumId> {
+        self.answers.iter().map(|answer| medium_of(scene, answer.outside_refractor())).collect()
     }
 }
 
-fn vote(world: &World, refractor: ObjectId) -> Vec<(Option<ObjectId>, u32)> {
+fn vote(scene: &Scene, refractor: ObjectId) -> Vec<(Option<ObjectId>, u32)> {
     let mut votes: Vec<(Option<ObjectId>, u32)> = Vec::new();
     // With nothing that could contain anything, the answer is known.
-    if !world.needs.nesting {
+    if !scene.needs.nesting {
         return votes;
     }
     let mut random = Random::new(u64::from(refractor.0) << 32);
     let mut rays = 0;
     while rays < RAYS || (votes.len() > 1 && rays < MOST_RAYS) {
         let u = [random.next(), random.next(), random.next()];
-        let Some(point) = world.geometry.sample_surface(refractor.0, u) else { break };
+        let Some(point) = scene.geometry.sample_surface(refractor.0, u) else { break };
         let mut direction = uniform_direction([random.next(), random.next()]);
         if direction.dot(point.normal) < 0.0 {
             direction = -direction;
         }
-        let container = container_along(world, Ray::leaving(point.position, direction, point.primitive), refractor);
+        let container = container_along(scene, Ray::leaving(point.position, direction, point.primitive), refractor);
         match votes.iter_mut().find(|(candidate, _)| *candidate == container) {
             Some((_, count)) => *count += 1,
             None => votes.push((container, 1)),
@@ -90,24 +89,24 @@ fn vote(world: &World, refractor: ObjectId) -> Vec<(Option<ObjectId>, u32)> {
 }
 
 /// The first refractor along `ray` whose first hit is from behind. Opaque objects are looked through, and `own` never counts.
-pub(super) fn container_along(world: &World, mut ray: Ray, own: ObjectId) -> Option<ObjectId> {
+pub(super) fn container_along(scene: &Scene, mut ray: Ray, own: ObjectId) -> Option<ObjectId> {
     /// Hits that are looked for one by one: most containers are near. Where there are more, all are found in one walk.
     const NEAR: u32 = 8;
     let mut met_from_outside: HashSet<ObjectId> = HashSet::new();
     let mut is_container = |hit: &Hit| {
-        let object = ObjectId(world.geometry.object_of(hit.primitive));
-        let counts = object != own && is_refractor(world, object) && !met_from_outside.contains(&object);
+        let object = ObjectId(scene.geometry.object_of(hit.primitive));
+        let counts = object != own && is_refractor(scene, object) && !met_from_outside.contains(&object);
         if counts && hit.is_front {
             met_from_outside.insert(object);
         }
         (counts && !hit.is_front).then_some(object)
     };
     for _ in 0..NEAR {
-        let hit = world.geometry.closest(&ray)?;
+        let hit = scene.geometry.closest(&ray)?;
         if let Some(container) = is_container(&hit) {
             return Some(container);
         }
         ray = ray.beyond(&hit);
     }
-    world.geometry.all_hits(&ray).iter().find_map(is_container)
+    scene.geometry.all_hits(&ray).iter().find_map(is_container)
 }

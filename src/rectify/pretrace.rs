@@ -13,8 +13,7 @@ use super::progress::{Cancelled, Progress, Stage};
 use super::random::Random;
 use super::surroundings::{State, Surroundings};
 use crate::geometry::Ray;
-use crate::scene::World;
-use crate::scene::world::ObjectId;
+use crate::scene::{ObjectId, Scene};
 
 /// Rays for each site in each pre-trace.
 const RAYS: u32 = 16;
@@ -89,28 +88,28 @@ impl SiteVotes {
 /// # Errors
 /// When `progress` is cancelled.
 pub fn repeat(
-    world: &World,
+    scene: &Scene,
     layout: &Layout,
     votes: &[SiteVotes],
     progress: &Progress,
 ) -> Result<Vec<SiteVotes>, Cancelled> {
-    let nest = Nest::of_layout(world, layout);
+    let nest = Nest::of_layout(scene, layout);
     progress.enter(Stage::Votes, layout.sites.len())?;
     (layout.sites.par_iter().zip(votes))
         .map(|(site, votes)| {
             progress.go_on()?;
-            Ok(vote(world, site, &nest, votes.clone()))
+            Ok(vote(scene, site, &nest, votes.clone()))
         })
         .collect()
 }
 
 /// Adds a pre-trace of one site to its votes.
-pub fn vote(world: &World, site: &Site, nest: &Nest, mut votes: SiteVotes) -> SiteVotes {
+pub fn vote(scene: &Scene, site: &Site, nest: &Nest, mut votes: SiteVotes) -> SiteVotes {
     // With nothing that could contain anything, the answer is known.
-    if !world.needs.nesting || site.fixed.is_masked {
+    if !scene.needs.nesting || site.fixed.is_masked {
         return votes;
     }
-    let asks_itself = is_refractor(world, site.subject) && world.object(site.subject).may_contain_itself();
+    let asks_itself = is_refractor(scene, site.subject) && scene.object(site.subject).may_contain_itself();
     // Sites of one object have first faces of their own.
     let first = match &site.faces {
         super::layout::Faces::Whole => 0,
@@ -119,7 +118,7 @@ pub fn vote(world: &World, site: &Site, nest: &Nest, mut votes: SiteVotes) -> Si
     let seed = (u64::from(site.subject.0) << 32) ^ (u64::from(first) << 12) ^ (u64::from(votes.rays) << 44);
     let mut random = Random::new(seed);
     if votes.rays == 0 || votes.within.is_some() {
-        match nest.container(world, site, &mut random) {
+        match nest.container(scene, site, &mut random) {
             Some(within) if votes.rays == 0 || within == votes.within => {
                 let about = within.map(|refractor| Vote { refractor, inside: nest::RAYS, asked: nest::RAYS });
                 votes.add(about.as_slice(), nest::RAYS);
@@ -129,31 +128,31 @@ pub fn vote(world: &World, site: &Site, nest: &Nest, mut votes: SiteVotes) -> Si
             _ => votes = SiteVotes::default(),
         }
     }
-    let mut holed: Vec<Vote> = world.holed.iter().map(|&refractor| Vote { refractor, inside: 0, asked: 0 }).collect();
+    let mut holed: Vec<Vote> = scene.holed.iter().map(|&refractor| Vote { refractor, inside: 0, asked: 0 }).collect();
     let mut rays = 0;
-    let mut round = with_poll(world, |poll| {
+    let mut round = with_poll(scene, |poll| {
         let is_enough = |rays: u32, poll: &Poll| {
             rays >= FEWEST_RAYS
                 && (rays >= RAYS || poll.hits() >= MOST_HITS)
-                && (rays >= MOST_RAYS || poll.hits() >= MOST_HITS_TO_AGREE || poll.is_unanimous(world))
+                && (rays >= MOST_RAYS || poll.hits() >= MOST_HITS_TO_AGREE || poll.is_unanimous(scene))
         };
         while !is_enough(rays, poll) {
             let u = [random.next(), random.next(), random.next()];
-            let Some(point) = site.sample(&world.geometry, u) else { break };
+            let Some(point) = site.sample(&scene.geometry, u) else { break };
             let ray = outward_ray(&point, &mut random);
             // Only settled refractors can coincide with the site.
-            let is_ignored = |hit: &crate::geometry::Hit| !site.settled.is_empty() && is_at_start(world, &point, hit);
-            poll.ask(world, &ray, is_ignored);
-            if world.has_sheets {
-                poll.ask_sheets(world, &Ray { direction: -ray.direction, ..ray }, is_ignored);
+            let is_ignored = |hit: &crate::geometry::Hit| !site.settled.is_empty() && is_at_start(scene, &point, hit);
+            poll.ask(scene, &ray, is_ignored);
+            if scene.has_sheets {
+                poll.ask_sheets(scene, &Ray { direction: -ray.direction, ..ray }, is_ignored);
             }
             for vote in &mut holed {
-                vote.inside += u32::from(winding_beside(world, vote.refractor, &point) > 0.5);
+                vote.inside += u32::from(winding_beside(scene, vote.refractor, &point) > 0.5);
                 vote.asked += 1;
             }
             rays += 1;
         }
-        poll.votes(world)
+        poll.votes(scene)
     });
     round.extend(holed.into_iter().filter(|vote| vote.inside > 0));
     round.retain(|vote| vote.refractor != site.subject || asks_itself);

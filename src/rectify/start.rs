@@ -5,8 +5,7 @@ use glam::DVec3;
 
 use super::containment::medium_at;
 use crate::geometry::{PrimitiveId, Ray};
-use crate::scene::World;
-use crate::scene::world::{MediumId, ObjectId, Surface};
+use crate::scene::{MediumId, ObjectId, Scene, Surface};
 
 /// A ray starts on a surface where the surface lies this many of its roundings away or less.
 const ON_SURFACE: f64 = 4.0;
@@ -38,22 +37,22 @@ pub type Ask<'a> = &'a (dyn Fn(DVec3) -> (MediumId, bool) + Sync);
 
 impl StartRegion {
     /// The region within `radius` ≥ 0 of `center` (local coordinates).
-    pub fn new(world: &World, center: DVec3, radius: f64) -> Self {
-        Self::by_asking(world, center, radius, &|point| medium_at(world, point))
+    pub fn new(scene: &Scene, center: DVec3, radius: f64) -> Self {
+        Self::by_asking(scene, center, radius, &|point| medium_at(scene, point))
     }
 
     /// The same, with another way to ask for media.
-    pub fn by_asking(world: &World, center: DVec3, radius: f64, ask: Ask<'_>) -> Self {
-        let geometry = &world.geometry;
+    pub fn by_asking(scene: &Scene, center: DVec3, radius: f64, ask: Ask<'_>) -> Self {
+        let geometry = &scene.geometry;
         let is_refractor = |primitive| {
             let object = ObjectId(geometry.object_of(primitive));
-            matches!(world.object(object).surface, Surface::Refractor { .. })
+            matches!(scene.object(object).surface, Surface::Refractor { .. })
         };
-        let reach = DVec3::splat(radius + room_around(world, center, radius));
+        let reach = DVec3::splat(radius + room_around(scene, center, radius));
         let mut near = Vec::new();
         geometry.for_each_near_box(center - reach, center + reach, None, |primitive| {
             let distance = geometry.distance(primitive, center);
-            if is_refractor(primitive) && distance <= radius + tolerance(world, primitive, center) {
+            if is_refractor(primitive) && distance <= radius + tolerance(scene, primitive, center) {
                 near.push(primitive);
             }
         });
@@ -64,23 +63,23 @@ impl StartRegion {
 
     /// How a ray (local coordinates) starts whose origin lies in the region.
     #[inline]
-    pub fn start(&self, world: &World, ray: Ray) -> Start {
-        self.start_by_asking(world, ray, &|point| medium_at(world, point))
+    pub fn start(&self, scene: &Scene, ray: Ray) -> Start {
+        self.start_by_asking(scene, ray, &|point| medium_at(scene, point))
     }
 
     /// The same, with another way to ask for media.
     #[inline]
-    pub fn start_by_asking(&self, world: &World, ray: Ray, ask: Ask<'_>) -> Start {
+    pub fn start_by_asking(&self, scene: &Scene, ray: Ray, ask: Ask<'_>) -> Start {
         match self.whole {
             Some((medium, is_ambiguous)) => Start { ray, medium, is_ambiguous },
-            None => self.start_near_surface(world, ray, ask),
+            None => self.start_near_surface(scene, ray, ask),
         }
     }
 
-    fn start_near_surface(&self, world: &World, mut ray: Ray, ask: Ask<'_>) -> Start {
-        let geometry = &world.geometry;
+    fn start_near_surface(&self, scene: &Scene, mut ray: Ray, ask: Ask<'_>) -> Start {
+        let geometry = &scene.geometry;
         let starts_on = |primitive: &PrimitiveId| {
-            geometry.distance(*primitive, ray.origin) <= tolerance(world, *primitive, ray.origin)
+            geometry.distance(*primitive, ray.origin) <= tolerance(scene, *primitive, ray.origin)
         };
         let on: Vec<PrimitiveId> = self.near.iter().copied().filter(starts_on).collect();
         if on.is_empty() {
@@ -90,7 +89,7 @@ impl StartRegion {
         let mut next = geometry.closest(&ray);
         while let Some(hit) = next
             && on.contains(&hit.primitive)
-            && hit.t <= GRAZING * tolerance(world, hit.primitive, ray.origin)
+            && hit.t <= GRAZING * tolerance(scene, hit.primitive, ray.origin)
         {
             ray = ray.beyond(&hit);
             next = geometry.closest(&ray);
@@ -103,15 +102,15 @@ impl StartRegion {
 }
 
 /// How near a ray must start to a surface to start on it.
-fn tolerance(world: &World, primitive: PrimitiveId, point: DVec3) -> f64 {
+fn tolerance(scene: &Scene, primitive: PrimitiveId, point: DVec3) -> f64 {
     let of_point = 16.0 * f64::EPSILON * point.abs().max_element();
-    ON_SURFACE * (world.geometry.rounding(primitive) + of_point)
+    ON_SURFACE * (scene.geometry.rounding(primitive) + of_point)
 }
 
 /// How far beyond `radius` around `center` the surfaces are to be looked for that rays may start on: as far as the [`tolerance`] of any
 /// refractor's surface that may lie there, which is larger the farther it reaches.
-fn room_around(world: &World, center: DVec3, radius: f64) -> f64 {
-    let geometry = &world.geometry;
+fn room_around(scene: &Scene, center: DVec3, radius: f64) -> f64 {
+    let geometry = &scene.geometry;
     let room = |object: u32| {
         let (min, max) = geometry.bounds_of(object);
         let rounded = geometry.reach_of(object) + center.abs().max_element() + geometry.origin.abs().max_element();
@@ -120,15 +119,15 @@ fn room_around(world: &World, center: DVec3, radius: f64) -> f64 {
         let is_near = (min - reach).cmple(center).all() && center.cmple(max + reach).all();
         if is_near { room } else { 0.0 }
     };
-    world.refractors().map(|(id, _)| room(id.0)).fold(0.0, f64::max)
+    scene.refractors().map(|(id, _)| room(id.0)).fold(0.0, f64::max)
 }
 
 /// How `ray` (local coordinates) starts.
-pub fn start(world: &World, ray: Ray) -> Start {
-    start_by_asking(world, ray, &|point| medium_at(world, point))
+pub fn start(scene: &Scene, ray: Ray) -> Start {
+    start_by_asking(scene, ray, &|point| medium_at(scene, point))
 }
 
 /// The same, with another way to ask for media.
-pub fn start_by_asking(world: &World, ray: Ray, ask: Ask<'_>) -> Start {
-    StartRegion::by_asking(world, ray.origin, 0.0, ask).start_by_asking(world, ray, ask)
+pub fn start_by_asking(scene: &Scene, ray: Ray, ask: Ask<'_>) -> Start {
+    StartRegion::by_asking(scene, ray.origin, 0.0, ask).start_by_asking(scene, ray, ask)
 }

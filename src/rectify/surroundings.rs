@@ -2,8 +2,7 @@
 
 use super::containment::{medium_of, top};
 use super::nest::Fillers;
-use crate::scene::World;
-use crate::scene::world::{MediumId, ObjectId};
+use crate::scene::{MediumId, ObjectId, Scene};
 
 /// How a refractor lies at a piece of another object's surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -76,18 +75,18 @@ impl Surroundings {
     }
 
     /// The refractor that fills the outer side.
-    pub fn outer_refractor(&self, world: &World) -> Option<ObjectId> {
-        top(world, self.outer.iter().copied())
+    pub fn outer_refractor(&self, scene: &Scene) -> Option<ObjectId> {
+        top(scene, self.outer.iter().copied())
     }
 
     /// The refractor that fills the inner side.
-    pub fn inner_refractor(&self, world: &World) -> Option<ObjectId> {
-        top(world, self.inner.iter().copied().chain([self.subject]))
+    pub fn inner_refractor(&self, scene: &Scene) -> Option<ObjectId> {
+        top(scene, self.inner.iter().copied().chain([self.subject]))
     }
 
-    pub fn resolve(&self, world: &World) -> Answer {
-        let fillers = Fillers { outer: self.outer_refractor(world), inner: self.inner_refractor(world) };
-        Answer::of(world, self.is_masked, fillers)
+    pub fn resolve(&self, scene: &Scene) -> Answer {
+        let fillers = Fillers { outer: self.outer_refractor(scene), inner: self.inner_refractor(scene) };
+        Answer::of(scene, self.is_masked, fillers)
     }
 }
 
@@ -103,11 +102,11 @@ impl Answer {
     pub const MASKED: Self = Self { outside: MediumId(u32::MAX), inside: MediumId(u32::MAX) };
 
     /// The media of what fills the two sides, unless the piece is masked.
-    pub fn of(world: &World, is_masked: bool, Fillers { outer, inner }: Fillers) -> Self {
+    pub fn of(scene: &Scene, is_masked: bool, Fillers { outer, inner }: Fillers) -> Self {
         if is_masked {
             return Self::MASKED;
         }
-        Self { outside: medium_of(world, outer), inside: medium_of(world, inner) }
+        Self { outside: medium_of(scene, outer), inside: medium_of(scene, inner) }
     }
 
     #[inline]

@@ -14,8 +14,7 @@ use super::progress::{Cancelled, Progress};
 use super::surroundings::Answer;
 use crate::geometry::{Geometry, Mask, PrimitiveId, SurfacePoint};
 use crate::rectify::contact::{is_refractor, primitives_of};
-use crate::scene::World;
-use crate::scene::world::{MediumId, ObjectId};
+use crate::scene::{MediumId, ObjectId, Scene};
 
 /// Instead of a block of answers: there would be too many, and each is worked out when it is wanted.
 const NOT_LISTED: u32 = u32::MAX;
@@ -126,24 +125,24 @@ pub struct InterfaceTable {
 }
 
 impl InterfaceTable {
-    /// Rectifies `world` from nothing.
-    pub fn new(world: &World) -> Self {
-        Self::lay_out(world, None, &Progress::new()).expect(NOT_CANCELLED)
+    /// Rectifies `scene` from nothing.
+    pub fn new(scene: &Scene) -> Self {
+        Self::lay_out(scene, None, &Progress::new()).expect(NOT_CANCELLED)
     }
 
     /// [`Self::new`], watched.
     ///
     /// # Errors
     /// When `progress` is cancelled.
-    pub fn new_watched(world: &World, progress: &Progress) -> Result<Self, Cancelled> {
-        Self::lay_out(world, None, progress)
+    pub fn new_watched(scene: &Scene, progress: &Progress) -> Result<Self, Cancelled> {
+        Self::lay_out(scene, None, progress)
     }
 
-    /// Rectifies `world`, of which `before` and this table are an earlier state: what the edit cannot have changed is taken over. Where the
+    /// Rectifies `scene`, of which `before` and this table are an earlier state: what the edit cannot have changed is taken over. Where the
     /// geometry is the same, media and priorities are resolved anew and nothing else; otherwise `changed` are the objects whose shape
     /// or place is another, and those far from them keep what was found.
-    pub fn updated(&self, world: &World, before: &World, changed: &[ObjectId]) -> Self {
-        self.updated_watched(world, before, changed, &Progress::new()).expect(NOT_CANCELLED)
+    pub fn updated(&self, scene: &Scene, before: &Scene, changed: &[ObjectId]) -> Self {
+        self.updated_watched(scene, before, changed, &Progress::new()).expect(NOT_CANCELLED)
     }
 
     /// [`Self::updated`], watched.
@@ -152,40 +151,40 @@ impl InterfaceTable {
     /// When `progress` is cancelled.
     pub fn updated_watched(
         &self,
-        world: &World,
-        before: &World,
+        scene: &Scene,
+        before: &Scene,
         changed: &[ObjectId],
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
-        if Arc::ptr_eq(&world.geometry, &before.geometry) {
+        if Arc::ptr_eq(&scene.geometry, &before.geometry) {
             let (layout, votes) = (Arc::clone(&self.layout), Arc::clone(&self.votes));
             let seconds = RectifySeconds::default();
-            return Ok(Self::resolve(world, layout, votes, Arc::clone(&self.per_object), seconds));
+            return Ok(Self::resolve(scene, layout, votes, Arc::clone(&self.per_object), seconds));
         }
-        Self::lay_out(world, Some(Earlier { world: before, layout: &self.layout, changed }), progress)
+        Self::lay_out(scene, Some(Earlier { scene: before, layout: &self.layout, changed }), progress)
     }
 
-    fn lay_out(world: &World, earlier: Option<Earlier<'_>>, progress: &Progress) -> Result<Self, Cancelled> {
+    fn lay_out(scene: &Scene, earlier: Option<Earlier<'_>>, progress: &Progress) -> Result<Self, Cancelled> {
         // In one go on the pool's threads: each of many small parallel steps would be handed over and waited for.
-        let (layout, votes, mut seconds) = rayon::scope(|_| lay_out(world, earlier, progress))?;
-        seconds.topology = world.topology_secs;
-        Ok(Self::resolve(world, Arc::new(layout), Arc::new(votes), Arc::default(), seconds))
+        let (layout, votes, mut seconds) = rayon::scope(|_| lay_out(scene, earlier, progress))?;
+        seconds.topology = scene.topology_secs;
+        Ok(Self::resolve(scene, Arc::new(layout), Arc::new(votes), Arc::default(), seconds))
     }
 
     /// The same with another pre-trace, of fresh directions, whose votes are added.
-    pub fn repeated(&self, world: &World) -> Self {
-        self.repeated_watched(world, &Progress::new()).expect(NOT_CANCELLED)
+    pub fn repeated(&self, scene: &Scene) -> Self {
+        self.repeated_watched(scene, &Progress::new()).expect(NOT_CANCELLED)
     }
 
     /// [`Self::repeated`], watched.
     ///
     /// # Errors
     /// When `progress` is cancelled.
-    pub fn repeated_watched(&self, world: &World, progress: &Progress) -> Result<Self, Cancelled> {
+    pub fn repeated_watched(&self, scene: &Scene, progress: &Progress) -> Result<Self, Cancelled> {
         let start = Instant::now();
-        let votes = pretrace::repeat(world, &self.layout, &self.votes, progress)?;
+        let votes = pretrace::repeat(scene, &self.layout, &self.votes, progress)?;
         let seconds = RectifySeconds { pretrace: start.elapsed().as_secs_f64(), ..self.seconds };
-        Ok(Self::resolve(world, Arc::clone(&self.layout), Arc::new(votes), Arc::clone(&self.per_object), seconds))
+        Ok(Self::resolve(scene, Arc::clone(&self.layout), Arc::new(votes), Arc::clone(&self.per_object), seconds))
     }
 
     /// Whether two tables say the same everywhere.
@@ -205,22 +204,22 @@ impl InterfaceTable {
     }
 
     fn resolve(
-        world: &World,
+        scene: &Scene,
         layout: Arc<Layout>,
         votes: Arc<Vec<SiteVotes>>,
         per_object: Arc<OnceLock<ObjectTable>>,
         seconds: RectifySeconds,
     ) -> Self {
         let start = Instant::now();
-        let fillers = nest::fillers(world, &layout, &votes);
+        let fillers = nest::fillers(scene, &layout, &votes);
         let mut answers: Vec<Answer> = (layout.sites.iter().zip(&fillers))
-            .map(|(site, fillers)| Answer::of(world, site.fixed.is_masked, *fillers))
+            .map(|(site, fillers)| Answer::of(scene, site.fixed.is_masked, *fillers))
             .collect();
-        answers.extend(layout.surroundings.iter().map(|surroundings| surroundings.resolve(world)));
+        answers.extend(layout.surroundings.iter().map(|surroundings| surroundings.resolve(scene)));
         let mut has_coincident = false;
         let mut blocks = Vec::with_capacity(layout.asks.len());
         for ask in &layout.asks {
-            match ask.answers(world) {
+            match ask.answers(scene) {
                 Some(listed) => {
                     blocks.push(answers.len() as u32);
                     answers.extend(listed);
@@ -238,11 +237,11 @@ impl InterfaceTable {
         let mut mask = Mask::default();
         for (site, answer) in layout.sites.iter().zip(&answers) {
             // What is behind the surface of a light is not asked.
-            if !is_passable(answer) || !is_refractor(world, site.subject) {
+            if !is_passable(answer) || !is_refractor(scene, site.subject) {
                 continue;
             }
             match &site.faces {
-                Faces::Whole => primitives_of(&world.geometry, site.subject).for_each(|face| mask.insert(face)),
+                Faces::Whole => primitives_of(&scene.geometry, site.subject).for_each(|face| mask.insert(face)),
                 Faces::Some { faces, .. } => faces.iter().for_each(|&face| mask.insert(face)),
             }
         }
@@ -260,35 +259,35 @@ impl InterfaceTable {
             layout,
             votes,
         };
-        table.list_patches(world, &fillers);
+        table.list_patches(scene, &fillers);
         table.seconds.resolve = start.elapsed().as_secs_f64();
         table
     }
 
     /// The answer at a point of a refractor's surface; [`Answer::MASKED`] where the crossing is to be passed over.
     #[inline]
-    pub fn look(&self, world: &World, refractor: ObjectId, point: &SurfacePoint, barycentric: [f64; 2]) -> Answer {
+    pub fn look(&self, scene: &Scene, refractor: ObjectId, point: &SurfacePoint, barycentric: [f64; 2]) -> Answer {
         let place = self.place(refractor, point.primitive);
         if place & DIVIDED == 0 {
             self.answers[place as usize]
         } else {
-            self.look_closely(world, place, point, barycentric)
+            self.look_closely(scene, place, point, barycentric)
         }
     }
 
     /// In a divided face.
     #[inline(never)]
-    fn look_closely(&self, world: &World, place: Place, point: &SurfacePoint, barycentric: [f64; 2]) -> Answer {
+    fn look_closely(&self, scene: &Scene, place: Place, point: &SurfacePoint, barycentric: [f64; 2]) -> Answer {
         let layout = &*self.layout;
         let divided = layout.divided[(place & !DIVIDED) as usize];
-        let (offset, weights) = cells::locate(world, point, barycentric);
+        let (offset, weights) = cells::locate(scene, point, barycentric);
         match *cells::descend(&layout.nodes, divided.root + offset, weights) {
             Node::Known(answer) => self.answers[answer as usize],
             Node::Asked(number) => {
                 let ask = &layout.asks[number as usize];
                 match self.blocks[number as usize] {
-                    NOT_LISTED => ask.answer(world, point),
-                    first => ask.look(world, point).map_or(Answer::MASKED, |at| self.answers[first as usize + at]),
+                    NOT_LISTED => ask.answer(scene, point),
+                    first => ask.look(scene, point).map_or(Answer::MASKED, |at| self.answers[first as usize + at]),
                 }
             }
             // Leaves only.
@@ -356,13 +355,13 @@ impl InterfaceTable {
     }
 
     /// The source's method, one exterior for each object. Worked out when it is first asked for.
-    pub fn per_object(&self, world: &World) -> &ObjectTable {
-        self.per_object.get_or_init(|| ObjectTable::new(world))
+    pub fn per_object(&self, scene: &Scene) -> &ObjectTable {
+        self.per_object.get_or_init(|| ObjectTable::new(scene))
     }
 
     /// The refractors that meet each other, and how.
-    pub fn encounters(&self, world: &World) -> Vec<Encounter> {
-        encounters::encounters(world, &self.layout, &self.votes)
+    pub fn encounters(&self, scene: &Scene) -> Vec<Encounter> {
+        encounters::encounters(scene, &self.layout, &self.votes)
     }
 
     /// The objects some of whose faces are crowded, with the numbers of those faces: see [`cells::Ask::is_crowded`].
@@ -388,7 +387,7 @@ impl InterfaceTable {
         self.votes.iter().map(|votes| u64::from(votes.rays)).sum()
     }
 
-    fn list_patches(&mut self, world: &World, fillers: &[Fillers]) {
+    fn list_patches(&mut self, scene: &Scene, fillers: &[Fillers]) {
         let layout = Arc::clone(&self.layout);
         let votes = Arc::clone(&self.votes);
         // (subject, patches proper first, number of the site or group)
@@ -402,7 +401,7 @@ impl InterfaceTable {
         let (mut patches, mut lights): (Vec<Patch>, Vec<Patch>) = (Vec::new(), Vec::new());
         for (subject, is_mixed, number) in order {
             // Lights come after all refractors in the order of object ids, so this numbers patches first, then lights.
-            let list = if is_refractor(world, subject) { &mut patches } else { &mut lights };
+            let list = if is_refractor(scene, subject) { &mut patches } else { &mut lights };
             let index = list.last().filter(|last| last.refractor == subject).map_or(0, |last| last.index + 1);
             let patch = if is_mixed {
                 let group = &layout.groups[number];
@@ -423,7 +422,7 @@ impl InterfaceTable {
                     within: None,
                 }
             } else {
-                patch_of_site(world, &layout.sites[number], &votes[number], fillers[number], index)
+                patch_of_site(scene, &layout.sites[number], &votes[number], fillers[number], index)
             };
             list.push(patch);
             let place = (patches.len() + lights.len() - 1) as u32;
@@ -433,8 +432,8 @@ impl InterfaceTable {
     }
 }
 
-fn patch_of_site(world: &World, site: &Site, votes: &SiteVotes, fillers: Fillers, index: u32) -> Patch {
-    let answer = Answer::of(world, site.fixed.is_masked, fillers);
+fn patch_of_site(scene: &Scene, site: &Site, votes: &SiteVotes, fillers: Fillers, index: u32) -> Patch {
+    let answer = Answer::of(scene, site.fixed.is_masked, fillers);
     let kind = match answer {
         Answer::MASKED => PatchKind::Masked,
         Answer { outside, inside } if outside == inside => PatchKind::Null,
@@ -442,19 +441,19 @@ fn patch_of_site(world: &World, site: &Site, votes: &SiteVotes, fillers: Fillers
     };
     let is_masked = kind == PatchKind::Masked;
     let matters = |vote: &&Vote| {
-        vote.share() < 1.0 && votes.surroundings_but_for(site, Some(vote.refractor)).resolve(world) != answer
+        vote.share() < 1.0 && votes.surroundings_but_for(site, Some(vote.refractor)).resolve(scene) != answer
     };
     let confidence = votes.list.iter().filter(matters).map(Vote::share).fold(1.0, f64::min);
     Patch {
         refractor: site.subject,
         index,
         kind,
-        faces: site.face_count(&world.geometry),
-        area: site.area(&world.geometry),
+        faces: site.face_count(&scene.geometry),
+        area: site.area(&scene.geometry),
         outside: (!is_masked).then_some(answer.outside),
-        inside: (!is_masked && is_refractor(world, site.subject)).then_some(answer.inside),
+        inside: (!is_masked && is_refractor(scene, site.subject)).then_some(answer.inside),
         outside_refractor: fillers.outer.filter(|_| !is_masked),
-        inside_refractor: fillers.inner.filter(|_| !is_masked && is_refractor(world, site.subject)),
+        inside_refractor: fillers.inner.filter(|_| !is_masked && is_refractor(scene, site.subject)),
         crossed_by: Vec::new(),
         rays: votes.rays,
         confidence,

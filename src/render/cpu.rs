@@ -5,20 +5,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::events::Events;
 use super::film::Film;
-use super::prepare::Prepared;
-use crate::estimator::path::{Batch, PathTracer, dimension};
-use crate::estimator::sampler::{Sampler, Sequence};
 use crate::rectify::containment::medium_at;
 use crate::rectify::start::StartRegion;
 use crate::scene::camera::Camera;
 use crate::scene::needs::SceneNeeds;
+use crate::tracking::Events;
+use crate::tracking::Prepared;
 use crate::tracking::naive::Naive;
 use crate::tracking::priority::Priority;
 use crate::tracking::rectified::{Rectified, RectifiedObject};
 use crate::tracking::stack::Stack;
 use crate::tracking::{Mode, Tracker};
+use crate::transport::path::{Batch, PathTracer, dimension};
+use crate::transport::sampler::{Sampler, Sequence};
 
 /// What decides an image, next to the scene and the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,9 +65,9 @@ pub fn accumulate(
     match settings.mode {
         Mode::Naive => pass.run(&Naive, film),
         Mode::Stack => pass.run(&Stack, film),
-        Mode::Priority => pass.run(&Priority { world: &prepared.world }, film),
-        Mode::RectifiedObject => pass.run(&RectifiedObject::new(&prepared.world, &prepared.table), film),
-        Mode::Rectified => pass.run(&Rectified { world: &prepared.world, table: &prepared.table }, film),
+        Mode::Priority => pass.run(&Priority { scene: &prepared.scene }, film),
+        Mode::RectifiedObject => pass.run(&RectifiedObject::new(&prepared.scene, &prepared.table), film),
+        Mode::Rectified => pass.run(&Rectified { scene: &prepared.scene, table: &prepared.table }, film),
         Mode::Reference => pass.run(&prepared.reference(), film),
     }
 }
@@ -82,20 +82,20 @@ struct Pass<'a> {
 
 impl Pass<'_> {
     fn run<T: Tracker>(&self, tracker: &T, film: &mut Film) -> bool {
-        let world = &*self.prepared.world;
+        let scene = &*self.prepared.scene;
         let needs =
-            if self.settings.leave_out { world.needs } else { SceneNeeds::EVERYTHING.without_impossible(world) };
+            if self.settings.leave_out { scene.needs } else { SceneNeeds::EVERYTHING.without_impossible(scene) };
         let samples_environment = needs.image_environment && self.settings.variance.sample_environment;
         let tracer = PathTracer {
-            world,
+            scene,
             tracker,
             needs: SceneNeeds { image_environment: samples_environment, ..needs },
             max_depth: self.settings.max_depth.unwrap_or(u32::MAX),
             splits: self.settings.variance.splits,
         };
-        let camera = Camera { position: self.camera.position - world.geometry.origin, ..*self.camera };
-        let ask = |point| tracker.medium_at(point).unwrap_or_else(|| medium_at(world, point));
-        let lens = StartRegion::by_asking(world, camera.position, camera.aperture_radius, &ask);
+        let camera = Camera { position: self.camera.position - scene.geometry.origin, ..*self.camera };
+        let ask = |point| tracker.medium_at(point).unwrap_or_else(|| medium_at(scene, point));
+        let lens = StartRegion::by_asking(scene, camera.position, camera.aperture_radius, &ask);
         let width = film.width;
         let size = DVec2::new(f64::from(film.width), f64::from(film.height));
         let taken = film.samples + self.samples;
@@ -157,7 +157,7 @@ impl Pass<'_> {
                         let [x, y] = sampler.get_2d(dimension::PIXEL);
                         let at = DVec2::new(f64::from(column) + x, row as f64 + y);
                         let ray = camera.ray(at, size, lens_point(&camera, &sampler));
-                        batch.add(&lens.start_by_asking(world, ray, &ask), sampler, &tracer);
+                        batch.add(&lens.start_by_asking(scene, ray, &ask), sampler, &tracer);
                         if batch.is_full() {
                             trace(batch);
                         }

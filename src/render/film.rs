@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::allocation::{Allocation, PILOT, Pilot};
-use super::events::Events;
 use super::exact::ExactSums;
+use crate::tracking::Events;
 
 /// Sums of radiance samples per pixel in f64, row 0 at the top.
 #[derive(Debug, Clone, PartialEq)]

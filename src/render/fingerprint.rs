@@ -1,10 +1,10 @@
 //! What decides the samples of an image, as one number: scene, camera, size and settings.
 
 use super::cpu::{RenderSettings, VarianceReduction};
-use crate::estimator::sampler::Sequence;
 use crate::scene::camera::Camera;
 use crate::scene::description::Description;
 use crate::scene::fingerprint::{Fingerprint, Hasher};
+use crate::transport::sampler::Sequence;
 
 /// Of an image of `size` (width, height): which sample has which radiance, but not how many are taken, nor on how many threads. `camera`
 /// is in scene coordinates. The version of this program is part of it, because other code may give other samples.

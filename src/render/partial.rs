@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-use super::events::Events;
 use super::exact::ExactSums;
 use super::film::{Film, capped};
 use crate::scene::Fingerprint;
+use crate::tracking::Events;
 use crate::tracking::Mode;
 
 /// Indices of samples, from the first up to but without the second.
@@ -43,7 +43,7 @@ pub struct Recipe {
     pub max_depth: Option<u32>,
     pub leave_out: bool,
     pub splits: u32,
-    pub sampler: crate::estimator::sampler::Sequence,
+    pub sampler: crate::transport::sampler::Sequence,
     pub sample_environment: bool,
     /// The unit of the sums is 2 to the power of this.
     pub unit_exponent: i32,

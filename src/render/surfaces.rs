@@ -11,12 +11,12 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::prepare::Prepared;
 use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::rectify::surroundings::Answer;
 use crate::rectify::{Patch, PatchKind};
 use crate::scene::camera::Camera;
-use crate::scene::world::{MediumId, ObjectId, Surface};
+use crate::scene::{MediumId, ObjectId, Surface};
+use crate::tracking::Prepared;
 
 /// Colours of media and patches, sRGB, in this order, then from the start.
 pub const COLORS: [[u8; 3]; 8] = [
@@ -123,16 +123,16 @@ impl Tint {
 
     /// In words, for a legend.
     pub fn label(self, prepared: &Prepared) -> String {
-        let world = &prepared.world;
+        let scene = &prepared.scene;
         match self {
             // The scene may be a newer one than the picture.
-            Self::Medium(medium) => world.media.get(medium.0 as usize).map(|m| m.name.clone()).unwrap_or_default(),
+            Self::Medium(medium) => scene.media.get(medium.0 as usize).map(|m| m.name.clone()).unwrap_or_default(),
             Self::NoInterface => "no interface".to_owned(),
             Self::Patch(number) => match prepared.table.patches.get(number as usize) {
                 Some(patch) => {
-                    let name = &world.object(patch.refractor).name;
+                    let name = &scene.object(patch.refractor).name;
                     let outside = match patch.outside {
-                        Some(medium) => format!("in {}", world.medium(medium).name),
+                        Some(medium) => format!("in {}", scene.medium(medium).name),
                         None => patch.kind.name().to_owned(),
                     };
                     format!("{name} {}: {outside}", patch.index)
@@ -193,15 +193,15 @@ impl Face<'_> {
 
 /// What the interface table says of a hit; `None` on solids and lights.
 fn face<'a>(prepared: &'a Prepared, point: &SurfacePoint, hit: &Hit) -> Option<Face<'a>> {
-    let (world, table) = (&*prepared.world, &*prepared.table);
-    let refractor = ObjectId(world.geometry.object_of(hit.primitive));
-    if !matches!(world.object(refractor).surface, Surface::Refractor { .. }) {
+    let (scene, table) = (&*prepared.scene, &*prepared.table);
+    let refractor = ObjectId(scene.geometry.object_of(hit.primitive));
+    if !matches!(scene.object(refractor).surface, Surface::Refractor { .. }) {
         return None;
     }
-    let patch = table.patch_of(&world.geometry, hit.primitive)?;
+    let patch = table.patch_of(&scene.geometry, hit.primitive)?;
     // Patches of one refractor stand together.
     let first = table.patches.partition_point(|patch| patch.refractor < refractor);
-    let answer = table.look(world, refractor, point, hit.barycentric);
+    let answer = table.look(scene, refractor, point, hit.barycentric);
     let sides = (answer != Answer::MASKED).then_some(answer);
     Some(Face { refractor, patch, number: first as u32 + patch.index, sides })
 }
@@ -209,7 +209,7 @@ fn face<'a>(prepared: &'a Prepared, point: &SurfacePoint, hit: &Hit) -> Option<F
 /// The refractors' surfaces along the ray through a point in [0, 1]² of a picture of `size` pixels, front to back, up to the first opaque
 /// one. `camera` is in scene coordinates.
 pub fn faces_along<'a>(prepared: &'a Prepared, camera: &Camera, size: [u32; 2], point: [f64; 2]) -> Vec<Face<'a>> {
-    let geometry = &prepared.world.geometry;
+    let geometry = &prepared.scene.geometry;
     let camera = Camera { position: camera.position - geometry.origin, ..*camera };
     let size = DVec2::new(f64::from(size[0]), f64::from(size[1]));
     let ray = camera.ray(size * DVec2::from(point), size, DVec2::ZERO);
@@ -250,7 +250,7 @@ impl Painting {
         quantity: SurfaceQuantity,
         cancel: &AtomicBool,
     ) -> bool {
-        let origin = prepared.world.geometry.origin;
+        let origin = prepared.scene.geometry.origin;
         let camera = Camera { position: camera.position - origin, aperture_radius: 0.0, ..*camera };
         let size = DVec2::new(f64::from(self.width), f64::from(self.height));
         let offset = DVec2::from(OFFSETS[self.rays as usize % OFFSETS.len()]);
@@ -295,9 +295,9 @@ fn color_along(
     hits: &mut Vec<Hit>,
     seen: &mut BTreeMap<Tint, u64>,
 ) -> [f32; 3] {
-    let world = &*prepared.world;
+    let scene = &*prepared.scene;
     hits.clear();
-    world.geometry.for_each_hit(ray, |hit| hits.push(hit));
+    scene.geometry.for_each_hit(ray, |hit| hits.push(hit));
     hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
     let mut color = [0.0_f32; 3];
     let mut clear = 1.0_f32;
@@ -309,8 +309,8 @@ fn color_along(
         clear
     };
     for hit in hits.iter() {
-        let point = world.geometry.surface(ray, hit);
-        let normal = world.geometry.shading_normal(hit, point.normal);
+        let point = scene.geometry.surface(ray, hit);
+        let normal = scene.geometry.shading_normal(hit, point.normal);
         let cosine = normal.dot(ray.direction).abs().min(1.0) as f32;
         let left = match face(prepared, &point, hit) {
             Some(face) => {
@@ -323,7 +323,7 @@ fn color_along(
                 blend(tint.color().map(f32::from), side * (0.72 + 0.28 * cosine), opacity)
             }
             None if matches!(
-                world.object(ObjectId(world.geometry.object_of(hit.primitive))).surface,
+                scene.object(ObjectId(scene.geometry.object_of(hit.primitive))).surface,
                 Surface::Light { .. }
             ) =>
             {
@@ -350,8 +350,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::render::prepare;
     use crate::scene::load;
+    use crate::tracking::prepare;
 
     const SCENE: &str = r#"
 [camera]
@@ -398,10 +398,10 @@ shape = { icosphere = { center = [0, 0, 0], radius = 1, subdivisions = 3 } }
             let height = 20.0 * 20.0_f64.to_radians().tan();
             let faces = faces_along(&prepared, &camera, [800, 600], [0.513, 0.5 - y / height]);
             let ball: Vec<_> =
-                faces.iter().filter(|face| prepared.world.object(face.refractor).name == "ball").collect();
+                faces.iter().filter(|face| prepared.scene.object(face.refractor).name == "ball").collect();
             assert_eq!(ball.len(), 2, "in front and behind, at {y}");
             ball.iter()
-                .map(|face| prepared.world.medium(face.sides.expect("it is an interface").outside).name.clone())
+                .map(|face| prepared.scene.medium(face.sides.expect("it is an interface").outside).name.clone())
                 .collect::<Vec<_>>()
         };
         assert_eq!(outside(0.6), ["world", "world"]);

@@ -6,9 +6,9 @@
 use std::path::Path;
 
 use crate::export::ExportError;
-use crate::render::Events;
 use crate::scene::Fingerprint;
 use crate::scene::files::{self, FileError, MAX_DATA_BYTES};
+use crate::tracking::Events;
 use crate::writing::write_atomically;
 
 const CHECKSUM: usize = 32;

@@ -9,10 +9,10 @@ use serde::{Deserialize, Serialize};
 
 use super::progress::Progress;
 use super::timing::median;
-use crate::optics::IorModel;
-use crate::optics::dispersion::WAVELENGTH_D_UM;
-use crate::render::worker::{GroundTruthDemand, Request, Worker};
+use crate::optics::Ior;
+use crate::optics::ior::WAVELENGTH_D_UM;
 use crate::scene::{Description, SceneError};
+use crate::session::{GroundTruthDemand, Request, Worker};
 use crate::tracking::Mode;
 
 /// Longer than any answer takes.
@@ -171,7 +171,7 @@ fn edited(before: &Request, edit: Edit, index: usize) -> Request {
         Edit::Ior => {
             let medium = index / 2 % description.media.len();
             let medium = &mut description.media[medium];
-            medium.ior = IorModel::Constant(1.0 + medium.ior.ior_minus_one(WAVELENGTH_D_UM) + 0.01 * way);
+            medium.ior = Ior::Constant(1.0 + medium.ior.ior_minus_one(WAVELENGTH_D_UM) + 0.01 * way);
             request.description = Arc::new(description);
         }
         Edit::Transform => {

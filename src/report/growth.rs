@@ -10,10 +10,11 @@ use super::machine::{available_bytes, forget_peak, peak_bytes, resident_bytes};
 use super::progress::Progress;
 use super::timing::Timed;
 use crate::measure::statistics::power_law;
-use crate::render::{Prepared, RenderSettings, VarianceReduction, prepare};
+use crate::render::{RenderSettings, VarianceReduction};
 use crate::scene::camera::Camera;
 use crate::scene::{Description, SceneError};
 use crate::tracking::Mode;
+use crate::tracking::{Prepared, prepare};
 
 /// Memory below which the allocator's habits decide what is measured.
 const LEAST_MEMORY: u64 = 16 << 20;

@@ -8,11 +8,12 @@ use serde::{Deserialize, Serialize};
 use super::progress::Progress;
 use super::timing::{Ratio, Timed, pairs};
 use crate::rectify::InterfaceTable;
-use crate::render::{Film, Prepared, RenderSettings, VarianceReduction};
-use crate::scene::World;
+use crate::render::{Film, RenderSettings, VarianceReduction};
+use crate::scene::Scene;
 use crate::scene::camera::Camera;
 use crate::scene::needs::SceneNeeds;
 use crate::tracking::Mode;
+use crate::tracking::Prepared;
 
 /// What is measured, and how long.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -88,20 +89,20 @@ fn is_switched_while_tracing(need: &str) -> bool {
 
 /// Measures one scene on the current pool. `None` when cancelled.
 pub fn measure(prepared: &Prepared, camera: &Camera, plan: &LeftOutPlan, progress: &Progress<'_>) -> Option<LeftOut> {
-    let world = &prepared.world;
-    let names = world.needs.left_out();
+    let scene = &prepared.scene;
+    let names = scene.needs.left_out();
     let (render, images_are_equal, samples) = put_back(prepared, camera, plan, SceneNeeds::EVERYTHING, progress)?;
-    let (rectify, tables_are_equal) = if world.needs.nesting {
+    let (rectify, tables_are_equal) = if scene.needs.nesting {
         (None, None)
     } else {
-        let (ratio, equal) = pretrace(world, plan, progress)?;
+        let (ratio, equal) = pretrace(scene, plan, progress)?;
         (Some(ratio), Some(equal))
     };
     let mut each = Vec::new();
     for &need in names.iter().filter(|_| plan.each) {
         // What the scene has no data for cannot be put back.
-        let needs = world.needs.with(need).without_impossible(world);
-        if is_switched_while_tracing(need) && needs != world.needs {
+        let needs = scene.needs.with(need).without_impossible(scene);
+        if is_switched_while_tracing(need) && needs != scene.needs {
             let (ratio, images_are_equal, _) = put_back(prepared, camera, plan, needs, progress)?;
             each.push(OneNeed { need: need.to_owned(), ratio, images_are_equal });
         }
@@ -140,7 +141,7 @@ fn put_back(
     // The whole goes by the switch that users have.
     let changed = match is_everything {
         true => prepared.clone(),
-        false => Prepared { world: Arc::new(World { needs, ..World::clone(&prepared.world) }), ..prepared.clone() },
+        false => Prepared { scene: Arc::new(Scene { needs, ..Scene::clone(&prepared.scene) }), ..prepared.clone() },
     };
     let mut with = Timed::new(&changed, camera, settings(!is_everything), size);
     let mut without = Timed::new(prepared, camera, settings(true), size);
@@ -152,20 +153,20 @@ fn put_back(
 }
 
 /// Rectification with and without the pre-trace that a scene without nesting does not need.
-fn pretrace(world: &World, plan: &LeftOutPlan, progress: &Progress<'_>) -> Option<(Ratio, bool)> {
-    let mut changed = world.clone();
+fn pretrace(scene: &Scene, plan: &LeftOutPlan, progress: &Progress<'_>) -> Option<(Ratio, bool)> {
+    let mut changed = scene.clone();
     changed.needs.nesting = true;
-    let timed = |world: &World| {
+    let timed = |scene: &Scene| {
         // Small scenes are rectified in microseconds.
         let (start, mut rounds) = (Instant::now(), 0.0);
         while rounds == 0.0 || start.elapsed().as_secs_f64() < plan.slice_secs {
-            std::hint::black_box(InterfaceTable::new(world));
+            std::hint::black_box(InterfaceTable::new(scene));
             rounds += 1.0;
         }
         start.elapsed().as_secs_f64() / rounds
     };
-    let times = pairs(plan.pairs, progress, || timed(&changed), || timed(world))?;
-    Some((Ratio::of(&times)?, InterfaceTable::new(world).says_the_same(&InterfaceTable::new(&changed))))
+    let times = pairs(plan.pairs, progress, || timed(&changed), || timed(scene))?;
+    Some((Ratio::of(&times)?, InterfaceTable::new(scene).says_the_same(&InterfaceTable::new(&changed))))
 }
 
 /// Whether two films hold the same sums, to the last bit, of the same numbers of samples.
@@ -177,8 +178,8 @@ fn are_equal(a: &Film, b: &Film) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::prepare;
     use crate::scene::load;
+    use crate::tracking::prepare;
     use std::sync::atomic::AtomicBool;
 
     fn measured(name: &str, plan: &LeftOutPlan, cancel: bool) -> Option<LeftOut> {

@@ -22,10 +22,10 @@ use crate::export::ExportError;
 use crate::export::words::grouped;
 use crate::geometry::Ray;
 use crate::rectify::start::start;
-use crate::render::{Prepared, prepare};
 use crate::scene::camera::Camera;
 use crate::scene::fingerprint::Hasher;
 use crate::scene::{Description, SceneError, builtin};
+use crate::tracking::{Prepared, prepare};
 
 /// What a report can be about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -231,16 +231,16 @@ fn scene(
             return Ok(None);
         }
     }
-    let world = &prepared.world;
-    let ray = Ray::new(camera.position - world.geometry.origin, camera.forward);
+    let scene = &prepared.scene;
+    let ray = Ray::new(camera.position - scene.geometry.origin, camera.forward);
     Ok(Some(SceneReport {
         name: subject.name.clone(),
         title: description.name.clone(),
         about: builtin::find(&subject.name).map(|builtin| builtin.about.to_owned()),
-        refractors: world.refractors().count(),
-        triangles: world.geometry.triangle_count(),
-        spheres: world.geometry.sphere_count(),
-        camera_medium: world.medium(start(world, ray).medium).name.clone(),
+        refractors: scene.refractors().count(),
+        triangles: scene.geometry.triangle_count(),
+        spheres: scene.geometry.sphere_count(),
+        camera_medium: scene.medium(start(scene, ray).medium).name.clone(),
         build_secs: prepared.seconds.bvh,
         rectify_secs: prepared.seconds.rectify,
         pictures: Some(pictures),

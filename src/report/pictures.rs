@@ -9,9 +9,10 @@ use super::timing::Timed;
 use crate::export::color_map::{diverging, luminance, round_up_to_125};
 use crate::export::{ExportError, Picture, png_bytes};
 use crate::measure::difference;
-use crate::render::{Display, Events, Film, Prepared, RenderSettings, VarianceReduction, accumulate};
+use crate::render::{Display, Film, RenderSettings, VarianceReduction, accumulate};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
+use crate::tracking::{Events, Prepared};
 
 /// The modes that are held against `rectified`.
 const OTHERS: [Mode; 4] = [Mode::Naive, Mode::Stack, Mode::Priority, Mode::RectifiedObject];

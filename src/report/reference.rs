@@ -16,9 +16,10 @@ use super::checked::{Reader, Writer};
 use super::progress::Progress;
 use super::store::Store;
 use crate::export::ExportError;
-use crate::render::{Events, Film, Prepared, RenderSettings, VarianceReduction, accumulate, fingerprint};
+use crate::render::{Film, RenderSettings, VarianceReduction, accumulate, fingerprint};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
+use crate::tracking::{Events, Prepared};
 
 /// The seeds of the two, which no run takes unless it is asked to.
 pub const SEEDS: [u64; 2] = [u64::MAX - 1, u64::MAX];

@@ -114,7 +114,7 @@ fn build() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Events;
+    use crate::tracking::Events;
 
     fn make(store: &Store, inputs: &str, value: f64) -> f64 {
         let made: Result<_, ExportError> = store.piece("piece", &inputs, || Ok(Some(value)));

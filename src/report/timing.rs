@@ -5,8 +5,9 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use super::progress::Progress;
-use crate::render::{Film, Prepared, RenderSettings, accumulate};
+use crate::render::{Film, RenderSettings, accumulate};
 use crate::scene::camera::Camera;
+use crate::tracking::Prepared;
 
 /// One time over another, from pairs that were taken one right after the other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,4 +1,4 @@
-//! From a description to a [`World`].
+//! From a description to a [`Scene`].
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -12,27 +12,27 @@ use super::environment::EnvironmentLight;
 use super::error::SceneError;
 use super::light::Emitters;
 use super::needs::SceneNeeds;
+use super::scene::{Interfaces, MediumId, Object, ObjectId, Paint, Scene, SceneMedium, Surface};
 use super::shapes::{self, MIN_LENGTH};
-use super::world::{Interfaces, MediumId, Object, ObjectId, Paint, Surface, World, WorldMedium};
 use crate::geometry::topology::MAX_FACES;
 use crate::geometry::{Enclosure, Frame, Geometry, Mesh, ObjectRange, Part, Topology, WindingTree};
-use crate::optics::dispersion::{IOR_RANGE, WAVELENGTH_D_UM};
-use crate::optics::{IorModel, medium};
+use crate::optics::ior::{IOR_RANGE, WAVELENGTH_D_UM};
+use crate::optics::{Ior, medium};
 
 /// Least radius of a sphere relative to a coordinate of its centre: a few roundings.
 const LEAST_RADIUS: f64 = 8.0 * f64::EPSILON;
 
-/// Compiles `description`. With `previous`, the description and world compiled before it, geometry is kept where no shape has changed.
+/// Compiles `description`. With `previous`, the description and scene compiled before it, geometry is kept where no shape has changed.
 ///
 /// # Errors
 /// When an IOR, an absorption or a shape is impossible, or a medium is unknown. The loader finds such things with their line; this is
 /// for descriptions edited or made in memory.
-pub fn compile(description: &Description, previous: Option<(&Description, &World)>) -> Result<World, SceneError> {
+pub fn compile(description: &Description, previous: Option<(&Description, &Scene)>) -> Result<Scene, SceneError> {
     require_radiances(description)?;
     let media = compile_media(description)?;
-    let kept = previous.filter(|(before, _)| has_same_geometry(before, description)).map(|(_, world)| world);
+    let kept = previous.filter(|(before, _)| has_same_geometry(before, description)).map(|(_, scene)| scene);
     let (geometry, bodies, topology_secs) = match kept {
-        Some(world) => (Arc::clone(&world.geometry), world.objects.iter().map(Body::of_object).collect(), 0.0),
+        Some(scene) => (Arc::clone(&scene.geometry), scene.objects.iter().map(Body::of_object).collect(), 0.0),
         None => {
             let start = Instant::now();
             let analyses = analyse(description, previous)?;
@@ -51,8 +51,8 @@ pub fn compile(description: &Description, previous: Option<(&Description, &World
     let objects = objects(description, geometry.origin, bodies)?;
     let environment = match previous {
         // An image's sampling tables are worth keeping.
-        Some((before, world)) if is_same_environment(&before.environment, &description.environment) => {
-            world.environment.clone()
+        Some((before, scene)) if is_same_environment(&before.environment, &description.environment) => {
+            scene.environment.clone()
         }
         _ => EnvironmentLight::new(&description.environment),
     };
@@ -72,7 +72,7 @@ pub fn compile(description: &Description, previous: Option<(&Description, &World
             .collect::<Vec<_>>()
     };
     let (holed, has_sheets) = (refractors_that(Enclosure::Holed), !refractors_that(Enclosure::Sheet).is_empty());
-    Ok(World {
+    Ok(Scene {
         geometry,
         objects,
         interfaces: Interfaces::new(&media),
@@ -109,11 +109,11 @@ fn require_radiances(description: &Description) -> Result<(), SceneError> {
     description.lights.iter().try_for_each(|light| require(&|| format!("light `{}`", light.name), light.radiance))
 }
 
-fn compile_media(description: &Description) -> Result<Vec<WorldMedium>, SceneError> {
+fn compile_media(description: &Description) -> Result<Vec<SceneMedium>, SceneError> {
     let world = &description.world;
     let mut media = vec![
         compile_medium(medium::WORLD, &world.ior, world.absorption)?,
-        WorldMedium { name: medium::VACUUM.into(), ior_minus_one: 0.0, absorption: DVec3::ZERO },
+        SceneMedium { name: medium::VACUUM.into(), ior_minus_one: 0.0, absorption: DVec3::ZERO },
     ];
     for m in &description.media {
         media.push(compile_medium(&m.name, &m.ior, m.absorption)?);
@@ -121,7 +121,7 @@ fn compile_media(description: &Description) -> Result<Vec<WorldMedium>, SceneErr
     Ok(media)
 }
 
-fn compile_medium(name: &str, ior: &IorModel, absorption: [f64; 3]) -> Result<WorldMedium, SceneError> {
+fn compile_medium(name: &str, ior: &Ior, absorption: [f64; 3]) -> Result<SceneMedium, SceneError> {
     let ior_minus_one = ior.ior_minus_one(WAVELENGTH_D_UM);
     if !IOR_RANGE.contains(&(1.0 + ior_minus_one)) {
         let value = 1.0 + ior_minus_one;
@@ -135,17 +135,17 @@ fn compile_medium(name: &str, ior: &IorModel, absorption: [f64; 3]) -> Result<Wo
             "medium `{name}`: the absorption is [{r}, {g}, {b}], each must be 0 or more"
         )));
     }
-    Ok(WorldMedium { name: name.into(), ior_minus_one, absorption: absorption.into() })
+    Ok(SceneMedium { name: name.into(), ior_minus_one, absorption: absorption.into() })
 }
 
 /// A refractor's mesh, and what is known of it; `None` for an analytic sphere.
 type Analysis = Option<Arc<Topology>>;
 
 /// The topology of every refractor. A shape that has been analysed, for this description or for the previous one, is not again.
-fn analyse(description: &Description, previous: Option<(&Description, &World)>) -> Result<Vec<Analysis>, SceneError> {
+fn analyse(description: &Description, previous: Option<(&Description, &Scene)>) -> Result<Vec<Analysis>, SceneError> {
     let mut known = Known::default();
-    if let Some((before, world)) = previous {
-        for (refractor, object) in before.refractors.iter().zip(&world.objects) {
+    if let Some((before, scene)) = previous {
+        for (refractor, object) in before.refractors.iter().zip(&scene.objects) {
             if let Some(topology) = &object.topology {
                 known.add(&refractor.name, &refractor.shape, topology);
             }

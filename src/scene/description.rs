@@ -12,7 +12,7 @@ use super::LoadNote;
 use super::environment::EnvironmentImage;
 use super::shapes::{MAX_LENGTH, MIN_LENGTH};
 use crate::geometry::Mesh;
-use crate::optics::{IorModel, Medium};
+use crate::optics::{Ior, Medium};
 
 /// The most radiance of lights and environments. What can be made of it, such as squares of sums over all samples, stays finite.
 pub const MAX_RADIANCE: f64 = 1e100;
@@ -63,7 +63,7 @@ pub struct CameraDescription {
 /// The global medium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldMedium {
-    pub ior: IorModel,
+    pub ior: Ior,
     /// σ per scene unit; acts only inside the scene's bounding sphere.
     pub absorption: [f64; 3],
 }

@@ -19,8 +19,7 @@ use super::camera::Camera;
 use super::description::{Description, Environment, Light, Paint, Refractor, Shape, Solid, Transform, WorldMedium};
 use super::environment::EnvironmentImage;
 use crate::geometry::Mesh;
-use crate::optics::catalog::Formula;
-use crate::optics::dispersion::IorModel;
+use crate::optics::Ior;
 use crate::optics::medium::Medium;
 
 /// A SHA-256 sum, shown as 64 hexadecimal digits.
@@ -226,40 +225,27 @@ impl Camera {
     }
 }
 
-fn hash_ior(hasher: &mut Hasher, ior: &IorModel) {
+fn hash_ior(hasher: &mut Hasher, ior: &Ior) {
     let terms = |hasher: &mut Hasher, terms: &[[f64; 2]]| hasher.list(terms, |term| term.map(f64::to_bits));
     match ior {
-        IorModel::Constant(n) => {
+        Ior::Constant(n) => {
             hasher.text("constant");
             hasher.number(*n);
         }
-        IorModel::Cauchy(coefficients) => {
+        Ior::Cauchy(coefficients) => {
             hasher.text("cauchy");
             hasher.numbers(*coefficients);
         }
-        IorModel::Sellmeier(pairs) => {
+        Ior::Sellmeier(pairs) => {
             hasher.text("sellmeier");
             terms(hasher, pairs);
         }
+        Ior::Gas(pairs) => {
+            hasher.text("gas");
+            terms(hasher, pairs);
+        }
         // The formula and not the entry's name: a later version may know better numbers.
-        IorModel::Catalog(entry) => match &entry.model {
-            Formula::Constant(n) => {
-                hasher.text("constant");
-                hasher.number(*n);
-            }
-            Formula::Cauchy(coefficients) => {
-                hasher.text("cauchy");
-                hasher.numbers(*coefficients);
-            }
-            Formula::Sellmeier(pairs) => {
-                hasher.text("sellmeier");
-                terms(hasher, pairs);
-            }
-            Formula::Gas(pairs) => {
-                hasher.text("gas");
-                terms(hasher, pairs);
-            }
-        },
+        Ior::Catalog(entry) => hash_ior(hasher, &entry.model),
     }
 }
 
@@ -412,11 +398,11 @@ mod tests {
         type Edit<'a> = Box<dyn Fn(&mut Description) + 'a>;
         let edits: Vec<Edit<'_>> = vec![
             Box::new(|_| ()),
-            Box::new(|d| d.world.ior = IorModel::Constant(1.000_000_1)),
+            Box::new(|d| d.world.ior = Ior::Constant(1.000_000_1)),
             Box::new(|d| d.world.absorption[2] = 0.5),
             Box::new(|d| d.media[0].absorption[0] += 1e-9),
-            Box::new(|d| d.media[0].ior = IorModel::Cauchy([1.5, 0.0, 0.0])),
-            Box::new(|d| d.media[0].ior = IorModel::Sellmeier(vec![[1.5, 0.0]])),
+            Box::new(|d| d.media[0].ior = Ior::Cauchy([1.5, 0.0, 0.0])),
+            Box::new(|d| d.media[0].ior = Ior::Sellmeier(vec![[1.5, 0.0]].into())),
             Box::new(|d| d.refractors[0].medium = d.refractors[1].medium.clone()),
             Box::new(|d| {
                 d.refractors[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(2.0), notes: Vec::new() }

@@ -1,4 +1,4 @@
-//! The scene: as written ([`Description`]), read from files ([`load`]), built in ([`builtin`]), and compiled for tracing ([`World`]).
+//! The scene: as written ([`Description`]), read from files ([`load`]), built in ([`builtin`]), and compiled for tracing ([`Scene`]).
 
 pub mod builtin;
 pub mod camera;
@@ -13,12 +13,12 @@ pub mod load;
 pub mod needs;
 pub mod note;
 pub mod save;
+mod scene;
 pub mod shapes;
-pub mod world;
 
 pub use description::Description;
 pub use error::SceneError;
 pub use fingerprint::Fingerprint;
 pub use needs::SceneNeeds;
 pub use note::LoadNote;
-pub use world::World;
+pub use scene::{MediumId, Object, ObjectId, Paint, Scene, SceneMedium, Surface};

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::environment::EnvironmentLight;
 use super::light::Emitters;
-use super::world::{Object, Surface, World, WorldMedium};
+use super::scene::{Object, Scene, SceneMedium, Surface};
 use crate::geometry::Geometry;
 
 /// Worked out once per compile. Each `false` removes work.
@@ -45,7 +45,7 @@ impl SceneNeeds {
     pub(super) fn of(
         geometry: &Geometry,
         objects: &[Object],
-        media: &[WorldMedium],
+        media: &[SceneMedium],
         emitters: &Emitters,
         environment: &EnvironmentLight,
     ) -> Self {
@@ -85,10 +85,10 @@ impl SceneNeeds {
     }
 
     /// Turns off what the scene has no data for: a picture without an environment image cannot sample one.
-    pub fn without_impossible(self, world: &World) -> Self {
+    pub fn without_impossible(self, scene: &Scene) -> Self {
         Self {
-            image_environment: self.image_environment && world.environment.is_image(),
-            emitters: self.emitters && !world.emitters.is_empty(),
+            image_environment: self.image_environment && scene.environment.is_image(),
+            emitters: self.emitters && !scene.emitters.is_empty(),
             ..self
         }
     }

@@ -1,10 +1,15 @@
 //! The modes: ways to know, at a crossing of a refractor's surface, which medium is left and which is entered.
 
+pub mod events;
 pub mod naive;
+pub mod prepare;
 pub mod priority;
 pub mod rectified;
 pub mod reference;
 pub mod stack;
+
+pub use events::Events;
+pub use prepare::{PrepareError, PrepareSeconds, Prepared, prepare, prepare_watched};
 
 use std::fmt;
 use std::str::FromStr;
@@ -12,8 +17,7 @@ use std::str::FromStr;
 use glam::DVec3;
 
 use crate::geometry::{Mask, SurfacePoint};
-use crate::render::Events;
-use crate::scene::world::{MediumId, ObjectId};
+use crate::scene::{MediumId, ObjectId};
 
 /// A ray meeting a refractor's surface.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,8 +1,8 @@
 //! `naive`: the interior IOR is taken as relative, the exterior always vacuum.
 
 use super::{Crossing, Sides, Tracker};
-use crate::render::Events;
-use crate::scene::world::MediumId;
+use crate::scene::MediumId;
+use crate::tracking::Events;
 
 #[derive(Debug, Clone, Copy)]
 pub struct Naive;

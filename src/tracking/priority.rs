@@ -14,13 +14,12 @@
 //!   list was entered, so the crossing is an interface if nothing in the list has at least this priority.
 
 use super::{Crossing, Sides, Tracker};
-use crate::render::Events;
-use crate::scene::World;
-use crate::scene::world::{MediumId, ObjectId, Surface};
+use crate::scene::{MediumId, ObjectId, Scene, Surface};
+use crate::tracking::Events;
 
 #[derive(Debug, Clone, Copy)]
 pub struct Priority<'a> {
-    pub world: &'a World,
+    pub scene: &'a Scene,
 }
 
 /// A refractor that the path is in.
@@ -35,7 +34,7 @@ pub struct Entry {
 
 impl Priority<'_> {
     fn priority(&self, refractor: ObjectId) -> i32 {
-        match self.world.object(refractor).surface {
+        match self.scene.object(refractor).surface {
             Surface::Refractor { priority, .. } => priority,
             // Only refractors are crossed.
             _ => i32::MIN,
@@ -115,8 +114,8 @@ mod tests {
     use crate::scene::compile::compile;
     use crate::scene::load;
 
-    /// A world of refractors `0, 1, …`, each with its own medium, a shape in the words of a scene file, and a priority.
-    fn world(refractors: &[(&str, i32)]) -> World {
+    /// A scene of refractors `0, 1, …`, each with its own medium, a shape in the words of a scene file, and a priority.
+    fn scene(refractors: &[(&str, i32)]) -> Scene {
         let mut text = String::from("[camera]\nposition = [0, 0, 9]\ntarget = [0, 0, 0]\n");
         for (index, (shape, priority)) in refractors.iter().enumerate() {
             let ior = 1.1 + 0.001 * index as f64;
@@ -128,9 +127,9 @@ mod tests {
     }
 
     /// The same, where only the priorities matter.
-    fn prioritized(priorities: &[i32]) -> World {
+    fn prioritized(priorities: &[i32]) -> Scene {
         let shape = "sphere = { center = [0, 0, 0], radius = 1 }";
-        world(&priorities.iter().map(|&priority| (shape, priority)).collect::<Vec<_>>())
+        scene(&priorities.iter().map(|&priority| (shape, priority)).collect::<Vec<_>>())
     }
 
     /// What lies on the two sides: refractors by number, −1 the global medium. `None`: skipped.
@@ -143,8 +142,8 @@ mod tests {
     }
 
     impl<'a> Walk<'a> {
-        fn new(world: &'a World) -> Self {
-            Self { tracker: Priority { world }, list: Vec::new(), events: Events::default() }
+        fn new(scene: &'a Scene) -> Self {
+            Self { tracker: Priority { scene }, list: Vec::new(), events: Events::default() }
         }
 
         fn cross(&mut self, refractor: u32, is_entering: bool) -> Sight {
@@ -167,11 +166,11 @@ mod tests {
         }
 
         /// Straight through everything along `ray`.
-        fn along(world: &'a World, ray: &Ray) -> (Vec<Sight>, Self) {
-            let mut walk = Self::new(world);
-            let ray = Ray::new(ray.origin - world.geometry.origin, ray.direction);
-            let hits = world.geometry.all_hits(&ray).into_iter();
-            let sights = hits.map(|hit| walk.cross(world.geometry.object_of(hit.primitive), hit.is_front)).collect();
+        fn along(scene: &'a Scene, ray: &Ray) -> (Vec<Sight>, Self) {
+            let mut walk = Self::new(scene);
+            let ray = Ray::new(ray.origin - scene.geometry.origin, ray.direction);
+            let hits = scene.geometry.all_hits(&ray).into_iter();
+            let sights = hits.map(|hit| walk.cross(scene.geometry.object_of(hit.primitive), hit.is_front)).collect();
             (sights, walk)
         }
     }
@@ -180,8 +179,8 @@ mod tests {
     const WATER: i32 = 1;
 
     /// Water that reaches into the wall and the bottom of its tumbler; its top meets the air.
-    fn tumbler(glass: i32, water: i32) -> World {
-        world(&[
+    fn tumbler(glass: i32, water: i32) -> Scene {
+        scene(&[
             ("lathe = { profile = [[0, 0], [1, 0], [1, 3], [0.8, 3], [0.8, 0.2], [0, 0.2]] }", glass),
             ("cylinder = { center = [0, 1.1, 0], radius = 0.9, height = 2 }", water),
         ])
@@ -193,13 +192,13 @@ mod tests {
 
     #[test]
     fn water_that_overlaps_its_glass() {
-        let world = tumbler(1, 0);
-        let (sights, walk) = Walk::along(&world, &across());
+        let scene = tumbler(1, 0);
+        let (sights, walk) = Walk::along(&scene, &across());
         let expected = [Some((-1, GLASS)), None, Some((GLASS, WATER)), Some((WATER, GLASS)), None, Some((GLASS, -1))];
         assert_eq!(sights, expected);
         assert!(walk.list.is_empty() && walk.events == Events::default());
         // From above, through the water's surface and the bottom.
-        let (sights, _) = Walk::along(&world, &Ray::new(DVec3::new(0.03, 5.0, 0.02), DVec3::NEG_Y));
+        let (sights, _) = Walk::along(&scene, &Ray::new(DVec3::new(0.03, 5.0, 0.02), DVec3::NEG_Y));
         assert_eq!(sights, [Some((-1, WATER)), Some((WATER, GLASS)), None, Some((GLASS, -1))]);
     }
 
@@ -230,8 +229,8 @@ mod tests {
             ([0, 0, 0], [Some((-1, 0)), Some((0, 1)), Some((1, 2)), None, None, Some((2, -1))]),
             ([1, 0, 1], [Some((-1, 0)), None, Some((0, 2)), None, None, Some((2, -1))]),
         ] {
-            let world = world(&[(&a, priorities[0]), (&b, priorities[1]), (&c, priorities[2])]);
-            let (sights, walk) = Walk::along(&world, &ray);
+            let scene = scene(&[(&a, priorities[0]), (&b, priorities[1]), (&c, priorities[2])]);
+            let (sights, walk) = Walk::along(&scene, &ray);
             assert_eq!(sights, expected, "{priorities:?}");
             assert!(walk.list.is_empty() && walk.events == Events::default());
         }
@@ -247,7 +246,7 @@ mod tests {
                 .collect();
             let nest = |sign: i32| {
                 let priorities = (0..depth).map(|k| sign * (k - depth / 2));
-                world(&shapes.iter().map(String::as_str).zip(priorities).collect::<Vec<_>>())
+                scene(&shapes.iter().map(String::as_str).zip(priorities).collect::<Vec<_>>())
             };
             let ray = Ray::new(DVec3::new(-2.0, 0.01, 0.02), DVec3::X);
             let rising = nest(1);
@@ -269,8 +268,8 @@ mod tests {
     /// A torus is left and entered again; a mesh that intersects itself is entered twice at once.
     #[test]
     fn what_is_entered_again() {
-        let world = prioritized(&[0, 1]);
-        let mut walk = Walk::new(&world);
+        let scene = prioritized(&[0, 1]);
+        let mut walk = Walk::new(&scene);
         assert_eq!([walk.enter(0), walk.enter(1), walk.leave(1)], [Some((-1, 0)), Some((0, 1)), Some((1, 0))]);
         assert_eq!([walk.enter(1), walk.enter(1), walk.enter(0)], [Some((0, 1)), None, None]);
         // Half of the double entries are left: the path is still in both.
@@ -282,8 +281,8 @@ mod tests {
     /// A path that starts inside: its first exit is counted and the rest of the list is as it was.
     #[test]
     fn an_exit_without_an_entry_is_counted_and_corrupts_nothing() {
-        let world = prioritized(&[0, 0, 5, -5]);
-        let mut walk = Walk::new(&world);
+        let scene = prioritized(&[0, 0, 5, -5]);
+        let mut walk = Walk::new(&scene);
         assert_eq!(walk.leave(0), Some((0, -1)));
         assert_eq!((walk.events.stack_underflow, walk.list.len()), (1, 0));
         assert_eq!(walk.enter(1), Some((-1, 1)));
@@ -312,7 +311,7 @@ mod tests {
             let count = 2 + random(11) as usize;
             let levels = 1 + random(6);
             let priorities: Vec<i32> = (0..count).map(|_| random(levels) as i32 - 3).collect();
-            let world = prioritized(&priorities);
+            let scene = prioritized(&priorities);
             for _ in 0..5 {
                 // Distinct places, two for each refractor.
                 let mut places: Vec<usize> = (0..2 * count).collect();
@@ -325,7 +324,7 @@ mod tests {
                     let present = (0..count).filter(|&k| spans[k].0 < place && place <= spans[k].1);
                     present.max_by_key(|&k| (priorities[k], spans[k].0)).map_or(-1, |k| k as i32)
                 };
-                let mut walk = Walk::new(&world);
+                let mut walk = Walk::new(&scene);
                 for place in 0..2 * count {
                     let refractor = spans.iter().position(|span| span.0 == place || span.1 == place).unwrap();
                     let (before, after) = (filling(place), filling(place + 1));

@@ -3,14 +3,13 @@
 use super::{Crossing, Sides, Tracker};
 use crate::geometry::Mask;
 use crate::rectify::InterfaceTable;
-use crate::render::Events;
-use crate::scene::World;
-use crate::scene::world::MediumId;
+use crate::scene::{MediumId, Scene};
+use crate::tracking::Events;
 
 /// An answer for every place on every refractor.
 #[derive(Debug, Clone, Copy)]
 pub struct Rectified<'a> {
-    pub world: &'a World,
+    pub scene: &'a Scene,
     pub table: &'a InterfaceTable,
 }
 
@@ -23,7 +22,7 @@ impl Tracker for Rectified<'_> {
     #[inline]
     fn sides(&self, (): &(), crossing: &Crossing, events: &mut Events) -> Option<Sides> {
         events.mixed += u64::from(self.table.is_mixed(crossing.refractor, crossing.point.primitive));
-        let answer = self.table.look(self.world, crossing.refractor, &crossing.point, crossing.barycentric);
+        let answer = self.table.look(self.scene, crossing.refractor, &crossing.point, crossing.barycentric);
         if answer.is_masked() {
             return None;
         }
@@ -53,8 +52,8 @@ pub struct RectifiedObject {
 }
 
 impl RectifiedObject {
-    pub fn new(world: &World, table: &InterfaceTable) -> Self {
-        Self { outsides: table.per_object(world).outsides(world) }
+    pub fn new(scene: &Scene, table: &InterfaceTable) -> Self {
+        Self { outsides: table.per_object(scene).outsides(scene) }
     }
 }
 

@@ -1,8 +1,8 @@
 //! `stack`: the media entered so far. Every path starts with the global medium alone, wherever it starts.
 
 use super::{Crossing, Sides, Tracker};
-use crate::render::Events;
-use crate::scene::world::MediumId;
+use crate::scene::MediumId;
+use crate::tracking::Events;
 
 #[derive(Debug, Clone, Copy)]
 pub struct Stack;
@@ -49,7 +49,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::SurfacePoint;
-    use crate::scene::world::ObjectId;
+    use crate::scene::ObjectId;
 
     fn crossing(interior: u32, is_entering: bool) -> Crossing {
         let point = SurfacePoint { position: DVec3::ZERO, normal: DVec3::Y, primitive: 0 };

@@ -6,11 +6,12 @@ pub mod parts;
 pub mod touch;
 pub mod truth;
 
-use iorect::render::{Film, Prepared};
+use iorect::render::Film;
 use iorect::report::stability::scenes;
 pub use iorect::report::stability::scenes::{Numbers, add, deflection_degrees, empty, mean, nest, sphere, through};
 use iorect::scene::description::Description;
 use iorect::tracking::Mode;
+use iorect::tracking::Prepared;
 
 pub fn ready(description: Description) -> Prepared {
     scenes::ready(description).expect("the scene is fine")

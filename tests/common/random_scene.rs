@@ -1,7 +1,7 @@
 //! Random scenes, for property tests: anything that a file can say without naming other files.
 
 use glam::DVec3;
-use iorect::optics::{IorModel, Medium, catalog};
+use iorect::optics::{Ior, Medium, catalog};
 use iorect::scene::Description;
 use iorect::scene::description::{
     CameraDescription, Environment, Light, Paint, Refractor, Shape, Solid, Transform, WorldMedium,
@@ -33,13 +33,13 @@ fn three(one: impl Strategy<Value = f64> + Clone) -> impl Strategy<Value = [f64;
     [one.clone(), one.clone(), one]
 }
 
-fn ior() -> impl Strategy<Value = IorModel> {
+fn ior() -> impl Strategy<Value = Ior> {
     prop_oneof![
-        (0.05..20.0_f64).prop_map(IorModel::Constant),
-        (1.0..2.5_f64, 0.0..0.02_f64, 0.0..1e-3_f64).prop_map(|(a, b, c)| IorModel::Cauchy([a, b, c])),
+        (0.05..20.0_f64).prop_map(Ior::Constant),
+        (1.0..2.5_f64, 0.0..0.02_f64, 0.0..1e-3_f64).prop_map(|(a, b, c)| Ior::Cauchy([a, b, c])),
         prop::collection::vec((0.1..1.5_f64, 0.0..0.2_f64).prop_map(|(b, c)| [b, c]), 1..4)
-            .prop_map(IorModel::Sellmeier),
-        prop::sample::select(catalog::ALL.iter().collect::<Vec<_>>()).prop_map(IorModel::Catalog),
+            .prop_map(|terms| Ior::Sellmeier(terms.into())),
+        prop::sample::select(catalog::ALL.iter().collect::<Vec<_>>()).prop_map(Ior::Catalog),
     ]
 }
 

@@ -6,14 +6,14 @@ use std::cell::Cell;
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use iorect::estimator::trace::{Follow, TracedPath, VertexEvent, trace};
 use iorect::geometry::Ray;
-use iorect::optics::IorModel;
-use iorect::render::Prepared;
+use iorect::optics::Ior;
 use iorect::scene::compile::compile;
 use iorect::scene::description::{Description, Shape, Transform};
 use iorect::scene::shapes::tessellate;
 use iorect::tracking::Mode;
+use iorect::tracking::Prepared;
+use iorect::transport::inspect::{Follow, TracedPath, VertexEvent, trace};
 
 use super::Numbers;
 
@@ -159,8 +159,8 @@ enum Found {
 
 impl Truth {
     pub fn new(description: &Description) -> Self {
-        let index_of = |ior: &IorModel| match ior {
-            IorModel::Constant(value) => *value,
+        let index_of = |ior: &Ior| match ior {
+            Ior::Constant(value) => *value,
             _ => panic!("tests use constants"),
         };
         let mut media = vec![("world".to_owned(), index_of(&description.world.ior))];

@@ -8,9 +8,10 @@ use std::sync::atomic::AtomicBool;
 use image::{DynamicImage, ImageFormat, Rgb, Rgb32FImage, RgbImage};
 use iorect::export::write_sums;
 use iorect::render::exact::unit_exponent;
-use iorect::render::{Film, Partial, Recipe, RenderSettings, VarianceReduction, accumulate, prepare};
+use iorect::render::{Film, Partial, Recipe, RenderSettings, VarianceReduction, accumulate};
 use iorect::scene::camera::Camera;
 use iorect::tracking::Mode;
+use iorect::tracking::prepare;
 
 const SHAPES: &str = r#"name = "shapes"
 [camera]

@@ -10,7 +10,7 @@ use super::curve::{Curve, Point};
 use crate::app::background::{Background, Bell, Desk};
 use crate::measure::{MetricError, difference, difference_from_two, flip};
 use crate::render::Display;
-use crate::render::worker::{Board, GroundTruth, Halves, Snapshot};
+use crate::session::{Board, GroundTruth, Halves, Snapshot};
 use crate::tracking::Mode;
 
 /// What to measure.

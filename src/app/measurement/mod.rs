@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 pub use self::curve::{Curve, Point, Trend};
 pub use self::measurer::{Measurements, Measurer};
-use crate::render::worker::{GroundTruth, GroundTruthDemand};
+use crate::session::{GroundTruth, GroundTruthDemand};
 
 /// The figures by which an error can be told. All are ≥ 0 but for chance, and 0 for equal images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]

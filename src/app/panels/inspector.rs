@@ -7,7 +7,7 @@ use crate::app::settings::mode_title;
 use crate::app::state::{Inspection, State};
 use crate::app::theme::{DOT, Palette, WARNING_MARK};
 use crate::app::widgets::{fact_ui, note, row_ui, section_first_ui, section_ui, segmented_ui, value};
-use crate::estimator::trace::{Follow, TracedPath, Vertex, VertexEvent};
+use crate::transport::inspect::{Follow, TracedPath, Vertex, VertexEvent};
 
 /// Vertices that are shown; a trapped path has many alike.
 const MOST_SHOWN: usize = 120;
@@ -152,7 +152,7 @@ fn event_text(event: VertexEvent) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Events;
+    use crate::tracking::Events;
     use crate::tracking::Mode;
 
     fn vertex(from: &str, to: &str, event: VertexEvent, is_consistent: bool) -> Vertex {

@@ -13,7 +13,7 @@ use crate::app::theme::{Palette, WARNING_MARK};
 use crate::app::widgets::{
     duration, fact_ui, note, row_ui, section_first_ui, section_ui, segmented_ui, short_seconds, thousands, value,
 };
-use crate::render::worker::GroundTruthDemand;
+use crate::session::GroundTruthDemand;
 use crate::tracking::Mode;
 
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

@@ -6,7 +6,7 @@ use crate::app::command::{Command, MediumRef};
 use crate::app::document::ior_of;
 use crate::app::theme::Palette;
 use crate::app::widgets::{note, row_ui};
-use crate::optics::{IorModel, catalog};
+use crate::optics::{Ior, catalog};
 use crate::scene::Description;
 
 /// The slider's range; anything greater than 0 can be typed.
@@ -39,10 +39,11 @@ pub fn ior_ui(
     let label = format!("IOR of {}", name(medium));
     let ior = model.ior();
     let source = match model {
-        IorModel::Constant(_) => String::new(),
-        IorModel::Catalog(entry) => format!("\n{}: {}", entry.label, entry.source),
-        IorModel::Cauchy(_) => "\nFrom a Cauchy formula, at 587.56 nm; dragging makes it a constant.".to_owned(),
-        IorModel::Sellmeier(_) => "\nFrom a Sellmeier formula, at 587.56 nm; dragging makes it a constant.".to_owned(),
+        Ior::Constant(_) => String::new(),
+        Ior::Catalog(entry) => format!("\n{}: {}", entry.label, entry.source),
+        Ior::Cauchy(_) | Ior::Sellmeier(_) | Ior::Gas(_) => {
+            format!("\nFrom a {}, at 587.56 nm; dragging makes it a constant.", form(model))
+        }
     };
     let tip = format!("Index of refraction of {}. Drag, or type any value above 0.{source}", name(medium));
     let mut controls = ui.new_child(
@@ -58,38 +59,44 @@ pub fn ior_ui(
     let typed = DragValue::new(&mut value).speed(0.001).range(1e-3..=1e3).min_decimals(3).max_decimals(4);
     let response = ui.add_sized([VALUE_WIDTH, ui.spacing().interact_size.y], typed.update_while_editing(false));
     if response.accessible_name(&label).on_hover_text(&tip).changed() && value != ior {
-        commands.push(Command::SetIor(medium.clone(), IorModel::Constant(value)));
+        commands.push(Command::SetIor(medium.clone(), Ior::Constant(value)));
     }
     let mut value = ior;
     // A small knob leaves more of the rail to drag on.
     ui.spacing_mut().interact_size.y = 16.0;
     let slider = Slider::new(&mut value, SLIDER).show_value(false).clamping(SliderClamping::Never).step_by(0.001);
     if ui.add(slider).accessible_name(&label).on_hover_text(&tip).changed() && value != ior {
-        commands.push(Command::SetIor(medium.clone(), IorModel::Constant(value)));
+        commands.push(Command::SetIor(medium.clone(), Ior::Constant(value)));
+    }
+}
+
+/// How the index is given, in words.
+fn form(ior: &Ior) -> &'static str {
+    match ior {
+        Ior::Constant(_) => "custom",
+        Ior::Cauchy(_) => "Cauchy formula",
+        Ior::Sellmeier(_) => "Sellmeier formula",
+        Ior::Gas(_) => "formula for gases",
+        Ior::Catalog(entry) => entry.label,
     }
 }
 
 /// Preset and absorption of the selected object's medium.
 pub fn details_ui(ui: &mut Ui, description: &Description, medium: &MediumRef, commands: &mut Vec<Command>) {
     let Some(model) = ior_of(description, medium) else { return };
-    let shown = match model {
-        IorModel::Constant(_) => "custom",
-        IorModel::Cauchy(_) => "Cauchy formula",
-        IorModel::Sellmeier(_) => "Sellmeier formula",
-        IorModel::Catalog(entry) => entry.label,
-    };
+    let shown = form(model);
     row_ui(ui, "Preset", "Media with measured indices of refraction.", |ui| {
         egui::ComboBox::from_id_salt("preset").selected_text(shown).width(ui.available_width()).height(320.0).show_ui(
             ui,
             |ui| {
                 for entry in catalog::ALL {
-                    let is_chosen = matches!(model, IorModel::Catalog(chosen) if chosen.name == entry.name);
+                    let is_chosen = matches!(model, Ior::Catalog(chosen) if chosen.name == entry.name);
                     let button = Button::selectable(is_chosen, entry.label)
                         .right_text(RichText::new(format!("{:.4}", entry.ior())).monospace().small())
                         .min_size(vec2(170.0, 0.0));
                     let response = ui.add(button).accessible_name(entry.label).on_hover_text(entry.source);
                     if response.clicked() {
-                        commands.push(Command::SetIor(medium.clone(), IorModel::Catalog(entry)));
+                        commands.push(Command::SetIor(medium.clone(), Ior::Catalog(entry)));
                     }
                 }
             },

@@ -9,7 +9,7 @@ use crate::app::theme::{ADVICE_MARK, ERROR_MARK, Palette, WARNING_MARK};
 use crate::app::widgets::note;
 use crate::check::{Problem, Severity};
 use crate::rectify::containment::top;
-use crate::scene::world::ObjectId;
+use crate::scene::ObjectId;
 
 /// Height of the opened strip, in points: the picture keeps most of the room.
 const MOST_HEIGHT: f32 = 140.0;
@@ -96,9 +96,9 @@ fn fix(problem: &Problem, state: &State) -> Option<(String, Command)> {
         return None;
     }
     let [a, b] = objects_of(problem, state)[..] else { return None };
-    let world = &state.report.as_ref()?.prepared.world;
-    let id = |name: &str| world.objects.iter().position(|object| object.name == name).map(|at| ObjectId(at as u32));
-    let is_second = top(world, [id(a)?, id(b)?]) == id(b);
+    let scene = &state.report.as_ref()?.prepared.scene;
+    let id = |name: &str| scene.objects.iter().position(|object| object.name == name).map(|at| ObjectId(at as u32));
+    let is_second = top(scene, [id(a)?, id(b)?]) == id(b);
     let (winner, other) = if is_second { (b, a) } else { (a, b) };
     let description = state.document.description();
     let priority = objects::object(description, other)?.priority?.checked_add(1)?;

@@ -7,18 +7,18 @@ use crate::app::state::State;
 use crate::app::theme::{Palette, WARNING_MARK};
 use crate::app::widgets::{duration, fact_ui, note, section_first_ui, section_ui, thousands, value};
 use crate::rectify::{Patch, PatchKind};
-use crate::scene::World;
+use crate::scene::Scene;
 
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(report) = &state.report else {
         ui.label(note(ui, "Preparing the scene…"));
         return;
     };
-    let (world, table) = (&report.prepared.world, &report.prepared.table);
+    let (scene, table) = (&report.prepared.scene, &report.prepared.table);
     let seconds = table.seconds;
     section_first_ui(ui, "Rectification", &duration(seconds.total()));
     let least = table.patches.iter().map(|patch| patch.confidence).fold(1.0, f64::min);
-    let refractors = world.refractors().count();
+    let refractors = scene.refractors().count();
     fact_ui(ui, "Refractors", refractors.to_string(), "Objects that light goes through.");
     let about =
         "Parts of their surfaces: each with the same surroundings everywhere, or crossed by the same other surfaces.";
@@ -59,7 +59,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 ui.allocate_rect(room, egui::Sense::hover());
             }
             _ => {
-                patch_ui(ui, state, world, patch, commands);
+                patch_ui(ui, state, scene, patch, commands);
                 height = Some(ui.min_rect().bottom() - top.y);
             }
         }
@@ -67,7 +67,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if table.patches.is_empty() {
         ui.label(note(ui, "No refractors in this scene."));
     }
-    let left_out = world.needs.left_out();
+    let left_out = scene.needs.left_out();
     if !left_out.is_empty() {
         section_ui(ui, "Left out", "");
         ui.add(Label::new(note(ui, left_out.join(", ").replace('_', " "))).wrap())
@@ -75,9 +75,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
 }
 
-fn patch_ui(ui: &mut Ui, state: &State, world: &World, patch: &Patch, commands: &mut Vec<Command>) {
+fn patch_ui(ui: &mut Ui, state: &State, scene: &Scene, patch: &Patch, commands: &mut Vec<Command>) {
     let palette = Palette::of(ui);
-    let name = &world.object(patch.refractor).name;
+    let name = &scene.object(patch.refractor).name;
     let is_selected = state.selected.as_deref() == Some(name);
     let fill = if is_selected { ui.visuals().selection.bg_fill } else { ui.visuals().faint_bg_color };
     let frame = egui::Frame::new().fill(fill).corner_radius(4).inner_margin(egui::Margin::symmetric(8, 4));
@@ -96,12 +96,12 @@ fn patch_ui(ui: &mut Ui, state: &State, world: &World, patch: &Patch, commands: 
             });
             let text = match (patch.outside, patch.inside) {
                 (Some(outside), Some(inside)) => {
-                    let (outside, inside) = (world.medium(outside), world.medium(inside));
+                    let (outside, inside) = (scene.medium(outside), scene.medium(inside));
                     format!("{} {:.4} | {} {:.4}", outside.name, outside.ior(), inside.name, inside.ior())
                 }
                 _ if patch.crossed_by.is_empty() => patch.kind.name().to_owned(),
                 _ => {
-                    let others: Vec<&str> = patch.crossed_by.iter().map(|id| world.object(*id).name.as_str()).collect();
+                    let others: Vec<&str> = patch.crossed_by.iter().map(|id| scene.object(*id).name.as_str()).collect();
                     format!("{}: crossed by {}", patch.kind.name(), others.join(", "))
                 }
             };
@@ -114,10 +114,10 @@ fn patch_ui(ui: &mut Ui, state: &State, world: &World, patch: &Patch, commands: 
         ui.label(about_kind(patch.kind));
         ui.label(format!("{} rays, {} faces", thousands(u64::from(patch.rays)), thousands(u64::from(patch.faces))));
         for vote in &*patch.votes {
-            ui.label(format!("{} of {} votes: inside {}", vote.inside, vote.asked, world.object(vote.refractor).name));
+            ui.label(format!("{} of {} votes: inside {}", vote.inside, vote.asked, scene.object(vote.refractor).name));
         }
         if let Some(container) = patch.within {
-            ui.label(format!("and inside all that contains {}", world.object(container).name));
+            ui.label(format!("and inside all that contains {}", scene.object(container).name));
         }
     });
     if response.clicked() {

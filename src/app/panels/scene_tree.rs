@@ -11,9 +11,9 @@ use crate::app::state::{State, medium_of};
 use crate::app::theme::{Palette, WARNING_MARK};
 use crate::app::widgets::{fact_ui, note, section_first_ui, section_ui, swatch_ui};
 use crate::rectify::Patch;
-use crate::render::worker::SceneReport;
 use crate::scene::Description;
 use crate::scene::description::{Paint, Shape};
+use crate::session::SceneReport;
 
 /// Indent per level, in points, while there is room.
 const INDENT: f32 = 13.0;
@@ -108,8 +108,8 @@ fn list(children: &[Vec<usize>], of: usize, continues: &mut Vec<bool>, rows: &mu
 
 /// The answer for a refractor, by name: the description may be newer than the report.
 fn patch_of<'a>(report: &'a SceneReport, refractor: &str) -> Option<&'a Patch> {
-    let world = &report.prepared.world;
-    let (id, _) = world.refractors().find(|(id, _)| world.object(*id).name == refractor)?;
+    let scene = &report.prepared.scene;
+    let (id, _) = scene.refractors().find(|(id, _)| scene.object(*id).name == refractor)?;
     report.prepared.table.main_patch(id)
 }
 
@@ -248,17 +248,17 @@ fn paint_branches(ui: &Ui, row: Rect, depth: usize, indent: f32, continues: &[bo
 /// What rectification found outside a refractor, in words: where it differs from place to place, everything.
 fn outside(state: &State, refractor: &str) -> String {
     let Some(report) = state.report.as_deref() else { return "…".to_owned() };
-    let world = &report.prepared.world;
-    let Some((id, _)) = world.refractors().find(|(id, _)| world.object(*id).name == refractor) else {
+    let scene = &report.prepared.scene;
+    let Some((id, _)) = scene.refractors().find(|(id, _)| scene.object(*id).name == refractor) else {
         return "…".to_owned();
     };
     let mut found: Vec<String> = Vec::new();
     for patch in report.prepared.table.patches_of(id) {
         let Some(outside) = patch.outside else { continue };
-        let medium = &world.medium(outside).name;
+        let medium = &scene.medium(outside).name;
         let text = match patch.outside_refractor {
-            Some(container) if world.object(container).name != *medium => {
-                format!("{medium} ({})", world.object(container).name)
+            Some(container) if scene.object(container).name != *medium => {
+                format!("{medium} ({})", scene.object(container).name)
             }
             _ => medium.clone(),
         };

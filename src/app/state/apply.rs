@@ -5,9 +5,9 @@ use crate::app::command::Command;
 use crate::app::document::{EditKey, with_absorption, with_ior};
 use crate::app::objects::{self, Manipulation};
 use crate::app::settings::{MAX_PANES, PaneContent, Settings};
-use crate::render::worker::GroundTruthDemand;
 use crate::scene::Description;
 use crate::scene::description::Transform;
+use crate::session::GroundTruthDemand;
 
 impl State {
     /// Applies a command; commands that need files or the window itself are not for here. `now_secs` is a steady clock.
@@ -15,7 +15,7 @@ impl State {
         match command {
             Command::SetIor(medium, ior) => {
                 let n = ior.ior();
-                if crate::optics::dispersion::IOR_RANGE.contains(&n) {
+                if crate::optics::ior::IOR_RANGE.contains(&n) {
                     let edited = with_ior(self.document.description(), &medium, ior);
                     self.edit(EditKey::Ior(medium), now_secs, edited);
                 } else {

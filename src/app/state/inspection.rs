@@ -2,9 +2,9 @@
 
 use super::State;
 use super::view::ray_through;
-use crate::estimator::trace::{Follow, TracedPath, trace};
 use crate::scene::camera::Camera;
 use crate::scene::description::CameraDescription;
+use crate::transport::inspect::{Follow, TracedPath, trace};
 
 /// Segments after which the inspector stops following a path.
 const INSPECTOR_DEPTH: u32 = 200;

@@ -6,10 +6,10 @@ use super::State;
 use crate::app::command::Command;
 use crate::app::{navigation, objects};
 use crate::check::Spot;
-use crate::estimator::trace::{Follow, trace};
 use crate::geometry::Ray;
 use crate::scene::camera::Camera;
 use crate::scene::description::{CameraDescription, Shape};
+use crate::transport::inspect::{Follow, trace};
 
 /// Views that can be returned to.
 const MAX_EARLIER_VIEWS: usize = 50;
@@ -55,12 +55,12 @@ impl State {
 
     pub(super) fn select_at(&mut self, point: [f64; 2]) {
         let (Some(report), Ok(camera)) = (&self.report, Camera::new(&self.film_camera())) else { return };
-        let world = &report.prepared.world;
+        let scene = &report.prepared.scene;
         let mut ray = ray_through(&camera, self.film_size, point);
-        ray.origin -= world.geometry.origin;
+        ray.origin -= scene.geometry.origin;
         let mut names: Vec<&str> = Vec::new();
-        for hit in world.geometry.all_hits(&ray) {
-            let name = &*world.objects[world.geometry.object_of(hit.primitive) as usize].name;
+        for hit in scene.geometry.all_hits(&ray) {
+            let name = &*scene.objects[scene.geometry.object_of(hit.primitive) as usize].name;
             if !names.contains(&name) {
                 names.push(name);
             }

@@ -114,12 +114,12 @@ pub(super) fn show_faces(ui: &Ui, state: &State, pane: &Pane, pointer: Pos2, poi
     if faces.is_empty() {
         return;
     }
-    let world = &prepared.world;
+    let scene = &prepared.scene;
     let mut lines: Vec<String> = (faces.iter().take(MOST_FACES))
         .map(|face| {
-            let name = &world.object(face.refractor).name;
+            let name = &scene.object(face.refractor).name;
             let sides = match face.sides {
-                Some(sides) => format!("{} | {}", world.medium(sides.outside).name, world.medium(sides.inside).name),
+                Some(sides) => format!("{} | {}", scene.medium(sides.outside).name, scene.medium(sides.inside).name),
                 None => "no interface".to_owned(),
             };
             let kind = face.patch.kind.name();

@@ -22,7 +22,7 @@ use super::graphics::film_size;
 use super::settings::{Arrangement, DifferenceKind, PaneContent};
 use super::state::State;
 use super::theme::Palette;
-use crate::render::worker::Snapshot;
+use crate::session::Snapshot;
 
 /// The pictures on the graphics card.
 #[derive(Default)]

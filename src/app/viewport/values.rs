@@ -105,8 +105,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::render::Events;
-    use crate::render::worker::{Halves, Snapshot};
+    use crate::session::{Halves, Snapshot};
+    use crate::tracking::Events;
     use crate::tracking::Mode;
 
     fn film(mode: Mode, rgb: [[f32; 3]; 4]) -> Arc<Snapshot> {

@@ -5,12 +5,12 @@ use super::plan::Plan;
 use super::run::{Level, Run};
 use super::spread::{Image, Parts, Spread};
 use super::truth::{Relative, Truth, worst};
-use crate::estimator::sampler::Sequence;
 use crate::measure::Interval;
 use crate::measure::MetricError;
 use crate::measure::statistics::{geometric_mean, jackknife, mean, median, slope_over_runs};
-use crate::render::Events;
+use crate::tracking::Events;
 use crate::tracking::Mode;
+use crate::transport::sampler::Sequence;
 
 /// A slope is fitted to no fewer points.
 const LEAST_POINTS: usize = 3;
@@ -178,7 +178,7 @@ fn measured_over_predicted(subject: &Subject, runs: &[Run], plan: &Plan, truth: 
 mod tests {
     use super::super::truth::tests::{SIZE, image, references};
     use super::*;
-    use crate::estimator::sampler::Sampler;
+    use crate::transport::sampler::Sampler;
 
     const SPP: u32 = 64;
 

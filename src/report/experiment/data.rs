@@ -5,10 +5,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::plan::Plan;
-use crate::estimator::sampler::Sequence;
 use crate::measure::Interval;
-use crate::render::{Events, RenderSettings, VarianceReduction};
+use crate::render::{RenderSettings, VarianceReduction};
+use crate::tracking::Events;
 use crate::tracking::Mode;
+use crate::transport::sampler::Sequence;
 
 /// Error against run time of one scene, in all modes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -32,10 +32,11 @@ use super::reference;
 use super::store::Store;
 use crate::export::ExportError;
 use crate::measure::MetricError;
-use crate::render::{Prepared, fingerprint};
+use crate::render::fingerprint;
 use crate::scene::SceneError;
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
+use crate::tracking::Prepared;
 
 /// Beyond this many standard deviations of what chance does, a mode is called biased: by chance one in thirty thousand is.
 pub const BIAS_SIGNIFICANCE: f64 = 4.0;

@@ -7,9 +7,10 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use super::data::Technique;
-use crate::render::{Film, Prepared, accumulate};
+use crate::render::{Film, accumulate};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
+use crate::tracking::Prepared;
 
 /// What one is ready to spend on a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -6,13 +6,14 @@ use std::time::Instant;
 use super::data::Technique;
 use super::plan::Plan;
 use crate::export::ExportError;
-use crate::render::{Events, Film, Prepared, RenderSettings, accumulate, fingerprint};
+use crate::render::{Film, RenderSettings, accumulate, fingerprint};
 use crate::report::checked::{Reader, Writer};
 use crate::report::progress::Progress;
 use crate::report::store::Store;
 use crate::scene::camera::Camera;
 use crate::scene::fingerprint::Hasher;
 use crate::tracking::Mode;
+use crate::tracking::{Events, Prepared};
 
 /// Linear RGB, row 0 at the top.
 pub type Image = Vec<[f32; 3]>;

@@ -146,9 +146,9 @@ pub fn mean_without(pixels: &[Relative], left_out: &[usize]) -> f64 {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::estimator::sampler::{Sampler, Sequence};
     use crate::measure::{difference, difference_from_two};
-    use crate::render::Events;
+    use crate::tracking::Events;
+    use crate::transport::sampler::{Sampler, Sequence};
 
     pub const SIZE: [u32; 2] = [64, 48];
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::Quantity;
-use crate::optics::{IorModel, Medium};
+use crate::optics::{Ior, Medium};
 use crate::report::stability::scenes;
 use crate::scene::description::{CameraDescription, Description, Environment, Refractor, Shape};
 use crate::scene::{SceneError, builtin, load};
@@ -80,7 +80,7 @@ fn empty(name: &str, position: DVec3) -> Description {
 fn add(description: &mut Description, shape: Shape, ior: f64) {
     let index = description.refractors.len();
     let name = format!("medium {index}");
-    description.media.push(Medium { name: name.clone(), ior: IorModel::Constant(ior), absorption: [0.0; 3] });
+    description.media.push(Medium { name: name.clone(), ior: Ior::Constant(ior), absorption: [0.0; 3] });
     description.refractors.push(refractor(index, name, shape));
 }
 

@@ -7,8 +7,8 @@ use super::closed_forms::{absorbing_ball, lateral_shift, shares_of_ball};
 use super::definition::{CaseDefinition, Measured, Subject};
 use super::outcome::Measurement;
 use super::scenes::{Numbers, add, empty, layers, mean, nest, ready, render, samples_of, sphere};
-use crate::estimator::trace::{Follow, Vertex, VertexEvent, trace};
 use crate::geometry::Ray;
+use crate::transport::inspect::{Follow, Vertex, VertexEvent, trace};
 
 const fn case(name: &'static str, source: &'static str, measure: fn(&Subject) -> Measured) -> CaseDefinition {
     CaseDefinition { number: None, name, source, measure }

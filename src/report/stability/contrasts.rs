@@ -8,9 +8,9 @@ use super::extended::{critical_cosine, fresnel};
 use super::harsh::matched_absorbers;
 use super::outcome::{Measurement, Step};
 use super::scenes::{add, empty, layers, mean, nest, ready, render, samples_of, through};
-use crate::estimator::trace::{Follow, trace};
 use crate::geometry::Ray;
 use crate::scene::description::Shape;
+use crate::transport::inspect::{Follow, trace};
 
 pub(super) const SWEEPS: &[SweepDefinition] = &[
     SweepDefinition {

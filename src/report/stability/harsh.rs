@@ -6,10 +6,10 @@ use super::closed_forms::reflectance;
 use super::definition::{CaseDefinition, Measured, Subject};
 use super::outcome::Measurement;
 use super::scenes::{Numbers, add, empty, icosphere, interfaces, mean, mesh_of, mesh_shape, nest, ready, render};
-use crate::estimator::trace::{Follow, trace};
 use crate::geometry::{Mesh, Ray};
 use crate::scene::description::Shape;
 use crate::tracking::Mode;
+use crate::transport::inspect::{Follow, trace};
 
 pub(super) const CASES: &[CaseDefinition] = &[
     CaseDefinition::new(

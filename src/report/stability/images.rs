@@ -7,12 +7,12 @@ use super::definition::{CaseDefinition, Measured, Subject, Unmeasured};
 use super::nests::{EVER_DENSER, GLASS_WATER_AIR_DIAMOND};
 use super::outcome::Measurement;
 use super::scenes::{add, empty, mean, mean_and_error, nest, ready, render, samples_of, sphere};
-use crate::estimator::trace::{Follow, VertexEvent, trace};
 use crate::geometry::Ray;
-use crate::render::Prepared;
 use crate::scene::SceneError;
 use crate::scene::description::{Environment, Paint, Shape, Solid, Transform};
 use crate::tracking::Mode;
+use crate::tracking::Prepared;
+use crate::transport::inspect::{Follow, VertexEvent, trace};
 
 pub(super) const CASES: &[CaseDefinition] = &[
     CaseDefinition::new(

@@ -7,10 +7,10 @@ use super::closed_forms::{absorbing_slab, prism_deviation, stack_transmittance};
 use super::definition::{CaseDefinition, Measured, Subject, Unmeasured};
 use super::outcome::Measurement;
 use super::scenes::{add, empty, layers, level_lamp, mean, mesh_shape, ready, render, samples_of};
-use crate::estimator::trace::{Follow, VertexEvent, trace};
 use crate::geometry::{Mesh, Ray};
 use crate::scene::description::Description;
 use crate::tracking::Mode;
+use crate::transport::inspect::{Follow, VertexEvent, trace};
 
 pub(super) const CASES: &[CaseDefinition] = &[
     CaseDefinition::new(12, "Slab of glass at 0°, 45° and 60°", "T = (1 − R)/(1 + R)", slab),
@@ -103,7 +103,7 @@ fn two_hundred(subject: &Subject) -> Measured {
 fn thousand(subject: &Subject) -> Measured {
     let boxes: Vec<_> = (0..500).map(|k| (-0.2 * f64::from(k), -0.2 * f64::from(k) - 0.1, 1.5001, 0.0)).collect();
     let mut description = layers(&boxes, 0.0);
-    description.world.ior = crate::optics::IorModel::Constant(1.5);
+    description.world.ior = crate::optics::Ior::Constant(1.5);
     description.lights.clear();
     let scene = ready(description)?;
     let mut measurements = Vec::new();

@@ -4,8 +4,8 @@ use super::closed_forms::{eaton, graded, luneburg, passage, wrapped};
 use super::definition::{CaseDefinition, Measured, Subject, Unmeasured};
 use super::outcome::Measurement;
 use super::scenes::{deflection_degrees, nest, ready, through};
-use crate::estimator::trace::VertexEvent;
-use crate::render::Prepared;
+use crate::tracking::Prepared;
+use crate::transport::inspect::VertexEvent;
 
 const BOUGUER: &str = "Bouguer's invariant n r sin i";
 

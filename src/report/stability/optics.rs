@@ -7,9 +7,9 @@ use super::definition::{CaseDefinition, Measured, Subject};
 use super::extended::{critical_cosine, fresnel};
 use super::outcome::Measurement;
 use super::scenes::{add, empty, ready};
-use crate::estimator::trace::{Follow, trace};
 use crate::geometry::Ray;
 use crate::scene::description::Shape;
+use crate::transport::inspect::{Follow, trace};
 
 pub(super) const CASES: &[CaseDefinition] = &[
     CaseDefinition::new(1, "Matched media, 1.5 | 1.5, cosines 1e-7 to 1", "R = 0, the ray goes straight on", matched),

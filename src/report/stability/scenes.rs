@@ -5,10 +5,9 @@ use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 
-use crate::estimator::trace::{Follow, TracedPath, trace};
 use crate::geometry::{Mesh, Ray, uniform_direction};
-use crate::optics::{IorModel, Medium};
-use crate::render::{Film, Prepared, RenderSettings, VarianceReduction, accumulate, prepare};
+use crate::optics::{Ior, Medium};
+use crate::render::{Film, RenderSettings, VarianceReduction, accumulate};
 use crate::scene::SceneError;
 use crate::scene::camera::Camera;
 use crate::scene::description::{
@@ -16,6 +15,8 @@ use crate::scene::description::{
 };
 use crate::scene::shapes::tessellate;
 use crate::tracking::Mode;
+use crate::tracking::{Prepared, prepare};
+use crate::transport::inspect::{Follow, TracedPath, trace};
 
 /// A scene in a white environment, with nothing in it.
 pub fn empty(world_ior: f64) -> Description {
@@ -29,7 +30,7 @@ pub fn empty(world_ior: f64) -> Description {
             aperture_radius: 0.0,
             focus_distance: None,
         },
-        world: WorldMedium { ior: IorModel::Constant(world_ior), absorption: [0.0; 3] },
+        world: WorldMedium { ior: Ior::Constant(world_ior), absorption: [0.0; 3] },
         environment: Environment::Color([1.0; 3]),
         media: Vec::new(),
         refractors: Vec::new(),
@@ -42,7 +43,7 @@ pub fn empty(world_ior: f64) -> Description {
 /// Adds a refractor `object N` with a medium of its own, of the same name.
 pub fn add(description: &mut Description, shape: Shape, ior: f64, absorption: f64) {
     let name = format!("object {}", description.refractors.len());
-    description.media.push(Medium { name: name.clone(), ior: IorModel::Constant(ior), absorption: [absorption; 3] });
+    description.media.push(Medium { name: name.clone(), ior: Ior::Constant(ior), absorption: [absorption; 3] });
     description.refractors.push(refractor(name.clone(), name, shape));
 }
 

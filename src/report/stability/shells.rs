@@ -7,12 +7,12 @@ use super::convex::Convex;
 use super::definition::{CaseDefinition, Measured, Subject, Unmeasured};
 use super::outcome::Measurement;
 use super::scenes::{Numbers, add, empty, icosphere, interfaces, mesh_of, ready, sphere};
-use crate::estimator::trace::{Follow, TracedPath, trace};
 use crate::geometry::Ray;
-use crate::render::Prepared;
 use crate::scene::SceneError;
 use crate::scene::description::{Description, Shape, Transform};
 use crate::tracking::Mode;
+use crate::tracking::Prepared;
+use crate::transport::inspect::{Follow, TracedPath, trace};
 
 const STRAIGHT: &str = "straight rays: the order of the media is known";
 

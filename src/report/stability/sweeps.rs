@@ -8,13 +8,13 @@ use super::nests::{EVER_DENSER, HEIGHTS, deflections};
 use super::outcome::{Measurement, Step};
 use super::scenes::{Numbers, add, deflection_degrees, empty, icosphere, interfaces, nest, ready, sphere};
 use super::shells::{Kind, OUT_AND_IN, miscounted, scaled_paths, shells};
-use crate::estimator::trace::{Follow, TracedPath, Vertex, VertexEvent, trace};
 use crate::geometry::Ray;
-use crate::render::Prepared;
 use crate::scene::builtin;
 use crate::scene::camera::Camera;
 use crate::scene::description::{Description, Shape, Transform};
 use crate::tracking::Mode;
+use crate::tracking::Prepared;
+use crate::transport::inspect::{Follow, TracedPath, Vertex, VertexEvent, trace};
 
 pub(super) const SWEEPS: &[SweepDefinition] = &[
     SweepDefinition {

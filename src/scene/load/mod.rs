@@ -38,8 +38,8 @@ use super::camera::Camera;
 use super::description::{CameraDescription, Description, Source, WorldMedium};
 use super::files::{MAX_SCENE_BYTES, read_or_receive};
 use super::shapes::{MAX_LENGTH, MIN_LENGTH};
-use crate::optics::dispersion::IOR_RANGE;
-use crate::optics::{IorModel, Medium, catalog, medium};
+use crate::optics::ior::IOR_RANGE;
+use crate::optics::{Ior, Medium, catalog, medium};
 
 /// Vertical field of view of a camera that gives none, in degrees.
 pub const DEFAULT_VERTICAL_FOV: f64 = 40.0;
@@ -166,7 +166,7 @@ fn camera(table: &Table<'_>) -> Result<CameraDescription, SceneError> {
 }
 
 fn world(root: &Table<'_>) -> Result<WorldMedium, SceneError> {
-    let mut world = WorldMedium { ior: IorModel::Constant(1.0), absorption: [0.0; 3] };
+    let mut world = WorldMedium { ior: Ior::Constant(1.0), absorption: [0.0; 3] };
     if let Some(node) = root.get("world") {
         let table = node.table()?.renamed("[world]".into());
         table.only(&["ior", "absorption"])?;
@@ -202,7 +202,7 @@ fn media(root: &Table<'_>) -> Result<Vec<Medium>, SceneError> {
 }
 
 /// A number, or a table with one of the formulas.
-fn ior(node: &Node<'_>) -> Result<IorModel, SceneError> {
+fn ior(node: &Node<'_>) -> Result<Ior, SceneError> {
     const FORMS: [&str; 3] = ["catalog", "cauchy", "sellmeier"];
     if !node.is_table() {
         if !node.is_number() {
@@ -213,9 +213,7 @@ fn ior(node: &Node<'_>) -> Result<IorModel, SceneError> {
                 FORMS.join(", ")
             )));
         }
-        return node
-            .number_that("greater than 0 (from 1e-6 to 1e6)", |n| IOR_RANGE.contains(&n))
-            .map(IorModel::Constant);
+        return node.number_that("greater than 0 (from 1e-6 to 1e6)", |n| IOR_RANGE.contains(&n)).map(Ior::Constant);
     }
     let table = node.table()?;
     table.only(&FORMS)?;
@@ -231,16 +229,16 @@ fn ior(node: &Node<'_>) -> Result<IorModel, SceneError> {
                     names().collect::<Vec<_>>().join(", ")
                 ))
             })?;
-            IorModel::Catalog(found)
+            Ior::Catalog(found)
         }
-        ["cauchy"] => IorModel::Cauchy(table.need("cauchy")?.numbers()?),
+        ["cauchy"] => Ior::Cauchy(table.need("cauchy")?.numbers()?),
         ["sellmeier"] => {
             let terms = table.need("sellmeier")?;
             let pairs = terms.items()?.iter().map(Node::numbers).collect::<Result<Vec<[f64; 2]>, _>>()?;
             if pairs.is_empty() {
                 return Err(terms.error("`sellmeier` is empty, must be one or more pairs [B, C]"));
             }
-            IorModel::Sellmeier(pairs)
+            Ior::Sellmeier(pairs.into())
         }
         _ => return Err(node.error(format!("{} must have exactly one of {}", node.name, FORMS.join(", ")))),
     };

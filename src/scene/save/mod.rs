@@ -21,7 +21,7 @@ use super::description::{
     CameraDescription, Description, Environment, Light, Paint, Refractor, Solid, Transform, WorldMedium,
 };
 use super::load;
-use crate::optics::{IorModel, Medium};
+use crate::optics::{Ior, Medium};
 use crate::writing::write_atomically;
 
 /// The scene as a file's text. Relative paths stay as they are. A scene that has not been edited is the text that was read, to the byte.
@@ -127,7 +127,7 @@ fn section<'t>(root: &'t mut Table, key: &str) -> &'t mut dyn TableLike {
 }
 
 fn default_world() -> WorldMedium {
-    WorldMedium { ior: IorModel::Constant(1.0), absorption: [0.0; 3] }
+    WorldMedium { ior: Ior::Constant(1.0), absorption: [0.0; 3] }
 }
 
 fn camera(table: &mut dyn TableLike, old: Option<&CameraDescription>, new: &CameraDescription) {
@@ -147,7 +147,7 @@ fn camera(table: &mut dyn TableLike, old: Option<&CameraDescription>, new: &Came
 }
 
 fn world(table: &mut dyn TableLike, old: Option<&WorldMedium>, new: &WorldMedium) {
-    field(table, "ior", old.map(|o| &o.ior), &new.ior, Some(&IorModel::Constant(1.0)));
+    field(table, "ior", old.map(|o| &o.ior), &new.ior, Some(&Ior::Constant(1.0)));
     field(table, "absorption", old.map(|o| &o.absorption), &new.absorption, Some(&[0.0; 3]));
 }
 

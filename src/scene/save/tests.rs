@@ -59,7 +59,7 @@ fn what_was_not_edited_is_not_touched() {
 #[test]
 fn an_edit_changes_its_line_only() {
     let mut scene = read(TEXT);
-    scene.media[0].ior = IorModel::Constant(1.7);
+    scene.media[0].ior = Ior::Constant(1.7);
     let text = assert_faithful(&scene);
     assert_eq!(text, TEXT.replace("1.50   #", "1.7   #"));
     scene.camera.position.x = 0.1;
@@ -75,10 +75,10 @@ fn every_kind_of_edit_is_read_back() {
     scene.camera.vertical_fov = 35.5;
     scene.camera.aperture_radius = 0.01;
     scene.camera.focus_distance = Some(3.25);
-    scene.world = WorldMedium { ior: IorModel::Cauchy([1.4, 0.01, 0.0]), absorption: [0.1, 0.2, 1e-7] };
+    scene.world = WorldMedium { ior: Ior::Cauchy([1.4, 0.01, 0.0]), absorption: [0.1, 0.2, 1e-7] };
     scene.environment = Environment::Gradient { zenith: [0.1; 3], horizon: [1.0; 3], nadir: [1e9, 0.0, 0.0] };
     scene.media[1].absorption = [0.0, 0.5, 1.0];
-    scene.media[0].ior = IorModel::Sellmeier(vec![[1.0, 0.01], [0.1, 100.0]]);
+    scene.media[0].ior = Ior::Sellmeier(vec![[1.0, 0.01], [0.1, 100.0]].into());
     scene.refractors[0].priority = -3;
     scene.refractors[0].smooth = true;
     scene.refractors[0].medium = "water".into();
@@ -156,7 +156,7 @@ fn a_scene_without_source_is_written_whole() {
         assert_eq!(again.object_names().collect::<Vec<_>>(), description.object_names().collect::<Vec<_>>());
     }
     let mut scene = read(TEXT);
-    scene.media[1].ior = IorModel::Catalog(catalog::find("diamond").unwrap());
+    scene.media[1].ior = Ior::Catalog(catalog::find("diamond").unwrap());
     scene.source = None;
     let mut again = read(&to_text(&scene));
     again.source = None;
@@ -265,7 +265,7 @@ fn an_edit_of_an_odd_notation_changes_its_line_only() {
     type Edit = fn(&mut Description);
     let edits: [(usize, Edit, &str, &str); 11] = [
         (0, |s| s.camera.position.z = 3.5, "+4.0 ]", "3.5 ]"),
-        (0, |s| s.media[0].ior = IorModel::Constant(1.6), "ior=1.50 }", "ior=1.6 }"),
+        (0, |s| s.media[0].ior = Ior::Constant(1.6), "ior=1.50 }", "ior=1.6 }"),
         (0, |s| s.media[1].name = "ice".into(), "name=\"water\"", "name=\"ice\""),
         (0, |s| s.refractors[0].transform.translate.y = 2.0, "[ 0 , 1e0, 0]  # up", "[ 0 , 2.0, 0]  # up"),
         (0, |s| s.refractors[0].transform.scale = DVec3::splat(3.0), "scale = 2", "scale = 3.0"),
@@ -333,7 +333,7 @@ fn many_media_are_saved_in_time_that_grows_with_their_number() {
         let text = scene(count);
         let start = std::time::Instant::now();
         let mut description = read(&text);
-        description.media[0].ior = IorModel::Constant(1.25);
+        description.media[0].ior = Ior::Constant(1.25);
         assert_eq!(to_text(&description), text.replacen("ior = 1.5", "ior = 1.25", 1));
         start.elapsed().as_secs_f64()
     };

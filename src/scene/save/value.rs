@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use glam::DVec3;
 use toml_edit::{Array, InlineTable, Value};
 
-use crate::optics::IorModel;
+use crate::optics::{Ior, catalog};
 use crate::scene::description::{Paint, Shape, Transform};
 use crate::scene::shapes::{DEFAULT_RINGS, DEFAULT_SEGMENTS};
 
@@ -89,12 +89,17 @@ impl ToValue for DVec3 {
     }
 }
 
-impl ToValue for IorModel {
+impl ToValue for Ior {
     fn to_value(&self) -> Value {
         match self {
             Self::Constant(n) => n.to_value(),
             Self::Cauchy(coefficients) => inline([("cauchy", coefficients)]),
-            Self::Sellmeier(terms) => inline([("sellmeier", terms)]),
+            Self::Sellmeier(terms) => inline([("sellmeier", &terms.to_vec())]),
+            // Scene files have no notation for it: it is written by its name in the catalogue.
+            Self::Gas(_) => match catalog::ALL.iter().find(|entry| entry.model == *self) {
+                Some(entry) => Self::Catalog(entry).to_value(),
+                None => self.ior().to_value(),
+            },
             Self::Catalog(entry) => inline([("catalog", &entry.name.to_owned())]),
         }
     }

@@ -9,10 +9,10 @@ use super::reading::Reading;
 use super::sheet;
 use super::winding::{Allowed, Place, Winding};
 use crate::geometry::{Geometry, ObjectRange, PrimitiveId, SurfacePoint};
-use crate::scene::World;
+use crate::scene::Scene;
 use crate::scene::description::{Description, Shape};
 use crate::scene::shapes::tessellate;
-use crate::scene::world::{MediumId, ObjectId, Surface};
+use crate::scene::{MediumId, ObjectId, Surface};
 
 /// Winding numbers nearer to ½ than this leave doubt, where there are holes.
 const DOUBTFUL: f64 = 0.1;
@@ -76,11 +76,11 @@ pub(super) struct Beside {
 }
 
 impl Bodies {
-    /// Of the description that `world` was compiled from.
-    pub fn new(description: &Description, world: &World) -> Self {
-        let geometry = &*world.geometry;
+    /// Of the description that `scene` was compiled from.
+    pub fn new(description: &Description, scene: &Scene) -> Self {
+        let geometry = &*scene.geometry;
         let mut bodies = Vec::new();
-        let mut of_object = vec![None; world.objects.len()];
+        let mut of_object = vec![None; scene.objects.len()];
         let mut part_of_primitive = Vec::new();
         for (index, refractor) in description.refractors.iter().enumerate().filter(|(_, r)| r.visible) {
             let object = ObjectId(index as u32);
@@ -137,21 +137,21 @@ impl Bodies {
     }
 
     /// The media on both sides of a point on a refractor's surface.
-    pub(super) fn beside(&self, world: &World, place: &Place, primitive: PrimitiveId) -> Beside {
+    pub(super) fn beside(&self, scene: &Scene, place: &Place, primitive: PrimitiveId) -> Beside {
         let mut found = Beside { front: MediumId::WORLD, back: MediumId::WORLD, is_doubtful: false };
-        let Some(own) = self.body(ObjectId(world.geometry.object_of(primitive))) else { return found };
+        let Some(own) = self.body(ObjectId(scene.geometry.object_of(primitive))) else { return found };
         let mut top: [Option<&Body>; 2] = [None, None];
         let margin = place.allowance(own.radius, place.point.abs());
         self.for_each_near(place.point, margin, |body| {
-            let inside = self.inside(world, body, place, primitive, own);
+            let inside = self.inside(scene, body, place, primitive, own);
             found.is_doubtful |= inside.is_doubtful;
             for (top, is_inside) in top.iter_mut().zip([inside.front, inside.back]) {
-                if is_inside && top.is_none_or(|top| body.is_above(top, world)) {
+                if is_inside && top.is_none_or(|top| body.is_above(top, scene)) {
                     *top = Some(body);
                 }
             }
         });
-        [found.front, found.back] = top.map(|top| medium_of(world, top));
+        [found.front, found.back] = top.map(|top| medium_of(scene, top));
         found
     }
 
@@ -164,7 +164,7 @@ impl Bodies {
         self.sheets.iter().for_each(|&sheet| visit(&self.bodies[sheet as usize]));
     }
 
-    fn inside(&self, world: &World, body: &Body, place: &Place, primitive: PrimitiveId, own: &Body) -> Inside {
+    fn inside(&self, scene: &Scene, body: &Body, place: &Place, primitive: PrimitiveId, own: &Body) -> Inside {
         let allowed = |part: u32| self.allowed(body, part, primitive, own);
         match &body.form {
             Form::Ball { center, radius } => {
@@ -194,37 +194,37 @@ impl Bodies {
                         is_doubtful: false,
                     };
                 }
-                let (is_inside, is_doubtful) = sheet::contains(world, winding, place.point);
+                let (is_inside, is_doubtful) = sheet::contains(scene, winding, place.point);
                 Inside { front: is_inside, back: is_inside, is_doubtful }
             }
         }
     }
 
     /// The medium at a point off all surfaces, and whether there is doubt.
-    pub(super) fn medium_at(&self, world: &World, point: DVec3) -> (MediumId, bool) {
+    pub(super) fn medium_at(&self, scene: &Scene, point: DVec3) -> (MediumId, bool) {
         let mut is_doubtful = false;
         let mut top: Option<&Body> = None;
         self.for_each_near(point, 0.0, |body| {
-            let (is_inside, doubt) = body.contains(world, point);
+            let (is_inside, doubt) = body.contains(scene, point);
             is_doubtful |= doubt;
-            if is_inside && top.is_none_or(|top| body.is_above(top, world)) {
+            if is_inside && top.is_none_or(|top| body.is_above(top, scene)) {
                 top = Some(body);
             }
         });
-        (medium_of(world, top), is_doubtful)
+        (medium_of(scene, top), is_doubtful)
     }
 
     /// Whether another face at the same place, in the same plane, stands for that of `primitive`: one of something opaque, or the first of
     /// the refractors'. Of surfaces that are one, a path must cross just one.
-    pub(super) fn is_stood_for(&self, world: &World, place: &Place, primitive: PrimitiveId) -> bool {
-        let geometry = &*world.geometry;
+    pub(super) fn is_stood_for(&self, scene: &Scene, place: &Place, primitive: PrimitiveId) -> bool {
+        let geometry = &*scene.geometry;
         let own_object = ObjectId(geometry.object_of(primitive));
         let Some(own) = self.body(own_object) else { return false };
         let margin = DVec3::splat(place.allowance(own.radius, place.point.abs()));
         let mut is_stood_for = false;
         geometry.for_each_near_box(place.point - margin, place.point + margin, None, |other| {
             let object = ObjectId(geometry.object_of(other));
-            let is_opaque = !matches!(world.object(object).surface, Surface::Refractor { .. });
+            let is_opaque = !matches!(scene.object(object).surface, Surface::Refractor { .. });
             if is_stood_for || other == primitive || !(is_opaque || other < primitive) {
                 return;
             }
@@ -276,8 +276,8 @@ fn radius_of(geometry: &Geometry, object: ObjectId) -> f64 {
     (max - min).length() / 2.0
 }
 
-fn medium_of(world: &World, body: Option<&Body>) -> MediumId {
-    match body.map(|body| &world.object(body.object).surface) {
+fn medium_of(scene: &Scene, body: Option<&Body>) -> MediumId {
+    match body.map(|body| &scene.object(body.object).surface) {
         Some(Surface::Refractor { medium, .. }) => *medium,
         _ => MediumId::WORLD,
     }
@@ -312,20 +312,20 @@ impl Body {
     }
 
     /// Whether it contains a point off its surface, and whether there is doubt.
-    fn contains(&self, world: &World, point: DVec3) -> (bool, bool) {
+    fn contains(&self, scene: &Scene, point: DVec3) -> (bool, bool) {
         match &self.form {
             Form::Ball { center, radius } => (point.distance(*center) < *radius, false),
             Form::Solid { winding, has_holes, .. } => {
                 let number = winding.around(point);
                 (number > 0.5, *has_holes && (number - 0.5).abs() < DOUBTFUL)
             }
-            Form::Sheet { winding, .. } => sheet::contains(world, winding, point),
+            Form::Sheet { winding, .. } => sheet::contains(scene, winding, point),
         }
     }
 
     /// Whether it, not `other`, fills what both contain: by priority, then the smaller volume, then the later.
-    fn is_above(&self, other: &Self, world: &World) -> bool {
-        let priority = |body: &Self| match world.object(body.object).surface {
+    fn is_above(&self, other: &Self, scene: &Scene) -> bool {
+        let priority = |body: &Self| match scene.object(body.object).surface {
             Surface::Refractor { priority, .. } => priority,
             _ => i32::MIN,
         };

@@ -21,15 +21,14 @@ mod winding;
 use glam::DVec3;
 
 use super::{Crossing, Sides, Tracker};
-use crate::render::Events;
-use crate::scene::World;
-use crate::scene::world::MediumId;
+use crate::scene::{MediumId, Scene};
+use crate::tracking::Events;
 
 pub use bodies::Bodies;
 
 #[derive(Debug, Clone, Copy)]
 pub struct Reference<'a> {
-    pub world: &'a World,
+    pub scene: &'a Scene,
     pub bodies: &'a Bodies,
 }
 
@@ -41,11 +40,11 @@ impl Tracker for Reference<'_> {
 
     fn sides(&self, (): &(), crossing: &Crossing, events: &mut Events) -> Option<Sides> {
         let primitive = crossing.point.primitive;
-        let place = self.bodies.place(&self.world.geometry, &crossing.point);
-        if self.bodies.is_stood_for(self.world, &place, primitive) {
+        let place = self.bodies.place(&self.scene.geometry, &crossing.point);
+        if self.bodies.is_stood_for(self.scene, &place, primitive) {
             return None;
         }
-        let beside = self.bodies.beside(self.world, &place, primitive);
+        let beside = self.bodies.beside(self.scene, &place, primitive);
         events.ambiguous += u64::from(beside.is_doubtful);
         let (front, back) = (beside.front, beside.back);
         let (from, to) = if crossing.is_entering { (front, back) } else { (back, front) };
@@ -60,6 +59,6 @@ impl Tracker for Reference<'_> {
     }
 
     fn medium_at(&self, point: DVec3) -> Option<(MediumId, bool)> {
-        Some(self.bodies.medium_at(self.world, point))
+        Some(self.bodies.medium_at(self.scene, point))
     }
 }

@@ -5,8 +5,7 @@ use glam::DVec3;
 
 use super::winding::Winding;
 use crate::geometry::Ray;
-use crate::scene::World;
-use crate::scene::world::{ObjectId, Surface};
+use crate::scene::{ObjectId, Scene, Surface};
 
 /// Rays, evenly spread over the sphere.
 const RAYS: u32 = 32;
@@ -14,14 +13,14 @@ const RAYS: u32 = 32;
 const CLEAR_SHARE: f64 = 0.75;
 
 /// Whether a sheet contains a point off it, and whether there is doubt.
-pub(super) fn contains(world: &World, sheet: &Winding, point: DVec3) -> (bool, bool) {
+pub(super) fn contains(scene: &Scene, sheet: &Winding, point: DVec3) -> (bool, bool) {
     let (mut inside, mut asked) = (0, 0);
     for direction in (0..RAYS).map(direction) {
         let Some((t, from_behind)) = sheet.first_met(point, direction, 0.0) else { continue };
         let mut is_hidden = false;
-        world.geometry.for_each_hit(&Ray::new(point, direction), |hit| {
-            let object = ObjectId(world.geometry.object_of(hit.primitive));
-            is_hidden |= hit.t < t && !matches!(world.object(object).surface, Surface::Refractor { .. });
+        scene.geometry.for_each_hit(&Ray::new(point, direction), |hit| {
+            let object = ObjectId(scene.geometry.object_of(hit.primitive));
+            is_hidden |= hit.t < t && !matches!(scene.object(object).surface, Surface::Refractor { .. });
         });
         if !is_hidden {
             asked += 1;

@@ -38,7 +38,7 @@ use self::mailbox::Mailbox;
 use self::painter::run_painter;
 pub use self::preparation::Preparation;
 use self::preparer::{Asked, Lanes, prepare_scenes};
-use super::surfaces::SurfaceQuantity;
+use crate::render::surfaces::SurfaceQuantity;
 use crate::scene::description::CameraDescription;
 use crate::scene::{Description, SceneError};
 use crate::tracking::Mode;

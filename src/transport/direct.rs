@@ -5,11 +5,11 @@ use glam::DVec3;
 use super::path::{PathTracer, dimension};
 use super::sampler::Sampler;
 use crate::geometry::{Ray, SurfacePoint};
-use crate::render::Events;
 use crate::scatter::diffuse;
 use crate::scatter::normals::Normals;
 use crate::scene::environment::DirectionSample;
-use crate::scene::world::{MediumId, ObjectId, Surface};
+use crate::scene::{MediumId, ObjectId, Surface};
+use crate::tracking::Events;
 use crate::tracking::Tracker;
 
 /// A diffuse point that light is looked for at.
@@ -32,19 +32,19 @@ impl<T: Tracker> PathTracer<'_, T> {
         sampler: &Sampler,
         shadow: &mut T::State,
     ) -> DVec3 {
-        let world = self.world;
+        let scene = self.scene;
         let mut radiance = DVec3::ZERO;
         // The environment and the emitters are each asked: a choice between them would waste half of the samples where only one is seen.
         if self.needs.image_environment {
             let u = sampler.get_2d(dimensions + dimension::ENVIRONMENT);
-            if let Some(sample) = world.environment.sample(u) {
+            if let Some(sample) = scene.environment.sample(u) {
                 radiance += self.direct_from(None, &sample, receiver, shadow);
             }
         }
         if self.needs.emitters {
             let select = sampler.get_1d(dimensions + dimension::EMITTER_CHOICE);
             let u = sampler.get_2d(dimensions + dimension::EMITTER);
-            if let Some((object, sample)) = world.emitters.sample(&world.geometry, receiver.point.position, select, u) {
+            if let Some((object, sample)) = scene.emitters.sample(&scene.geometry, receiver.point.position, select, u) {
                 radiance += self.direct_from(Some(object), &sample, receiver, shadow);
             }
         }
@@ -67,9 +67,9 @@ impl<T: Tracker> PathTracer<'_, T> {
         }
         let ray = Ray::leaving(point.position, sample.direction, point.primitive);
         let Some(transmittance) = self.visibility(ray, target, receiver, shadow) else { return DVec3::ZERO };
-        let radiance = match target.map(|object| &self.world.object(object).surface) {
+        let radiance = match target.map(|object| &self.scene.object(object).surface) {
             Some(Surface::Light { radiance }) => *radiance,
-            _ => self.world.environment.radiance(sample.direction),
+            _ => self.scene.environment.radiance(sample.direction),
         };
         let weight = power_heuristic(sample.pdf, scattered);
         radiance * transmittance * (scattered * weight / sample.pdf)
@@ -86,13 +86,13 @@ impl<T: Tracker> PathTracer<'_, T> {
         shadow: &mut T::State,
     ) -> Option<DVec3> {
         let mut medium = receiver.medium;
-        let world = self.world;
+        let scene = self.scene;
         // Whether the ray may pass through a refractor unbent, and so must look at each one it meets.
         let can_pass = self.needs.index_matching || self.tracker.can_skip();
         if target.is_none() && !can_pass {
             let is_open = match self.tracker.mask() {
-                Some(mask) => !world.geometry.is_occluded_but(&ray, f64::INFINITY, mask),
-                None => !world.geometry.is_occluded(&ray, f64::INFINITY),
+                Some(mask) => !scene.geometry.is_occluded_but(&ray, f64::INFINITY, mask),
+                None => !scene.geometry.is_occluded(&ray, f64::INFINITY),
             };
             return is_open.then(|| self.transmittance(medium, &ray, f64::INFINITY));
         }
@@ -103,11 +103,11 @@ impl<T: Tracker> PathTracer<'_, T> {
                 return target.is_none().then(|| transmittance * self.transmittance(medium, &ray, f64::INFINITY));
             };
             transmittance *= self.transmittance(medium, &ray, hit.t);
-            let object = ObjectId(world.geometry.object_of(hit.primitive));
+            let object = ObjectId(scene.geometry.object_of(hit.primitive));
             if Some(object) == target {
                 return hit.is_front.then_some(transmittance);
             }
-            if !can_pass || !matches!(world.object(object).surface, Surface::Refractor { .. }) {
+            if !can_pass || !matches!(scene.object(object).surface, Surface::Refractor { .. }) {
                 return None;
             }
             if !has_state {
@@ -135,7 +135,7 @@ impl<T: Tracker> PathTracer<'_, T> {
 
     #[inline]
     pub(super) fn environment_pdf(&self, direction: DVec3) -> f64 {
-        if self.needs.image_environment { self.world.environment.pdf(direction) } else { 0.0 }
+        if self.needs.image_environment { self.scene.environment.pdf(direction) } else { 0.0 }
     }
 
     #[inline]
@@ -143,7 +143,7 @@ impl<T: Tracker> PathTracer<'_, T> {
         if !self.needs.emitters {
             return 0.0;
         }
-        self.world.emitters.pdf(&self.world.geometry, from, direction, object, point)
+        self.scene.emitters.pdf(&self.scene.geometry, from, direction, object, point)
     }
 }
 

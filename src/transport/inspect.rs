@@ -6,14 +6,14 @@ use super::sampler::Sampler;
 use crate::geometry::Ray;
 use crate::rectify::containment::medium_at;
 use crate::rectify::start::{Start, start_by_asking};
-use crate::render::{Events, Prepared};
 use crate::scatter::dielectric::{self, Choice};
 use crate::scatter::mirror;
-use crate::scene::world::{ObjectId, Surface};
+use crate::scene::{ObjectId, Surface};
 use crate::tracking::naive::Naive;
 use crate::tracking::priority::Priority;
 use crate::tracking::rectified::{Rectified, RectifiedObject};
 use crate::tracking::stack::Stack;
+use crate::tracking::{Events, Prepared};
 use crate::tracking::{Mode, Tracker};
 
 /// Segments at the most: a path may be trapped for ever.
@@ -96,9 +96,9 @@ pub fn trace(
     match mode {
         Mode::Naive => tracing.run(&Naive, ray),
         Mode::Stack => tracing.run(&Stack, ray),
-        Mode::Priority => tracing.run(&Priority { world: &prepared.world }, ray),
-        Mode::RectifiedObject => tracing.run(&RectifiedObject::new(&prepared.world, &prepared.table), ray),
-        Mode::Rectified => tracing.run(&Rectified { world: &prepared.world, table: &prepared.table }, ray),
+        Mode::Priority => tracing.run(&Priority { scene: &prepared.scene }, ray),
+        Mode::RectifiedObject => tracing.run(&RectifiedObject::new(&prepared.scene, &prepared.table), ray),
+        Mode::Rectified => tracing.run(&Rectified { scene: &prepared.scene, table: &prepared.table }, ray),
         Mode::Reference => tracing.run(&prepared.reference(), ray),
     }
 }
@@ -113,16 +113,16 @@ struct Tracing<'a> {
 
 impl Tracing<'_> {
     fn run<T: Tracker>(&self, tracker: &T, ray: Ray) -> TracedPath {
-        let world = &*self.prepared.world;
-        let tracer = PathTracer { world, tracker, needs: world.needs, max_depth: self.max_depth, splits: 0 };
-        let ray = Ray::new(ray.origin - world.geometry.origin, ray.direction.normalize());
+        let scene = &*self.prepared.scene;
+        let tracer = PathTracer { scene, tracker, needs: scene.needs, max_depth: self.max_depth, splits: 0 };
+        let ray = Ray::new(ray.origin - scene.geometry.origin, ray.direction.normalize());
         let mut state = T::State::default();
         tracker.start(&mut state);
-        let ask = |point| tracker.medium_at(point).unwrap_or_else(|| medium_at(world, point));
-        let Start { mut ray, mut medium, is_ambiguous } = start_by_asking(world, ray, &ask);
+        let ask = |point| tracker.medium_at(point).unwrap_or_else(|| medium_at(scene, point));
+        let Start { mut ray, mut medium, is_ambiguous } = start_by_asking(scene, ray, &ask);
         let mut path = TracedPath {
             mode: self.mode,
-            camera_medium: world.medium(medium).name.clone(),
+            camera_medium: scene.medium(medium).name.clone(),
             vertices: Vec::new(),
             escaped: false,
             final_direction: ray.direction.to_array(),
@@ -130,12 +130,12 @@ impl Tracing<'_> {
         };
         let sampler = Sampler::new(self.seed, 0, 0);
         let mut segment = 1;
-        while let Some(hit) = world.geometry.closest(&ray) {
-            let point = world.geometry.surface(&ray, &hit);
-            let object = ObjectId(world.geometry.object_of(hit.primitive));
-            let name = &world.object(object).name;
+        while let Some(hit) = scene.geometry.closest(&ray) {
+            let point = scene.geometry.surface(&ray, &hit);
+            let object = ObjectId(scene.geometry.object_of(hit.primitive));
+            let name = &scene.object(object).name;
             let mut vertex = Vertex {
-                position: (point.position + world.geometry.origin).to_array(),
+                position: (point.position + scene.geometry.origin).to_array(),
                 refractor: None,
                 patch: None,
                 solid: None,
@@ -147,7 +147,7 @@ impl Tracing<'_> {
                 event: VertexEvent::Scatter,
                 is_consistent: true,
             };
-            let next = match world.object(object).surface {
+            let next = match scene.object(object).surface {
                 Surface::Light { .. } => {
                     vertex.event = VertexEvent::Emit;
                     vertex.solid = Some(name.clone());
@@ -174,10 +174,10 @@ impl Tracing<'_> {
                     };
                     vertex.refractor = Some(name.clone());
                     vertex.patch =
-                        self.prepared.table.patch_of(&world.geometry, hit.primitive).map(|patch| patch.index);
+                        self.prepared.table.patch_of(&scene.geometry, hit.primitive).map(|patch| patch.index);
                     if let Some((sides, _)) = interface {
-                        vertex.is_consistent = world.is_consistent(medium, sides.from);
-                        let (from, to) = (world.medium(sides.from), world.medium(sides.to));
+                        vertex.is_consistent = scene.is_consistent(medium, sides.from);
+                        let (from, to) = (scene.medium(sides.from), scene.medium(sides.to));
                         vertex.from = Some(from.name.clone());
                         vertex.to = Some(to.name.clone());
                         vertex.ior_from = Some(from.ior());

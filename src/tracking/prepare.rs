@@ -5,14 +5,14 @@ use std::time::Instant;
 
 use crate::rectify::{Cancelled, InterfaceTable, Progress};
 use crate::scene::compile::{changed_objects, compile};
-use crate::scene::{Description, SceneError, World};
+use crate::scene::{Description, Scene, SceneError};
 use crate::tracking::reference::{Bodies, Reference};
 
 /// A compiled and rectified scene. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct Prepared {
     pub description: Arc<Description>,
-    pub world: Arc<World>,
+    pub scene: Arc<Scene>,
     pub table: Arc<InterfaceTable>,
     /// What mode `reference` asks, once it has been asked for.
     pub bodies: Arc<OnceLock<Bodies>>,
@@ -60,29 +60,29 @@ pub fn prepare_watched(
     progress: &Progress,
 ) -> Result<Prepared, PrepareError> {
     let start = Instant::now();
-    let world = compile(&description, previous.map(|p| (&*p.description, &*p.world)))?;
+    let scene = compile(&description, previous.map(|p| (&*p.description, &*p.scene)))?;
     let bvh = start.elapsed().as_secs_f64();
     progress.go_on()?;
     let start = Instant::now();
     let changed = previous.and_then(|previous| changed_objects(&previous.description, &description));
     let table = match (previous, changed) {
         (Some(previous), Some(changed)) => {
-            previous.table.updated_watched(&world, &previous.world, &changed, progress)?
+            previous.table.updated_watched(&scene, &previous.scene, &changed, progress)?
         }
-        _ => InterfaceTable::new_watched(&world, progress)?,
+        _ => InterfaceTable::new_watched(&scene, progress)?,
     };
     let seconds = PrepareSeconds { bvh, rectify: start.elapsed().as_secs_f64() };
     let bodies = match previous {
-        Some(previous) if Arc::ptr_eq(&previous.world.geometry, &world.geometry) => Arc::clone(&previous.bodies),
+        Some(previous) if Arc::ptr_eq(&previous.scene.geometry, &scene.geometry) => Arc::clone(&previous.bodies),
         _ => Arc::default(),
     };
-    Ok(Prepared { description, world: Arc::new(world), table: Arc::new(table), bodies, seconds })
+    Ok(Prepared { description, scene: Arc::new(scene), table: Arc::new(table), bodies, seconds })
 }
 
 impl Prepared {
     /// Mode `reference` at work. The first call reads all refractors' meshes anew.
     pub fn reference(&self) -> Reference<'_> {
-        let bodies = self.bodies.get_or_init(|| Bodies::new(&self.description, &self.world));
-        Reference { world: &self.world, bodies }
+        let bodies = self.bodies.get_or_init(|| Bodies::new(&self.description, &self.scene));
+        Reference { scene: &self.scene, bodies }
     }
 }

@@ -9,9 +9,9 @@ use super::mailbox::Taken;
 use super::preparation::GRACE;
 use super::preparer::REPEATS;
 use super::*;
-use crate::render::prepare;
 use crate::scene::camera::Camera;
 use crate::scene::description::Shape;
+use crate::tracking::prepare;
 use glam::DVec3;
 
 fn request(epoch: u64, modes: &[Mode]) -> Request {
@@ -176,7 +176,7 @@ fn what_can_wait_is_done_when_nothing_else_is_wanted() {
     assert!(scene.problems.is_some() && scene.epoch == 1);
     // An edit of optics counts on.
     let mut description = Description::clone(&asked.description);
-    description.world.ior = crate::optics::IorModel::Constant(1.2);
+    description.world.ior = crate::optics::Ior::Constant(1.2);
     worker.submit(Request { epoch: 2, description: Arc::new(description), ..asked });
     until(&worker, |_| rays() > first * (1 + u64::from(REPEATS)));
 }

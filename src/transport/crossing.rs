@@ -5,8 +5,8 @@ use crate::geometry::ray::NO_PRIMITIVE;
 use crate::geometry::{Hit, Ray};
 use crate::optics::Interface;
 use crate::rectify::containment::medium_of;
-use crate::render::Events;
-use crate::scene::world::{MediumId, ObjectId, Surface};
+use crate::scene::{MediumId, ObjectId, Surface};
+use crate::tracking::Events;
 use crate::tracking::{Crossing, Sides, Tracker};
 
 /// Roundings of f64, of the numbers that a hit is computed from, that two hits of one place differ by at the most.
@@ -34,24 +34,24 @@ impl<T: Tracker> PathTracer<'_, T> {
         events.crossings += 1;
         let (crossing, sides) = self.ask(ray, hit, state, events);
         if let Some(sides) = sides
-            && !self.world.is_consistent(medium, sides.from)
+            && !self.scene.is_consistent(medium, sides.from)
         {
             if let Some(behind) = self.behind_edge(ray, hit, medium, sides, state) {
                 return Err(behind);
             }
             events.inconsistent += 1;
         }
-        let interface = sides.map(|s| (s, self.world.interface(s.from, s.to)));
+        let interface = sides.map(|s| (s, self.scene.interface(s.from, s.to)));
         Ok(Met { crossing, interface })
     }
 
     /// What the tracker says about a hit of a refractor.
     #[inline]
     fn ask(&self, ray: &Ray, hit: &Hit, state: &T::State, events: &mut Events) -> (Crossing, Option<Sides>) {
-        let world = self.world;
-        let refractor = ObjectId(world.geometry.object_of(hit.primitive));
-        let interior = medium_of(world, Some(refractor));
-        let point = world.geometry.surface(ray, hit);
+        let scene = self.scene;
+        let refractor = ObjectId(scene.geometry.object_of(hit.primitive));
+        let interior = medium_of(scene, Some(refractor));
+        let point = scene.geometry.surface(ray, hit);
         let crossing = Crossing { refractor, interior, is_entering: hit.is_front, point, barycentric: hit.barycentric };
         let sides = self.tracker.sides(state, &crossing, events);
         (crossing, sides)
@@ -62,7 +62,7 @@ impl<T: Tracker> PathTracer<'_, T> {
     /// and the two undo each other: the ray grazes the edge, and rounding shows the leaving first. Then gives the ray behind them.
     #[cold]
     fn behind_edge(&self, ray: &Ray, hit: &Hit, medium: MediumId, sides: Sides, state: &T::State) -> Option<Ray> {
-        let geometry = &self.world.geometry;
+        let geometry = &self.scene.geometry;
         let object = geometry.object_of(hit.primitive);
         let scale = ray.origin.abs().max_element() + hit.t + geometry.reach_of(object);
         let is_same_place = |from: f64, to: f64| to - from <= ROUNDINGS * f64::EPSILON * scale;
@@ -77,7 +77,7 @@ impl<T: Tracker> PathTracer<'_, T> {
         }
         let next = self.closest(&ray.beyond(hit)).filter(|next| is_same_place(hit.t, next.t))?;
         let object = ObjectId(geometry.object_of(next.primitive));
-        if !matches!(self.world.object(object).surface, Surface::Refractor { .. }) {
+        if !matches!(self.scene.object(object).surface, Surface::Refractor { .. }) {
             return None;
         }
         let (_, next_sides) = self.ask(ray, &next, state, &mut Events::default());

@@ -2,6 +2,8 @@
 //!
 //! Everything is worked out as n − 1: near 1, as in air, most digits of n are the leading 1, and Fresnel needs the others.
 
+use std::borrow::Cow;
+
 use super::catalog;
 
 /// The helium d line, in micrometres (587.5618 nm, commonly written 587.56): the wavelength at which an IOR is taken where
@@ -11,20 +13,22 @@ pub const WAVELENGTH_D_UM: f64 = 0.587_561_8;
 /// Indices that are taken for real: far beyond any material and any test of stability, and far from where f64 gives out.
 pub const IOR_RANGE: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
-/// How a medium's index of refraction is given.
+/// An index of refraction, as a number or by a dispersion formula; λ in µm.
 #[derive(Debug, Clone, PartialEq)]
-pub enum IorModel {
+pub enum Ior {
     /// The same at every wavelength.
     Constant(f64),
-    /// n = A + B/λ² + C/λ⁴, λ in µm.
+    /// n = A + B/λ² + C/λ⁴.
     Cauchy([f64; 3]),
-    /// n² = 1 + Σ Bλ²/(λ² − C), λ in µm, C in µm².
-    Sellmeier(Vec<[f64; 2]>),
+    /// n² = 1 + Σ Bλ²/(λ² − C), C in µm².
+    Sellmeier(Cow<'static, [[f64; 2]]>),
+    /// n = 1 + Σ K/(L − λ⁻²), pairs of K and L in µm⁻²: the form for gases, which only the catalogue uses.
+    Gas(Cow<'static, [[f64; 2]]>),
     /// By name, from [`catalog`].
     Catalog(&'static catalog::Entry),
 }
 
-impl IorModel {
+impl Ior {
     /// n − 1 at a wavelength in micrometres, with full relative precision. NaN where a formula has no real answer, as a
     /// Sellmeier sum has near its poles.
     pub fn ior_minus_one(&self, wavelength_um: f64) -> f64 {
@@ -32,6 +36,10 @@ impl IorModel {
             Self::Constant(n) => n - 1.0,
             Self::Cauchy(coefficients) => cauchy(coefficients, wavelength_um),
             Self::Sellmeier(terms) => sellmeier(terms, wavelength_um),
+            Self::Gas(terms) => {
+                let inverse_square = 1.0 / (wavelength_um * wavelength_um);
+                terms.iter().map(|[k, l]| k / (l - inverse_square)).sum()
+            }
             Self::Catalog(entry) => entry.model.ior_minus_one(wavelength_um),
         }
     }
@@ -51,19 +59,20 @@ impl IorModel {
             Self::Constant(_) => false,
             Self::Cauchy([_, b, c]) => *b != 0.0 || *c != 0.0,
             Self::Sellmeier(terms) => terms.iter().any(|[b, c]| *b != 0.0 && *c != 0.0),
-            Self::Catalog(entry) => !matches!(entry.model, catalog::Formula::Constant(_)),
+            Self::Gas(terms) => terms.iter().any(|[k, _]| *k != 0.0),
+            Self::Catalog(entry) => entry.model.is_dispersive(),
         }
     }
 }
 
 /// A + B/λ² + C/λ⁴ − 1.
-pub(super) fn cauchy([a, b, c]: &[f64; 3], wavelength_um: f64) -> f64 {
+fn cauchy([a, b, c]: &[f64; 3], wavelength_um: f64) -> f64 {
     let inverse_square = 1.0 / (wavelength_um * wavelength_um);
     (a - 1.0) + (b + c * inverse_square) * inverse_square
 }
 
 /// n − 1 = (n² − 1)/(n + 1), where n² − 1 is the Sellmeier sum itself.
-pub(super) fn sellmeier(terms: &[[f64; 2]], wavelength_um: f64) -> f64 {
+fn sellmeier(terms: &[[f64; 2]], wavelength_um: f64) -> f64 {
     let square = wavelength_um * wavelength_um;
     let sum: f64 = terms.iter().map(|[b, c]| b * square / (square - c)).sum();
     sum / ((1.0 + sum).sqrt() + 1.0)
@@ -76,33 +85,33 @@ mod tests {
     #[test]
     fn a_typed_number_comes_back_as_typed() {
         for n in [1.1, 1.333, 1.000277, 0.7] {
-            assert_eq!(IorModel::Constant(n).ior(), n);
+            assert_eq!(Ior::Constant(n).ior(), n);
         }
     }
 
     #[test]
     fn digits_near_one_survive() {
         // One term that makes n² − 1 = 2e-12: n − 1 = 1e-12 − 5e-25.
-        let model = IorModel::Sellmeier(vec![[2e-12, 0.0]]);
+        let model = Ior::Sellmeier([[2e-12, 0.0]].to_vec().into());
         let got = model.ior_minus_one(WAVELENGTH_D_UM);
         assert!((got / (1e-12 - 5e-25) - 1.0).abs() < 1e-15, "{got:e}");
-        assert_eq!(IorModel::Cauchy([1.25, 0.0, 0.0]).ior_minus_one(0.5), 0.25);
+        assert_eq!(Ior::Cauchy([1.25, 0.0, 0.0]).ior_minus_one(0.5), 0.25);
     }
 
     #[test]
     fn cauchy_and_sellmeier_by_hand() {
         // λ = 0.5: λ² = 0.25, 1/λ² = 4, 1/λ⁴ = 16.
-        assert!((IorModel::Cauchy([1.5, 0.01, 0.001]).ior_minus_one(0.5) - 0.556).abs() < 1e-15);
+        assert!((Ior::Cauchy([1.5, 0.01, 0.001]).ior_minus_one(0.5) - 0.556).abs() < 1e-15);
         // n² = 1 + 0.75·0.25/(0.25 − 0.1) = 2.25.
-        assert!((IorModel::Sellmeier(vec![[0.75, 0.1]]).ior_minus_one(0.5) - 0.5).abs() < 1e-15);
+        assert!((Ior::Sellmeier([[0.75, 0.1]].to_vec().into()).ior_minus_one(0.5) - 0.5).abs() < 1e-15);
     }
 
     #[test]
     fn dispersive_or_not() {
-        assert!(!IorModel::Constant(1.5).is_dispersive());
-        assert!(!IorModel::Cauchy([1.5, 0.0, 0.0]).is_dispersive());
-        assert!(IorModel::Sellmeier(vec![[1.0, 0.01]]).is_dispersive());
-        assert!(IorModel::Catalog(catalog::find("water").unwrap()).is_dispersive());
-        assert!(!IorModel::Catalog(catalog::find("ice").unwrap()).is_dispersive());
+        assert!(!Ior::Constant(1.5).is_dispersive());
+        assert!(!Ior::Cauchy([1.5, 0.0, 0.0]).is_dispersive());
+        assert!(Ior::Sellmeier([[1.0, 0.01]].to_vec().into()).is_dispersive());
+        assert!(Ior::Catalog(catalog::find("water").unwrap()).is_dispersive());
+        assert!(!Ior::Catalog(catalog::find("ice").unwrap()).is_dispersive());
     }
 }

@@ -9,10 +9,10 @@ use super::preparation::watched;
 use super::{Board, GroundTruthDemand, News, Preparation, Request, SceneReport, Wake, guarded};
 use crate::check::{Problem, check_watched};
 use crate::rectify::Progress;
-use crate::render::Prepared;
 use crate::scene::SceneError;
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
+use crate::tracking::Prepared;
 
 /// A request, and when it came.
 pub(super) struct Asked {
@@ -59,7 +59,7 @@ impl Leisure {
         self.repeats += 1;
         // Fresh directions: their votes are added, and what one ray in a million has missed may be seen now. Nobody has asked for this:
         // where it fails, the scene stays as it is known.
-        let Ok(Ok(table)) = guarded(|| Ok(prepared.table.repeated_watched(&prepared.world, progress))) else {
+        let Ok(Ok(table)) = guarded(|| Ok(prepared.table.repeated_watched(&prepared.scene, progress))) else {
             return (prepared.clone(), None);
         };
         // Other answers may have other problems.

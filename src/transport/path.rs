@@ -14,12 +14,11 @@ use super::direct::{Receiver, power_heuristic};
 use super::sampler::Sampler;
 use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::rectify::start::Start;
-use crate::render::Events;
 use crate::scatter::dielectric::{self, Choice, Scattered};
 use crate::scatter::normals::Normals;
 use crate::scatter::{diffuse, mirror};
-use crate::scene::SceneNeeds;
-use crate::scene::world::{MediumId, ObjectId, Paint, Surface, World};
+use crate::scene::{MediumId, ObjectId, Paint, Scene, SceneNeeds, Surface};
+use crate::tracking::Events;
 use crate::tracking::Tracker;
 
 /// Segments after which Russian roulette looks at the throughput.
@@ -60,7 +59,7 @@ pub mod dimension {
 /// What all samples of an image share.
 #[derive(Clone, Copy)]
 pub struct PathTracer<'a, T> {
-    pub world: &'a World,
+    pub scene: &'a Scene,
     pub tracker: &'a T,
     pub needs: SceneNeeds,
     /// Cap on segments; `u32::MAX` for none.
@@ -239,21 +238,21 @@ impl<T: Tracker> PathTracer<'_, T> {
         events: &mut Events,
         branch: &mut Option<(Path<T::State>, Ray)>,
     ) -> Option<Ray> {
-        let world = self.world;
+        let scene = self.scene;
         let Some(hit) = hit else {
             path.beta *= self.transmittance(path.medium, ray, f64::INFINITY);
             let weight = path.last.map_or(1.0, |l| power_heuristic(l.pdf, self.environment_pdf(ray.direction)));
-            path.radiance += path.beta * world.environment.radiance(ray.direction) * (path.scale * weight);
+            path.radiance += path.beta * scene.environment.radiance(ray.direction) * (path.scale * weight);
             return None;
         };
         path.beta *= self.transmittance(path.medium, ray, hit.t);
-        let object = ObjectId(world.geometry.object_of(hit.primitive));
-        let surface = &world.object(object).surface;
+        let object = ObjectId(scene.geometry.object_of(hit.primitive));
+        let surface = &scene.object(object).surface;
 
         if let Surface::Light { radiance } = *surface {
             if hit.is_front {
                 let weight = path.last.map_or(1.0, |l| {
-                    let point = world.geometry.surface(ray, hit);
+                    let point = scene.geometry.surface(ray, hit);
                     power_heuristic(l.pdf, self.emitter_pdf(l.position, ray.direction, object, &point))
                 });
                 path.radiance += path.beta * radiance * (path.scale * weight);
@@ -314,7 +313,7 @@ impl<T: Tracker> PathTracer<'_, T> {
             return Some(Ray::leaving(point.position, scattered.direction, hit.primitive));
         }
 
-        let point = world.geometry.surface(ray, hit);
+        let point = scene.geometry.surface(ray, hit);
         match *surface {
             Surface::Mirror { ref paint, smooth } => {
                 let normals = self.normals(hit, &point, smooth);
@@ -365,8 +364,8 @@ impl<T: Tracker> PathTracer<'_, T> {
     #[inline]
     pub(super) fn closest(&self, ray: &Ray) -> Option<Hit> {
         match self.tracker.mask() {
-            Some(mask) => self.world.geometry.closest_but(ray, mask),
-            None => self.world.geometry.closest(ray),
+            Some(mask) => self.scene.geometry.closest_but(ray, mask),
+            None => self.scene.geometry.closest(ray),
         }
     }
 
@@ -375,8 +374,8 @@ impl<T: Tracker> PathTracer<'_, T> {
     fn closest_many(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
         hits.resize(rays.len(), None);
         match self.tracker.mask() {
-            Some(mask) => self.world.geometry.closest_many_but(rays, mask, hits),
-            None => self.world.geometry.closest_many(rays, hits),
+            Some(mask) => self.scene.geometry.closest_many_but(rays, mask, hits),
+            None => self.scene.geometry.closest_many(rays, hits),
         }
     }
 
@@ -386,11 +385,11 @@ impl<T: Tracker> PathTracer<'_, T> {
         if !self.needs.absorption {
             return DVec3::ONE;
         }
-        let absorption = self.world.medium(medium).absorption;
+        let absorption = self.scene.medium(medium).absorption;
         if absorption == DVec3::ZERO {
             return DVec3::ONE;
         }
-        let length = match self.world.geometry.bounding_sphere() {
+        let length = match self.scene.geometry.bounding_sphere() {
             // The global medium fills the bounding sphere and no more, or nothing would be left of the environment.
             Some(sphere) if medium == MediumId::WORLD => {
                 let whole_line = Ray { t_min: 0.0, ..*ray };
@@ -410,7 +409,7 @@ impl<T: Tracker> PathTracer<'_, T> {
         let outward = if hit.is_front { 1.0 } else { -1.0 };
         let face = point.normal * outward;
         if smooth && self.needs.smooth_normals {
-            Normals { face, shading: self.world.geometry.shading_normal(hit, point.normal) * outward }
+            Normals { face, shading: self.scene.geometry.shading_normal(hit, point.normal) * outward }
         } else {
             Normals::flat(face)
         }

@@ -10,7 +10,7 @@ use super::needs::SceneNeeds;
 use crate::geometry::{Enclosure, Geometry, Topology, WindingTree};
 use crate::optics::Interface;
 
-/// Index into [`World::media`].
+/// Index into [`Scene::media`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct MediumId(pub u32);
 
@@ -21,13 +21,13 @@ impl MediumId {
     pub const VACUUM: Self = Self(1);
 }
 
-/// Index into [`World::objects`]: refractors first, then solids, then lights, each in file order.
+/// Index into [`Scene::objects`]: refractors first, then solids, then lights, each in file order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ObjectId(pub u32);
 
 /// A medium with its numbers worked out for transport in RGB.
 #[derive(Debug, Clone, PartialEq)]
-pub struct WorldMedium {
+pub struct SceneMedium {
     /// As in the scene; the global medium is `"world"`, the reserved one `"vacuum"`.
     pub name: String,
     /// n − 1, which keeps the digits of an IOR near 1.
@@ -36,7 +36,7 @@ pub struct WorldMedium {
     pub absorption: DVec3,
 }
 
-impl WorldMedium {
+impl SceneMedium {
     pub fn ior(&self) -> f64 {
         1.0 + self.ior_minus_one
     }
@@ -54,11 +54,11 @@ impl Interfaces {
     /// Media up to which all pairs are kept.
     const MOST: usize = 64;
 
-    pub fn new(media: &[WorldMedium]) -> Self {
+    pub fn new(media: &[SceneMedium]) -> Self {
         if media.len() > Self::MOST {
             return Self::default();
         }
-        let between = |from: &WorldMedium, to: &WorldMedium| Interface::new(from.ior_minus_one, to.ior_minus_one);
+        let between = |from: &SceneMedium, to: &SceneMedium| Interface::new(from.ior_minus_one, to.ior_minus_one);
         let pairs = media.iter().flat_map(|from| media.iter().map(move |to| between(from, to))).collect();
         Self { media: media.len(), pairs }
     }
@@ -126,10 +126,10 @@ impl Object {
 
 /// A compiled scene. Coordinates inside are relative to [`Geometry::origin`].
 #[derive(Debug, Clone)]
-pub struct World {
+pub struct Scene {
     pub geometry: Arc<Geometry>,
     pub objects: Vec<Object>,
-    pub media: Vec<WorldMedium>,
+    pub media: Vec<SceneMedium>,
     pub interfaces: Interfaces,
     pub emitters: Emitters,
     pub environment: EnvironmentLight,
@@ -144,12 +144,12 @@ pub struct World {
     pub topology_secs: f64,
 }
 
-impl World {
+impl Scene {
     pub fn object(&self, id: ObjectId) -> &Object {
         &self.objects[id.0 as usize]
     }
 
-    pub fn medium(&self, id: MediumId) -> &WorldMedium {
+    pub fn medium(&self, id: MediumId) -> &SceneMedium {
         &self.media[id.0 as usize]
     }
 

@@ -6,9 +6,10 @@ use std::time::{Duration, Instant};
 
 use super::mailbox::{Alarm, Mailbox};
 use super::{Board, Request, Wake, guarded};
-use crate::render::{Prepared, RenderSettings, VarianceReduction};
+use crate::render::{RenderSettings, VarianceReduction};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
+use crate::tracking::Prepared;
 
 /// When the first image of an epoch is there, counted from the request: the rest of 100 ms is for display and the screen.
 pub(super) const FIRST_IMAGE: Duration = Duration::from_millis(60);

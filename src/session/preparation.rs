@@ -8,8 +8,8 @@ use super::mailbox::Mailbox;
 use super::preparer::Asked;
 use crate::rectify::Progress;
 use crate::rectify::progress::Stage;
-use crate::render::{PrepareError, Prepared, prepare_watched};
 use crate::scene::{Description, SceneError};
+use crate::tracking::{PrepareError, Prepared, prepare_watched};
 
 /// A preparation that takes longer gives way to a request for another scene. Shorter ones are finished, so that a steady stream of edits
 /// shows a steady stream of images.

@@ -6,9 +6,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::{GroundTruth, Preparation};
 use crate::check::Problem;
 use crate::render::surfaces::{OFFSETS, Painting, SurfaceQuantity};
-use crate::render::{Events, Prepared};
 use crate::scene::SceneError;
 use crate::tracking::Mode;
+use crate::tracking::{Events, Prepared};
 
 /// The state of one mode's film.
 #[derive(Debug, Clone)]

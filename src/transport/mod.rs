@@ -2,6 +2,6 @@
 
 mod crossing;
 mod direct;
+pub mod inspect;
 pub mod path;
 pub mod sampler;
-pub mod trace;
