@@ -42,6 +42,7 @@ pub mod report;
 pub mod scatter;
 pub mod scene;
 pub mod session;
+pub mod spectrum;
 pub mod tracking;
 pub mod transport;
 pub mod writing;

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use iorect::measure::Interval;
 use iorect::measure::statistics::t_quantile;
-use iorect::render::{Film, RenderSettings, VarianceReduction, accumulate};
+use iorect::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
 use iorect::report::experiment::{Curve, Effort, SceneErrors, Technique, scene_errors};
 use iorect::report::progress::Progress;
 use iorect::report::reference::{References, SEEDS, Wanted, references};
@@ -60,15 +60,14 @@ fn references_are_those_of_the_mode_that_asks_and_have_seeds_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
     let found = subject.references(4, folder.path());
     for (seed, image) in SEEDS.into_iter().zip(&found.images) {
-        let settings = RenderSettings {
-            mode: Mode::Reference,
-            seed,
-            max_depth: Some(16),
-            leave_out: true,
-            variance: VarianceReduction::default(),
-        };
+        let settings = ImageSettings { max_depth: Some(16), ..ImageSettings::new(Mode::Reference, seed) };
         let mut film = Film::new(24, 16);
-        assert!(accumulate(&subject.prepared, &subject.camera, &settings, &mut film, 4, &NEVER));
+        assert!(Cpu.pass(
+            &RenderTask { prepared: &subject.prepared, camera: &subject.camera, settings: &settings },
+            &mut film,
+            4,
+            &NEVER
+        ));
         assert_eq!(film.to_rgb(), *image);
     }
     assert_ne!(found.images[0], found.images[1]);

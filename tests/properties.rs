@@ -14,13 +14,12 @@ use iorect::export::{read_sums, write_sums};
 use iorect::optics::Interface;
 use iorect::optics::fresnel::Refraction;
 use iorect::render::exact::ExactSums;
-use iorect::render::{Display, Partial, Recipe, SampleRange, ToneCurve};
+use iorect::render::{Display, ImageSettings, Partial, Recipe, SampleRange, ToneCurve};
 use iorect::scene::fingerprint::Hasher;
 use iorect::scene::load::{image_from_bytes, mesh_from_bytes, parse};
 use iorect::scene::save::to_text;
 use iorect::tracking::Events;
 use iorect::tracking::Mode;
-use iorect::transport::sampler::Sequence;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -246,14 +245,7 @@ fn part(index: u32, pixels: &[([i64; 3], u32)]) -> Partial {
             camera: nothing,
             width: 2,
             height: 2,
-            mode: Mode::Rectified,
-            estimator: "path".to_owned(),
-            seed: 0,
-            max_depth: None,
-            leave_out: true,
-            splits: 0,
-            sampler: Sequence::Sobol,
-            sample_environment: true,
+            settings: ImageSettings { splits: 0, ..ImageSettings::new(Mode::Rectified, 0) },
             unit_exponent: -64,
         },
         ranges: vec![range],

@@ -12,7 +12,7 @@ use common::{Numbers, add, empty, mean, ready, render, sphere};
 use glam::DVec3;
 use iorect::geometry::{Geometry, Mesh, Part, Ray};
 use iorect::optics::Interface;
-use iorect::render::{Film, RenderSettings, VarianceReduction, accumulate};
+use iorect::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
 use iorect::scatter::dielectric::{self, Choice};
 use iorect::scatter::normals::Normals;
 use iorect::scene::camera::Camera;
@@ -112,11 +112,15 @@ fn in_white_room(shape: Shape, ior: f64) -> Description {
 
 /// Renders without what makes a pixel's samples differ in weight: a path that gets out shows the room, which is then all that a pixel shows.
 fn plain(scene: &Prepared, mode: Mode, size: u32, samples: u32) -> Film {
-    let variance = VarianceReduction { splits: 0, ..VarianceReduction::default() };
-    let settings = RenderSettings { mode, seed: 1, max_depth: None, leave_out: true, variance };
+    let settings = ImageSettings { splits: 0, ..ImageSettings::new(mode, 1) };
     let camera = Camera::new(&scene.description.camera).expect("the camera is fine");
     let mut film = Film::new(size, size);
-    assert!(accumulate(scene, &camera, &settings, &mut film, samples, &AtomicBool::new(false)));
+    assert!(Cpu.pass(
+        &RenderTask { prepared: scene, camera: &camera, settings: &settings },
+        &mut film,
+        samples,
+        &AtomicBool::new(false)
+    ));
     film
 }
 
@@ -232,14 +236,17 @@ fn light_sampling_knows_what_interpolated_normals_do() {
         description.camera.vertical_fov = 12.0;
         let scene = ready(description);
         let [sampled, scattered] = [true, false].map(|sample_environment| {
-            let variance = VarianceReduction { sample_environment, ..VarianceReduction::default() };
             let means: Vec<f64> = (0..8)
                 .map(|seed| {
-                    let settings =
-                        RenderSettings { mode: Mode::Rectified, seed, max_depth: None, leave_out: true, variance };
+                    let settings = ImageSettings { sample_environment, ..ImageSettings::new(Mode::Rectified, seed) };
                     let camera = Camera::new(&scene.description.camera).expect("the camera is fine");
                     let mut film = Film::new(16, 16);
-                    accumulate(&scene, &camera, &settings, &mut film, 256, &AtomicBool::new(false));
+                    Cpu.pass(
+                        &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+                        &mut film,
+                        256,
+                        &AtomicBool::new(false),
+                    );
                     mean(&film).0
                 })
                 .collect();
@@ -348,16 +355,15 @@ fn difference_to_sphere(shape: Shape, ior: f64, smooth: bool) -> f64 {
         description.environment =
             Environment::Gradient { zenith: [1.0, 0.9, 0.2], horizon: [0.3; 3], nadir: [0.05, 0.1, 0.4] };
         let scene = ready(description);
-        let settings = RenderSettings {
-            mode: Mode::Rectified,
-            seed,
-            max_depth: None,
-            leave_out: true,
-            variance: VarianceReduction::default(),
-        };
+        let settings = ImageSettings::new(Mode::Rectified, seed);
         let camera = Camera::new(&scene.description.camera).expect("the camera is fine");
         let mut film = Film::new(64, 64);
-        accumulate(&scene, &camera, &settings, &mut film, 64, &AtomicBool::new(false));
+        Cpu.pass(
+            &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+            &mut film,
+            64,
+            &AtomicBool::new(false),
+        );
         film
     };
     let analytic = || sphere(DVec3::ZERO, 1.0);

@@ -10,7 +10,7 @@ use common::{add, empty, mean, nest, ready, render, sphere};
 use glam::DVec3;
 use iorect::geometry::Mesh;
 use iorect::measure::metrics;
-use iorect::render::{Film, RenderSettings, VarianceReduction, accumulate};
+use iorect::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
 use iorect::scene::camera::Camera;
 use iorect::scene::description::{Description, Environment, Light, Paint, Shape, Solid, Transform};
 use iorect::scene::environment::EnvironmentImage;
@@ -225,19 +225,18 @@ fn busy() -> Prepared {
 fn results_do_not_depend_on_threads_or_slices() {
     let scene = busy();
     let camera = Camera::new(&scene.description.camera).unwrap();
-    let settings = RenderSettings {
-        mode: Mode::Rectified,
-        seed: 7,
-        max_depth: None,
-        leave_out: true,
-        variance: VarianceReduction::default(),
-    };
+    let settings = ImageSettings::new(Mode::Rectified, 7);
     let render = |threads: usize, slices: &[u32]| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut film = Film::new(40, 30);
         pool.install(|| {
             for &samples in slices {
-                assert!(accumulate(&scene, &camera, &settings, &mut film, samples, &AtomicBool::new(false)));
+                assert!(Cpu.pass(
+                    &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+                    &mut film,
+                    samples,
+                    &AtomicBool::new(false)
+                ));
             }
         });
         film
@@ -261,15 +260,14 @@ fn modes_agree_where_they_should() {
     assert_ne!(rectified.sums, render(&scene, Mode::Naive, (32, 24), 4, None).sums);
 
     let camera = Camera::new(&scene.description.camera).unwrap();
-    let settings = RenderSettings {
-        mode: Mode::Rectified,
-        seed: 1,
-        max_depth: None,
-        leave_out: false,
-        variance: VarianceReduction::default(),
-    };
+    let settings = ImageSettings { leave_out: false, ..ImageSettings::new(Mode::Rectified, 1) };
     let mut everything = Film::new(32, 24);
-    assert!(accumulate(&scene, &camera, &settings, &mut everything, 4, &AtomicBool::new(false)));
+    assert!(Cpu.pass(
+        &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+        &mut everything,
+        4,
+        &AtomicBool::new(false)
+    ));
     assert_eq!(rectified.sums, everything.sums);
 }
 
@@ -277,15 +275,14 @@ fn modes_agree_where_they_should() {
 fn a_cancelled_pass_says_so() {
     let scene = ready(nest(1.0, &[(1.0, 1.5)]));
     let camera = Camera::new(&scene.description.camera).unwrap();
-    let settings = RenderSettings {
-        mode: Mode::Stack,
-        seed: 0,
-        max_depth: None,
-        leave_out: true,
-        variance: VarianceReduction::default(),
-    };
+    let settings = ImageSettings::new(Mode::Stack, 0);
     let mut film = Film::new(8, 8);
-    assert!(!accumulate(&scene, &camera, &settings, &mut film, 1, &AtomicBool::new(true)));
+    assert!(!Cpu.pass(
+        &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+        &mut film,
+        1,
+        &AtomicBool::new(true)
+    ));
     assert_eq!(film.samples, 0);
 }
 

@@ -148,8 +148,8 @@ pub fn find(name: &str) -> Option<&'static Entry> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::ior::WAVELENGTH_D_UM;
     use super::*;
+    use crate::spectrum::WAVELENGTH_D_UM;
     use std::collections::HashSet;
 
     /// n as refractiveindex.info prints it, at the wavelength stated there: an agreement to half of the last printed digit.

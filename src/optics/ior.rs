@@ -5,10 +5,7 @@
 use std::borrow::Cow;
 
 use super::catalog;
-
-/// The helium d line, in micrometres (587.5618 nm, commonly written 587.56): the wavelength at which an IOR is taken where
-/// transport is in RGB, and at which glass makers print n.
-pub const WAVELENGTH_D_UM: f64 = 0.587_561_8;
+use crate::spectrum::WAVELENGTH_D_UM;
 
 /// Indices that are taken for real: far beyond any material and any test of stability, and far from where f64 gives out.
 pub const IOR_RANGE: std::ops::RangeInclusive<f64> = 1e-6..=1e6;

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::allocation::{Allocation, PILOT, Pilot};
-use super::exact::ExactSums;
+use super::allocation::{Allocation, PILOT, Pilot, PilotRow};
+use super::exact::{ExactRow, ExactSums};
+use crate::spectrum::Spectrum;
 use crate::tracking::Events;
 
 /// Sums of radiance samples per pixel in f64, row 0 at the top.
@@ -22,7 +23,7 @@ pub struct Film {
     /// Samples taken of every pixel, finite or not; with an `allocation`, in the mean.
     pub samples: u32,
     pub events: Events,
-    /// What decides the allocation, where there is to be one and it has not been decided.
+    /// Pilot statistics until the allocation is computed; `None` if samples are spread evenly.
     pub pilot: Option<Pilot>,
     /// How samples are spread over the pixels; `None`: evenly.
     pub allocation: Option<Arc<Allocation>>,
@@ -73,9 +74,30 @@ impl Film {
         }
     }
 
-    /// Samples that may be taken at once from here: a decision that is due must not be passed over.
+    /// Most samples one pass may take before [`Self::allocate`] must run.
     pub fn samples_to_decision(&self) -> u32 {
         if self.pilot.is_some() && self.samples < PILOT { PILOT - self.samples } else { u32::MAX }
+    }
+
+    /// The indices of the next `samples` samples of each pixel.
+    pub(super) fn next_samples(&self, samples: u32) -> NextSamples {
+        let first = self.first + self.samples;
+        NextSamples { allocation: self.allocation.clone(), first, last: first + samples }
+    }
+
+    /// Its rows, to be added to.
+    pub(super) fn rows(&mut self) -> Vec<FilmRow<'_>> {
+        let width = self.width as usize;
+        let mut pilot = self.pilot.as_mut().map(|pilot| pilot.rows(width));
+        let mut exact = self.exact.as_mut().map(|exact| exact.rows(width));
+        (self.sums.chunks_mut(width).zip(self.counts.chunks_mut(width)))
+            .map(|(sums, counts)| FilmRow {
+                sums,
+                counts,
+                pilot: pilot.as_mut().and_then(Iterator::next),
+                exact: exact.as_mut().and_then(Iterator::next),
+            })
+            .collect()
     }
 
     /// Mean radiance of a pixel by index; black before the first sample.
@@ -87,6 +109,49 @@ impl Film {
     /// Means of all pixels as linear RGB in f32, none beyond what that holds.
     pub fn to_rgb(&self) -> Vec<[f32; 3]> {
         (0..self.sums.len()).map(|pixel| capped(self.mean(pixel).to_array())).collect()
+    }
+}
+
+/// Which samples a pass takes.
+pub(super) struct NextSamples {
+    allocation: Option<Arc<Allocation>>,
+    first: u32,
+    last: u32,
+}
+
+impl NextSamples {
+    #[inline]
+    pub(super) fn of_pixel(&self, pixel: usize) -> std::ops::Range<u32> {
+        match &self.allocation {
+            Some(allocation) => allocation.samples(pixel, self.first)..allocation.samples(pixel, self.last),
+            None => self.first..self.last,
+        }
+    }
+}
+
+/// A row of a film, to be added to.
+pub(super) struct FilmRow<'a> {
+    sums: &'a mut [DVec3],
+    counts: &'a mut [u32],
+    pilot: Option<PilotRow<'a>>,
+    exact: Option<ExactRow<'a>>,
+}
+
+impl FilmRow<'_> {
+    /// Adds a sample whose path had so many segments. One that is not finite, or too large for exact sums, is counted in `events` and left out.
+    #[inline]
+    pub(super) fn add(&mut self, column: usize, radiance: Spectrum, segments: u32, events: &mut Events) {
+        let radiance = DVec3::from(radiance.to_rgb());
+        if self.exact.as_mut().map_or_else(|| radiance.is_finite(), |exact| exact.add(column, radiance)) {
+            self.sums[column] += radiance;
+            self.counts[column] += 1;
+            events.radiance_overflow += u64::from(radiance.max_element() > f64::from(f32::MAX));
+        } else {
+            events.non_finite += 1;
+        }
+        if let Some(pilot) = &mut self.pilot {
+            pilot.add(column, radiance, segments);
+        }
     }
 }
 

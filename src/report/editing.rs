@@ -10,9 +10,10 @@ use serde::{Deserialize, Serialize};
 use super::progress::Progress;
 use super::timing::median;
 use crate::optics::Ior;
-use crate::optics::ior::WAVELENGTH_D_UM;
+use crate::render::ImageSettings;
 use crate::scene::{Description, SceneError};
 use crate::session::{GroundTruthDemand, Request, Worker};
+use crate::spectrum::WAVELENGTH_D_UM;
 use crate::tracking::Mode;
 
 /// Longer than any answer takes.
@@ -122,8 +123,7 @@ pub fn measure(
         modes: panes.clone(),
         surfaces: Vec::new(),
         size: plan.size,
-        seed: 0,
-        max_depth: None,
+        settings: ImageSettings::new(Mode::Rectified, 0),
         sample_limit: Some(4096),
         is_paused: false,
         ground_truth: GroundTruthDemand::Off,
@@ -288,8 +288,7 @@ mod tests {
             modes: vec![],
             surfaces: vec![],
             size: [1, 1],
-            seed: 0,
-            max_depth: None,
+            settings: ImageSettings::new(Mode::Rectified, 0),
             sample_limit: None,
             is_paused: false,
             ground_truth: GroundTruthDemand::Off,

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::progress::Progress;
 use super::timing::{Ratio, Timed, pairs};
 use crate::rectify::InterfaceTable;
-use crate::render::{Film, RenderSettings, VarianceReduction};
+use crate::render::{Film, ImageSettings};
 use crate::scene::Scene;
 use crate::scene::camera::Camera;
 use crate::scene::needs::SceneNeeds;
@@ -130,13 +130,7 @@ fn put_back(
     progress: &Progress<'_>,
 ) -> Option<(Ratio, bool, u32)> {
     let size = (plan.width, plan.height);
-    let settings = |leave_out| RenderSettings {
-        mode: Mode::Rectified,
-        seed: plan.seed,
-        max_depth: None,
-        leave_out,
-        variance: VarianceReduction::default(),
-    };
+    let settings = |leave_out| ImageSettings { leave_out, ..ImageSettings::new(Mode::Rectified, plan.seed) };
     let is_everything = needs == SceneNeeds::EVERYTHING;
     // The whole goes by the switch that users have.
     let changed = match is_everything {

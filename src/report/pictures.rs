@@ -9,7 +9,7 @@ use super::timing::Timed;
 use crate::export::color_map::{diverging, luminance, round_up_to_125};
 use crate::export::{ExportError, Picture, png_bytes};
 use crate::measure::difference;
-use crate::render::{Display, Film, RenderSettings, VarianceReduction, accumulate};
+use crate::render::{Cpu, Display, Film, ImageSettings, RenderTask, Renderer};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
@@ -163,8 +163,8 @@ fn affordable(
     plan
 }
 
-fn settings(mode: Mode, seed: u64) -> RenderSettings {
-    RenderSettings { mode, seed, max_depth: None, leave_out: true, variance: VarianceReduction::default() }
+fn settings(mode: Mode, seed: u64) -> ImageSettings {
+    ImageSettings::new(mode, seed)
 }
 
 /// Films of all modes, with samples where the most wrong of them needs them, as `compare` spreads them.
@@ -180,7 +180,12 @@ fn render(
     while left > 0 {
         let slice = left.min(films[0].samples_to_decision());
         for (film, &mode) in films.iter_mut().zip(modes) {
-            if !accumulate(prepared, camera, &settings(mode, plan.seed), film, slice, progress.cancel) {
+            if !Cpu.pass(
+                &RenderTask { prepared, camera, settings: &settings(mode, plan.seed) },
+                film,
+                slice,
+                progress.cancel,
+            ) {
                 return None;
             }
         }

@@ -16,7 +16,7 @@ use super::checked::{Reader, Writer};
 use super::progress::Progress;
 use super::store::Store;
 use crate::export::ExportError;
-use crate::render::{Film, RenderSettings, VarianceReduction, accumulate, fingerprint};
+use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer, fingerprint};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
@@ -99,13 +99,7 @@ fn reference(
     store: &Store,
     progress: Progress<'_>,
 ) -> Result<Option<Kept>, ExportError> {
-    let settings = RenderSettings {
-        mode: Mode::Reference,
-        seed,
-        max_depth: wanted.max_depth,
-        leave_out: true,
-        variance: VarianceReduction::default(),
-    };
+    let settings = ImageSettings { max_depth: wanted.max_depth, ..ImageSettings::new(Mode::Reference, seed) };
     let path = path(wanted, &settings, store);
     let [width, height] = wanted.size;
     let mut kept =
@@ -115,7 +109,12 @@ fn reference(
     while kept.film.samples < wanted.spp {
         let samples = slice.min(wanted.spp - kept.film.samples);
         let start = Instant::now();
-        if !accumulate(wanted.prepared, wanted.camera, &settings, &mut kept.film, samples, progress.cancel) {
+        if !Cpu.pass(
+            &RenderTask { prepared: wanted.prepared, camera: wanted.camera, settings: &settings },
+            &mut kept.film,
+            samples,
+            progress.cancel,
+        ) {
             // The slice is half done and lost; what stood before it is worth keeping only if it was kept already.
             return Ok(None);
         }
@@ -132,7 +131,7 @@ fn reference(
     Ok(Some(kept))
 }
 
-fn path(wanted: &Wanted<'_>, settings: &RenderSettings, store: &Store) -> PathBuf {
+fn path(wanted: &Wanted<'_>, settings: &ImageSettings, store: &Store) -> PathBuf {
     let image = fingerprint(&wanted.prepared.description, wanted.camera, wanted.size, settings);
     store.file("reference", image)
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use super::progress::Progress;
-use crate::render::{Film, RenderSettings, accumulate};
+use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
 use crate::scene::camera::Camera;
 use crate::tracking::Prepared;
 
@@ -106,19 +106,24 @@ pub fn median(values: &mut [f64]) -> f64 {
 pub struct Timed<'a> {
     pub prepared: &'a Prepared,
     pub camera: &'a Camera,
-    pub settings: RenderSettings,
+    pub settings: ImageSettings,
     pub film: Film,
 }
 
 impl<'a> Timed<'a> {
-    pub fn new(prepared: &'a Prepared, camera: &'a Camera, settings: RenderSettings, size: (u32, u32)) -> Self {
+    pub fn new(prepared: &'a Prepared, camera: &'a Camera, settings: ImageSettings, size: (u32, u32)) -> Self {
         Self { prepared, camera, settings, film: Film::new(size.0, size.1) }
     }
 
     /// Takes so many samples more of every pixel; returns the seconds that they took. The film stays as it is when cancelled.
     pub fn slice(&mut self, samples: u32, progress: &Progress<'_>) -> f64 {
         let start = Instant::now();
-        accumulate(self.prepared, self.camera, &self.settings, &mut self.film, samples, progress.cancel);
+        Cpu.pass(
+            &RenderTask { prepared: self.prepared, camera: self.camera, settings: &self.settings },
+            &mut self.film,
+            samples,
+            progress.cancel,
+        );
         start.elapsed().as_secs_f64()
     }
 

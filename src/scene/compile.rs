@@ -8,16 +8,16 @@ use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::description::{self, Description, Environment, MAX_RADIANCE, Shape, Transform};
-use super::environment::EnvironmentLight;
 use super::error::SceneError;
-use super::light::Emitters;
+use super::lights::{Emitters, EnvironmentLight};
 use super::needs::SceneNeeds;
-use super::scene::{Interfaces, MediumId, Object, ObjectId, Paint, Scene, SceneMedium, Surface};
+use super::scene::{Albedo, Interfaces, MediumId, Object, ObjectId, Scene, SceneMedium, Surface};
 use super::shapes::{self, MIN_LENGTH};
 use crate::geometry::topology::MAX_FACES;
 use crate::geometry::{Enclosure, Frame, Geometry, Mesh, ObjectRange, Part, Topology, WindingTree};
-use crate::optics::ior::{IOR_RANGE, WAVELENGTH_D_UM};
+use crate::optics::ior::IOR_RANGE;
 use crate::optics::{Ior, medium};
+use crate::spectrum::{Spectrum, WAVELENGTH_D_UM};
 
 /// Least radius of a sphere relative to a coordinate of its centre: a few roundings.
 const LEAST_RADIUS: f64 = 8.0 * f64::EPSILON;
@@ -64,7 +64,7 @@ pub fn compile(description: &Description, previous: Option<(&Description, &Scene
         }),
     );
     let needs = SceneNeeds::of(&geometry, &objects, &media, &emitters, &environment);
-    let world_is_vacuum = media[0].ior_minus_one == 0.0 && media[0].absorption == DVec3::ZERO;
+    let world_is_vacuum = media[0].ior_minus_one == 0.0 && media[0].absorption.is_black();
     let refractors_that = |enclosure: Enclosure| {
         (objects.iter().enumerate())
             .filter(|(_, o)| o.enclosure == enclosure && matches!(o.surface, Surface::Refractor { .. }))
@@ -113,7 +113,12 @@ fn compile_media(description: &Description) -> Result<Vec<SceneMedium>, SceneErr
     let world = &description.world;
     let mut media = vec![
         compile_medium(medium::WORLD, &world.ior, world.absorption)?,
-        SceneMedium { name: medium::VACUUM.into(), ior_minus_one: 0.0, absorption: DVec3::ZERO },
+        SceneMedium {
+            name: medium::VACUUM.into(),
+            model: Ior::Constant(1.0),
+            ior_minus_one: 0.0,
+            absorption: Spectrum::ZERO,
+        },
     ];
     for m in &description.media {
         media.push(compile_medium(&m.name, &m.ior, m.absorption)?);
@@ -135,7 +140,7 @@ fn compile_medium(name: &str, ior: &Ior, absorption: [f64; 3]) -> Result<SceneMe
             "medium `{name}`: the absorption is [{r}, {g}, {b}], each must be 0 or more"
         )));
     }
-    Ok(SceneMedium { name: name.into(), ior_minus_one, absorption: absorption.into() })
+    Ok(SceneMedium { name: name.into(), model: ior.clone(), ior_minus_one, absorption: Spectrum::from_rgb(absorption) })
 }
 
 /// A refractor's mesh, and what is known of it; `None` for an analytic sphere.
@@ -396,19 +401,19 @@ fn objects(description: &Description, origin: DVec3, bodies: Vec<Body>) -> Resul
         add(&r.name, Surface::Refractor { medium: MediumId(medium), priority: r.priority, smooth: r.smooth });
     }
     for s in &description.solids {
-        let paint = paint(&s.paint, &s.shape, &s.transform, origin);
+        let albedo = albedo(&s.paint, &s.shape, &s.transform, origin);
         let smooth = s.smooth;
-        add(&s.name, if s.mirror { Surface::Mirror { paint, smooth } } else { Surface::Diffuse { paint, smooth } });
+        add(&s.name, if s.mirror { Surface::Mirror { albedo, smooth } } else { Surface::Diffuse { albedo, smooth } });
     }
     for l in &description.lights {
-        add(&l.name, Surface::Light { radiance: l.radiance.into() });
+        add(&l.name, Surface::Light { radiance: Spectrum::from_rgb(l.radiance) });
     }
     Ok(objects)
 }
 
-fn paint(paint: &description::Paint, shape: &Shape, transform: &Transform, local_origin: DVec3) -> Paint {
+fn albedo(paint: &description::Paint, shape: &Shape, transform: &Transform, local_origin: DVec3) -> Albedo {
     match *paint {
-        description::Paint::Color(color) => Paint::Color(color.into()),
+        description::Paint::Color(color) => Albedo::Color(Spectrum::from_rgb(color)),
         description::Paint::Checker { a, b, size } => {
             let (corner, u, v) = match shape {
                 Shape::Quad { center, edge_u, edge_v } => {
@@ -419,9 +424,9 @@ fn paint(paint: &description::Paint, shape: &Shape, transform: &Transform, local
             let world_from_object = transform.matrix();
             // A plane's coordinate transforms by the inverse transpose.
             let plane_from_object = world_from_object.matrix3.inverse().transpose();
-            Paint::Checker {
-                a: a.into(),
-                b: b.into(),
+            Albedo::Checker {
+                a: Spectrum::from_rgb(a),
+                b: Spectrum::from_rgb(b),
                 origin: world_from_object.transform_point3(corner) - local_origin,
                 u_axis: plane_from_object * u / size,
                 v_axis: plane_from_object * v / size,

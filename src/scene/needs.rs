@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use super::environment::EnvironmentLight;
-use super::light::Emitters;
+use super::lights::{Emitters, EnvironmentLight};
 use super::scene::{Object, Scene, SceneMedium, Surface};
 use crate::geometry::Geometry;
 
@@ -74,7 +73,7 @@ impl SceneNeeds {
             nesting: media[0].ior_minus_one != 0.0
                 || refractors.iter().any(|r| objects[r.0].may_contain_itself())
                 || boxes_overlap(geometry, refractors.iter().map(|r| r.0)),
-            absorption: refractors.iter().map(|r| r.1).chain([0]).any(|medium| media[medium].absorption != DVec3::ZERO),
+            absorption: refractors.iter().map(|r| r.1).chain([0]).any(|medium| !media[medium].absorption.is_black()),
             index_matching: indices.windows(2).any(|pair| pair[0] == pair[1]),
             smooth_normals: objects.iter().any(is_smooth),
             spheres: geometry.sphere_count() > 0,

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::job::{Job, LaneMessage, attempted, cancellable};
 use super::mailbox::{Mailbox, Taken};
 use super::{Board, News, Wake};
-use crate::render::{Film, accumulate};
+use crate::render::{Cpu, Film, RenderTask, Renderer};
 use crate::tracking::Mode;
 
 /// Whether a ground truth is wanted.
@@ -141,13 +141,18 @@ impl Progress {
         let job = &self.job;
         let begin = Instant::now();
         for (half, film) in self.films.iter_mut().enumerate() {
-            let settings = job.settings(Mode::Reference, seed_of(job.request.seed, half));
+            let settings = job.settings(Mode::Reference, seed_of(job.request.settings.seed, half));
             let is_other = |message: &LaneMessage| match message {
                 LaneMessage::Hold => true,
                 LaneMessage::Render(other) => !job.shows_the_same(other),
             };
             let is_complete = cancellable(pool, mailbox, is_other, begin, None, |cancel| {
-                accumulate(&job.prepared, &job.camera, &settings, film, samples, cancel)
+                Cpu.pass(
+                    &RenderTask { prepared: &job.prepared, camera: &job.camera, settings: &settings },
+                    film,
+                    samples,
+                    cancel,
+                )
             });
             if !is_complete {
                 return false;

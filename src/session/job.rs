@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::mailbox::{Alarm, Mailbox};
 use super::{Board, Request, Wake, guarded};
-use crate::render::{RenderSettings, VarianceReduction};
+use crate::render::ImageSettings;
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::Prepared;
@@ -43,8 +43,7 @@ impl Job {
         Arc::ptr_eq(&self.prepared.description, &other.prepared.description)
             && self.request.camera == other.request.camera
             && self.request.size == other.request.size
-            && self.request.max_depth == other.request.max_depth
-            && self.request.seed == other.request.seed
+            && self.request.settings == other.request.settings
     }
 
     /// When the first image must be there, if work on it begins at `begun`.
@@ -53,14 +52,8 @@ impl Job {
     }
 
     /// How to render a film of this picture.
-    pub(super) fn settings(&self, mode: Mode, seed: u64) -> RenderSettings {
-        RenderSettings {
-            mode,
-            seed,
-            max_depth: self.request.max_depth,
-            variance: VarianceReduction::default(),
-            leave_out: true,
-        }
+    pub(super) fn settings(&self, mode: Mode, seed: u64) -> ImageSettings {
+        ImageSettings { mode, seed, ..self.request.settings }
     }
 }
 

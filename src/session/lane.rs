@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::job::{FIRST_IMAGE, Job, LaneMessage, MAX_DIVISOR, attempted, cancellable, divisor_for, of_another_epoch};
 use super::mailbox::{Alarm, Mailbox, Taken};
 use super::{Board, News, Snapshot, Wake};
-use crate::render::{Film, accumulate};
+use crate::render::{Cpu, Film, RenderTask, Renderer};
 use crate::scene::description::Source;
 use crate::tracking::Mode;
 
@@ -139,7 +139,7 @@ impl Progress {
             (None, None) => self.begun + FIRST_IMAGE_GRACE,
         };
         for ((film, seconds), mode) in self.films.iter_mut().zip(&mut self.seconds).zip(&self.job.modes) {
-            let settings = self.job.settings(*mode, self.job.request.seed);
+            let settings = self.job.settings(*mode, self.job.request.settings.seed);
             let begin = Instant::now();
             let (pilot, last_published) = (&mut self.pilot, &mut self.last_published);
             let alarm = pilot.is_some().then(|| Alarm {
@@ -151,7 +151,12 @@ impl Progress {
             });
             let is_other = of_another_epoch(self.job.request.epoch);
             let is_complete = cancellable(pool, mailbox, is_other, grace_end, alarm, |cancel| {
-                accumulate(&self.job.prepared, &self.job.camera, &settings, film, samples, cancel)
+                Cpu.pass(
+                    &RenderTask { prepared: &self.job.prepared, camera: &self.job.camera, settings: &settings },
+                    film,
+                    samples,
+                    cancel,
+                )
             });
             if !is_complete {
                 return false;

@@ -38,6 +38,7 @@ use self::mailbox::Mailbox;
 use self::painter::run_painter;
 pub use self::preparation::Preparation;
 use self::preparer::{Asked, Lanes, prepare_scenes};
+use crate::render::ImageSettings;
 use crate::render::surfaces::SurfaceQuantity;
 use crate::scene::description::CameraDescription;
 use crate::scene::{Description, SceneError};
@@ -59,9 +60,8 @@ pub struct Request {
     pub surfaces: Vec<SurfaceQuantity>,
     /// Width and height of the films in pixels, at least 1.
     pub size: [u32; 2],
-    pub seed: u64,
-    /// As in [`super::RenderSettings`].
-    pub max_depth: Option<u32>,
+    /// Of every film; `mode` is each of `modes` in turn.
+    pub settings: ImageSettings,
     /// Samples per pixel at which to stop; `None`: go on for ever.
     pub sample_limit: Option<u32>,
     /// Stops after the first sample at full resolution.

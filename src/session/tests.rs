@@ -9,6 +9,7 @@ use super::mailbox::Taken;
 use super::preparation::GRACE;
 use super::preparer::REPEATS;
 use super::*;
+use crate::render::{Cpu, Film, RenderTask, Renderer};
 use crate::scene::camera::Camera;
 use crate::scene::description::Shape;
 use crate::tracking::prepare;
@@ -23,8 +24,7 @@ fn request(epoch: u64, modes: &[Mode]) -> Request {
         modes: modes.to_vec(),
         surfaces: Vec::new(),
         size: [96, 64],
-        seed: 0,
-        max_depth: Some(8),
+        settings: ImageSettings { max_depth: Some(8), ..ImageSettings::new(Mode::Rectified, 0) },
         sample_limit: Some(3),
         is_paused: false,
         ground_truth: GroundTruthDemand::Off,
@@ -146,16 +146,15 @@ fn previews_are_images_of_their_size() {
     let prepared = prepare(Arc::clone(&first.description), None).unwrap();
     for (epoch, snapshot) in seen {
         let camera = Camera::new(&asked(epoch).camera).unwrap();
-        let settings = crate::render::RenderSettings {
-            mode: snapshot.mode,
-            seed: first.seed,
-            max_depth: first.max_depth,
-            variance: crate::render::VarianceReduction::default(),
-            leave_out: true,
-        };
-        let mut film = crate::render::Film::new(snapshot.size[0], snapshot.size[1]);
+        let settings = ImageSettings { mode: snapshot.mode, ..first.settings };
+        let mut film = Film::new(snapshot.size[0], snapshot.size[1]);
         let never = std::sync::atomic::AtomicBool::new(false);
-        crate::render::accumulate(&prepared, &camera, &settings, &mut film, snapshot.samples, &never);
+        Cpu.pass(
+            &RenderTask { prepared: &prepared, camera: &camera, settings: &settings },
+            &mut film,
+            snapshot.samples,
+            &never,
+        );
         assert_eq!(film.to_rgb(), snapshot.rgb, "{} at {:?}", snapshot.mode, snapshot.size);
     }
 }

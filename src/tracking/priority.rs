@@ -13,9 +13,10 @@
 //! - An exit from what is not in the list is counted and changes nothing. The path must have started inside, before everything in the
 //!   list was entered, so the crossing is an interface if nothing in the list has at least this priority.
 
-use super::{Crossing, Sides, Tracker};
+use super::events::Events;
+use super::prepare::Prepared;
+use super::tracker::{Crossing, Sides, Tracker, TrackingMode};
 use crate::scene::{MediumId, ObjectId, Scene, Surface};
-use crate::tracking::Events;
 
 #[derive(Debug, Clone, Copy)]
 pub struct Priority<'a> {
@@ -46,6 +47,15 @@ impl Priority<'_> {
 #[inline]
 fn position(list: &[Entry], refractor: ObjectId) -> Option<usize> {
     list.iter().rposition(|entry| entry.refractor == refractor)
+}
+
+impl<'a> TrackingMode<'a> for Priority<'a> {
+    const NAME: &'static str = "priority";
+    const ABOUT: &'static str = "Carries the refractors entered so far and lets the highest priority win: right where volumes overlap, wrong when the path starts inside a dielectric.";
+
+    fn of(prepared: &'a Prepared) -> Self {
+        Self { scene: &prepared.scene }
+    }
 }
 
 impl Tracker for Priority<'_> {

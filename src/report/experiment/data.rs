@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::plan::Plan;
 use crate::measure::Interval;
-use crate::render::{RenderSettings, VarianceReduction};
+use crate::render::ImageSettings;
 use crate::tracking::Events;
 use crate::tracking::Mode;
 use crate::transport::sampler::Sequence;
@@ -46,7 +46,7 @@ pub struct ReferenceAbout {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Technique {
     pub sampler: Sequence,
-    /// As in [`VarianceReduction`].
+    /// As in [`ImageSettings`].
     pub splits: u32,
     pub sample_environment: bool,
     /// Whether samples go where they matter: see [`crate::render::allocation`].
@@ -56,28 +56,24 @@ pub struct Technique {
 impl Technique {
     /// Samples that know nothing of each other, evenly spread: their error falls as 1/samples, which shows whether there is a bias.
     pub fn independent() -> Self {
-        let default = VarianceReduction::default();
-        Self {
-            sampler: Sequence::Independent,
-            splits: default.splits,
-            sample_environment: default.sample_environment,
-            adaptive: false,
-        }
+        let ImageSettings { splits, sample_environment, .. } = ImageSettings::new(Mode::Rectified, 0);
+        Self { sampler: Sequence::Independent, splits, sample_environment, adaptive: false }
     }
 
     /// What the program does unless told otherwise.
     pub fn shipped() -> Self {
-        let default = VarianceReduction::default();
-        Self { sampler: default.sequence, adaptive: true, ..Self::independent() }
+        Self { sampler: Sequence::Sobol, adaptive: true, ..Self::independent() }
     }
 
     /// Settings of an image by this technique, adaptive sampling left aside, which is the film's business.
-    pub fn settings(self, mode: Mode, seed: u64, max_depth: Option<u32>) -> RenderSettings {
-        RenderSettings { mode, seed, max_depth, leave_out: true, variance: self.variance_reduction() }
-    }
-
-    fn variance_reduction(self) -> VarianceReduction {
-        VarianceReduction { sequence: self.sampler, splits: self.splits, sample_environment: self.sample_environment }
+    pub fn settings(self, mode: Mode, seed: u64, max_depth: Option<u32>) -> ImageSettings {
+        ImageSettings {
+            max_depth,
+            splits: self.splits,
+            sampler: self.sampler,
+            sample_environment: self.sample_environment,
+            ..ImageSettings::new(mode, seed)
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::data::Technique;
 use super::plan::Plan;
 use crate::export::ExportError;
-use crate::render::{Film, RenderSettings, accumulate, fingerprint};
+use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer, fingerprint};
 use crate::report::checked::{Reader, Writer};
 use crate::report::progress::Progress;
 use crate::report::store::Store;
@@ -103,7 +103,7 @@ impl Maker<'_> {
         }
     }
 
-    fn render(&self, settings: &RenderSettings, adaptive: bool, progress: Progress<'_>) -> Option<Run> {
+    fn render(&self, settings: &ImageSettings, adaptive: bool, progress: Progress<'_>) -> Option<Run> {
         let [width, height] = self.plan.size;
         let mut film = if adaptive { Film::adaptive(width, height) } else { Film::new(width, height) };
         let mut render_secs = 0.0;
@@ -115,7 +115,12 @@ impl Maker<'_> {
                 let stop = if film.samples < three_quarters { spp.min(three_quarters) } else { spp };
                 let samples = (stop - film.samples).min(film.samples_to_decision());
                 let start = Instant::now();
-                if !accumulate(self.prepared, self.camera, settings, &mut film, samples, progress.cancel) {
+                if !Cpu.pass(
+                    &RenderTask { prepared: self.prepared, camera: self.camera, settings },
+                    &mut film,
+                    samples,
+                    progress.cancel,
+                ) {
                     return None;
                 }
                 Film::allocate(&mut [&mut film]);
@@ -129,7 +134,7 @@ impl Maker<'_> {
         Some(Run { seed: settings.seed, levels, at_three_quarters, events: film.events })
     }
 
-    fn path(&self, settings: &RenderSettings, adaptive: bool) -> PathBuf {
+    fn path(&self, settings: &ImageSettings, adaptive: bool) -> PathBuf {
         let mut hasher = Hasher::new("iorect run 2");
         hasher.fingerprint(fingerprint(&self.prepared.description, self.camera, self.plan.size, settings));
         hasher.flag(adaptive);

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::geometry::{Mesh, Ray, uniform_direction};
 use crate::optics::{Ior, Medium};
-use crate::render::{Film, RenderSettings, VarianceReduction, accumulate};
+use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
 use crate::scene::SceneError;
 use crate::scene::camera::Camera;
 use crate::scene::description::{
@@ -151,10 +151,15 @@ pub fn render(
     max_depth: Option<u32>,
 ) -> Result<Film, SceneError> {
     let camera = Camera::new(&scene.description.camera)?;
-    let settings = RenderSettings { mode, seed, max_depth, leave_out: true, variance: VarianceReduction::default() };
+    let settings = ImageSettings { max_depth, ..ImageSettings::new(mode, seed) };
     let mut film = Film::new(size.0, size.1);
     // Never cancelled: these films take a fraction of a second.
-    accumulate(scene, &camera, &settings, &mut film, samples, &AtomicBool::new(false));
+    Cpu.pass(
+        &RenderTask { prepared: scene, camera: &camera, settings: &settings },
+        &mut film,
+        samples,
+        &AtomicBool::new(false),
+    );
     Ok(film)
 }
 

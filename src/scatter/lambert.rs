@@ -11,9 +11,24 @@ use glam::DVec3;
 
 use super::frame;
 use super::normals::Normals;
+use crate::spectrum::Spectrum;
 
 /// Normals that agree as well as this span no plane that rounding leaves alone; nothing worth counting is cut off.
 const LEAST_TILT: f64 = 1e-12;
+
+/// A white or coloured surface that looks equally bright from everywhere.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lambert {
+    pub albedo: Spectrum,
+}
+
+impl Lambert {
+    /// Reflectance function times |cos| of `wi`: the albedo times [`pdf`].
+    #[inline]
+    pub fn evaluate(&self, normals: &Normals, wi: DVec3) -> Spectrum {
+        self.albedo * pdf(normals, wi)
+    }
+}
 
 /// A direction above the face, for `u` uniform in [0, 1)², and its probability per steradian.
 #[inline]
