@@ -54,6 +54,11 @@ impl ExactSums {
         Self { unit_exponent, sums: vec![[0; 3]; pixels] }
     }
 
+    /// Adds a sample to a pixel, unless it is not finite or too large: then nothing happens and the answer is `false`.
+    pub(super) fn add(&mut self, pixel: usize, radiance: DVec3) -> bool {
+        ExactRow { per_unit: power_of_two(-self.unit_exponent), sums: &mut self.sums }.add(pixel, radiance)
+    }
+
     /// Rows of an image of that width.
     pub(super) fn rows(&mut self, width: usize) -> impl Iterator<Item = ExactRow<'_>> {
         let per_unit = power_of_two(-self.unit_exponent);
