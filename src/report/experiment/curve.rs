@@ -1,9 +1,11 @@
 //! From runs to a curve: intervals over seeds, slope, bias and plateau.
 
-use super::data::{Bias, Curve, Plateau, Point, RunPoint, Slope, Technique};
+use super::data::{Bias, Curve, Plateau, Point, RunPoint, Slope};
 use super::plan::Plan;
 use super::run::{Level, Run};
-use super::spread::{Image, Parts, Spread};
+use super::spread::{Parts, Spread};
+use super::sums::Image;
+use super::technique::Technique;
 use super::truth::{Relative, Truth, worst};
 use crate::measure::Interval;
 use crate::measure::MetricError;

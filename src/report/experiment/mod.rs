@@ -19,10 +19,13 @@ pub mod plan;
 mod run;
 mod significance;
 mod spread;
+mod sums;
+mod technique;
 mod truth;
 
-pub use data::{Bias, Curve, Pair, PairPoint, Plateau, Point, ReferenceAbout, RunPoint, SceneErrors, Slope, Technique};
+pub use data::{Bias, Curve, Pair, PairPoint, Plateau, Point, ReferenceAbout, RunPoint, SceneErrors, Slope};
 pub use plan::{Effort, Plan};
+pub use technique::Technique;
 
 use self::curve::Subject;
 use self::run::{Maker, Run};

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use super::data::Technique;
+use super::technique::Technique;
 use crate::render::{Film, accumulate};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;

@@ -7,7 +7,7 @@
 //! numbers are never significant. What noise is, a pixel knows from its own runs and, as they are few, from all other pixels': two
 //! runs that happen to agree are no proof of a mean that is known well.
 
-use super::spread::{Image, Sums};
+use super::sums::{Image, Sums};
 use super::truth::Truth;
 use crate::report::timing::median;
 
