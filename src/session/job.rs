@@ -1,4 +1,4 @@
-//! What the lanes have in common: messages, jobs, and passes that a newer message cancels.
+//! What the threads tell each other: requests, messages to the lanes, jobs, and passes that a newer message cancels.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,6 +17,12 @@ pub(super) const FIRST_IMAGE: Duration = Duration::from_millis(60);
 const LEAST_FIRST_IMAGE: Duration = Duration::from_millis(30);
 /// Coarsest preview: one pixel for this many squared.
 pub(super) const MAX_DIVISOR: u32 = 40;
+
+/// A request, and when it came.
+pub(super) struct Asked {
+    pub(super) request: Request,
+    pub(super) at: Instant,
+}
 
 /// What a lane is told.
 #[derive(Debug, Clone)]
