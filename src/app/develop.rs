@@ -23,7 +23,7 @@ pub struct Recipe {
     pub difference: DifferenceKind,
 }
 
-/// FLIP takes far longer than everything else here: it rests so many times as long as it has worked.
+/// FLIP takes far longer than everything else here: after it the thread pauses for this many times the time it took.
 const FLIP_REST: u32 = 3;
 
 /// A picture, ready to be uploaded.

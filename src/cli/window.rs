@@ -13,7 +13,7 @@ use crate::scene::{SceneError, builtin};
 
 /// What is written where no window can be opened.
 const FALLBACK_PICTURE: &str = "iorect-comparison.png";
-/// Most seconds that it is rendered for: nobody has asked for it, and all of it is to take less than half a minute.
+/// Seconds after which its rendering stops; with preparation it takes less than half a minute.
 const FALLBACK_SECS: f64 = 20.0;
 
 /// What the window should show.

@@ -195,7 +195,7 @@ fn hyab(a: [f32; 3], b: [f32; 3]) -> f32 {
     (a[0] - b[0]).abs() + (a[1] - b[1]).hypot(a[2] - b[2])
 }
 
-/// That of pure green and pure blue.
+/// The difference of pure green and pure blue.
 fn greatest_color_difference() -> f32 {
     hyab(appearance::lab([0.0, 1.0, 0.0]), appearance::lab([0.0, 0.0, 1.0])).powf(QC)
 }

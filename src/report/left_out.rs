@@ -138,7 +138,7 @@ fn put_back(
         variance: VarianceReduction::default(),
     };
     let is_everything = needs == SceneNeeds::EVERYTHING;
-    // The whole goes by the switch that users have.
+    // All needs together are put back as `--leave-out off` does it.
     let changed = match is_everything {
         true => prepared.clone(),
         false => Prepared { scene: Arc::new(Scene { needs, ..Scene::clone(&prepared.scene) }), ..prepared.clone() },

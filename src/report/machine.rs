@@ -39,7 +39,7 @@ pub fn peak_bytes() -> Option<u64> {
     kilobytes("/proc/self/status", "VmHWM")
 }
 
-/// Makes [`peak_bytes`] begin anew; whether the system can do that.
+/// Resets [`peak_bytes`]; `false` where the system cannot.
 pub fn forget_peak() -> bool {
     // proc_pid_clear_refs(5): "reset the peak resident set size to the process's current resident set size value".
     cfg!(target_os = "linux") && fs::write("/proc/self/clear_refs", "5").is_ok()
@@ -50,7 +50,7 @@ pub fn available_bytes() -> Option<u64> {
     kilobytes("/proc/meminfo", "MemAvailable")
 }
 
-/// Tasks that wanted to run in the last minute, in the mean, this program's included: how quiet the machine is.
+/// Load average over the last minute, this program's tasks included; `None` where the system does not tell.
 pub fn load_average() -> Option<f64> {
     fs::read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.parse().ok()
 }

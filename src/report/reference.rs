@@ -20,11 +20,11 @@ use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
 
-/// The seeds of the two, which no run takes unless it is asked to.
+/// Seeds of the two references; those of runs count up from [`super::experiment::Effort::first_seed`].
 pub const SEEDS: [u64; 2] = [u64::MAX - 1, u64::MAX];
-/// What was rendered since the last time of keeping is lost at an interruption.
+/// Seconds of rendering after which a reference is kept; at most as much is lost at an interruption.
 const KEPT_EVERY_SECS: f64 = 5.0;
-/// Progress is told, and cancelling looked after, about so often.
+/// Seconds between reports of progress and checks for cancellation, about.
 const SLICE_SECS: f64 = 0.25;
 
 /// Images of which references are wanted.
@@ -129,7 +129,7 @@ fn reference(
         let samples = slice.min(wanted.spp - film.samples);
         let start = Instant::now();
         if !accumulate(wanted.prepared, wanted.camera, &settings, &mut film, samples, progress.cancel) {
-            // The slice is half done and lost; what stood before it is worth keeping only if it was kept already.
+            // The half-done slice is lost; what was kept before it stays.
             return Ok(None);
         }
         let secs = start.elapsed().as_secs_f64();

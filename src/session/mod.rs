@@ -47,8 +47,7 @@ use crate::tracking::Mode;
 /// What to render.
 #[derive(Debug, Clone)]
 pub struct Request {
-    /// Different whenever anything else than `surfaces`, `sample_limit`, `is_paused` and `ground_truth` is: a new epoch starts from
-    /// nothing.
+    /// Changes with every field but `surfaces`, `sample_limit`, `is_paused` and `ground_truth`; films of a new epoch start anew.
     pub epoch: u64,
     /// Prepared anew when it is another allocation than the last request's.
     pub description: Arc<Description>,

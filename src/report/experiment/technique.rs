@@ -18,7 +18,7 @@ pub struct Technique {
 }
 
 impl Technique {
-    /// Samples that know nothing of each other, evenly spread: their error falls as 1/samples, which shows whether there is a bias.
+    /// Independent samples, equally many for each pixel: their error falls as 1/samples, which shows whether there is a bias.
     pub fn independent() -> Self {
         let default = VarianceReduction::default();
         Self {
@@ -35,7 +35,7 @@ impl Technique {
         Self { sampler: default.sequence, adaptive: true, ..Self::independent() }
     }
 
-    /// Settings of an image by this technique, adaptive sampling left aside, which is the film's business.
+    /// Settings of an image by this technique. Adaptive sampling is not among them: it is a property of the film.
     pub fn settings(self, mode: Mode, seed: u64, max_depth: Option<u32>) -> RenderSettings {
         RenderSettings { mode, seed, max_depth, leave_out: true, variance: self.variance_reduction() }
     }
