@@ -1,5 +1,7 @@
 //! Meshes and IORs in, the media on both sides of every face out: `cargo run --example rectify`.
 
+#![expect(clippy::print_stdout, reason = "what it prints is what it is for")]
+
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -28,7 +30,10 @@ fn main() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// The sides of every face of `meshes` (name, mesh, IOR inside) in a world of IOR `world`. Faces that coincide with another's are left to it.
+/// The sides of every face of `meshes` (name, mesh, IOR inside) in a world of IOR `world`. Of coincident faces one stands for both.
+///
+/// # Errors
+/// When a mesh or an IOR is impossible.
 pub fn sides<'a>(world: f64, meshes: impl IntoIterator<Item = (&'a str, Mesh, f64)>) -> Result<Vec<Face>, SceneError> {
     let mut description = empty(world);
     for (name, mesh, ior) in meshes {

@@ -1,6 +1,6 @@
 //! Small pieces that several panels are made of.
 
-use egui::{Align, Color32, Layout, Response, RichText, Sense, Ui, Vec2};
+use egui::{Align, Align2, Color32, Context, Layout, Response, RichText, ScrollArea, Sense, Ui, Vec2, Window};
 
 use super::theme::{self, Palette, SECTION_GAP};
 
@@ -62,6 +62,24 @@ pub fn segmented_ui<T: PartialEq + Copy>(ui: &mut Ui, chosen: T, options: &[(T, 
         }
     });
     clicked
+}
+
+/// A window over the middle of the main one, `width` points wide where there is room; contents that are too high scroll. Returns whether the
+/// user has just closed it.
+pub fn centered_ui(ctx: &Context, title: &str, is_open: bool, width: f32, add: impl FnOnce(&mut Ui)) -> bool {
+    let mut stays_open = is_open;
+    let room = ctx.content_rect().size();
+    Window::new(title)
+        .open(&mut stays_open)
+        .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
+        .collapsible(false)
+        .default_height(room.y - 90.0)
+        .resizable(false)
+        .show(ctx, |ui| {
+            ui.set_width((room.x - 60.0).min(width));
+            ScrollArea::vertical().max_height(room.y - 130.0).show(ui, add);
+        });
+    is_open && !stays_open
 }
 
 /// A small square of a medium's colour.

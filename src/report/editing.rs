@@ -8,7 +8,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::progress::Progress;
-use super::timing::median;
+use crate::measure::statistics::median;
 use crate::optics::Ior;
 use crate::optics::ior::WAVELENGTH_D_UM;
 use crate::scene::{Description, SceneError};
@@ -150,14 +150,14 @@ pub fn measure(
 
 /// `None` without times.
 fn of_kind(edit: Edit, answers: &[Answer]) -> Option<EditTimes> {
-    let mut rectify: Vec<f64> = answers.iter().filter_map(|answer| answer.rectify_secs).collect();
-    let mut image: Vec<f64> = answers.iter().map(|answer| answer.image_secs).collect();
+    let rectify: Vec<f64> = answers.iter().filter_map(|answer| answer.rectify_secs).collect();
+    let image: Vec<f64> = answers.iter().map(|answer| answer.image_secs).collect();
     Some(EditTimes {
         edit,
         edits: answers.len(),
-        rectify_secs: (!rectify.is_empty()).then(|| median(&mut rectify)),
+        rectify_secs: median(&rectify),
         worst_secs: image.iter().copied().reduce(f64::max)?,
-        image_secs: median(&mut image),
+        image_secs: median(&image)?,
         width: answers.iter().map(|answer| answer.width).min()?,
     })
 }

@@ -1,13 +1,14 @@
 //! A table of errors as a picture: one cell for each place, its colour the logarithm of the error.
 
-use maud::{Markup, html};
 use std::path::Path;
+
+use base64::prelude::{BASE64_STANDARD, Engine as _};
+use maud::{Markup, html};
 
 use super::plot::superscript;
 use super::words::number;
 use crate::color::along;
 use crate::export::png_bytes;
-use crate::report::pictures::base64;
 use crate::report::stability::Map;
 
 /// Decimal logarithms at the ends of the scale. f64 rounds at 1.1e-16.
@@ -41,7 +42,7 @@ fn picture(map: &Map) -> Option<String> {
         .flat_map(|row| row.iter().flat_map(|error| error.map_or(NOTHING, color)))
         .collect();
     let image = image::RgbImage::from_raw(width, height, bytes)?;
-    Some(base64(&png_bytes(&image, &[], Path::new(&map.formula)).ok()?))
+    Some(BASE64_STANDARD.encode(png_bytes(&image, &[], Path::new(&map.formula)).ok()?))
 }
 
 /// The picture with its axes.
