@@ -60,7 +60,7 @@ pub struct Request {
     /// Width and height of the films in pixels, at least 1.
     pub size: [u32; 2],
     pub seed: u64,
-    /// As in [`super::RenderSettings`].
+    /// As in [`crate::render::RenderSettings`].
     pub max_depth: Option<u32>,
     /// Samples per pixel at which to stop; `None`: go on for ever.
     pub sample_limit: Option<u32>,
