@@ -9,6 +9,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`optics`] | Fresnel and Snell, dispersion formulas, media, the catalogue: physics without geometry |
+//! | [`color`] | sRGB's transfer function, scales of false colours |
 //! | [`geometry`] | rays, triangles, spheres, meshes with their analysis and repair, and the tree that finds what a ray hits |
 //! | [`scene`] | the scene as the user wrote it ([`scene::Description`]), its files, and its compiled form ([`scene::Scene`]) |
 //! | [`rectify`] | what lies on both sides of every place on every refractor: contacts, cells, patches, votes, the interface table |
@@ -21,7 +22,7 @@
 //! | [`writing`] | files that are either whole or not there, whatever happens |
 //! | [`export`] | PNG and EXR, labelled comparisons |
 //! | [`report`] | error against run time, stability, what was left out, growth, and the page that shows them |
-//! | [`cli`], [`app`] | the command line and the window, both thin over the rest |
+//! | [`cli`], `app` | the command line and the window (feature `window`), both thin over the rest |
 //!
 //! # Invariants
 //!
@@ -29,9 +30,11 @@
 //! - No tracker sees a scattering function and no scattering function sees a tracker: they share a pair of IORs.
 //! - Random numbers are a pure function of (seed, pixel, sample, dimension), the same in every mode.
 
+#[cfg(feature = "window")]
 pub mod app;
 pub mod check;
 pub mod cli;
+pub mod color;
 pub mod export;
 pub mod geometry;
 pub mod measure;

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
-use common::{Numbers, add, empty, nest, ready, render, sphere};
+use common::{Numbers, add, empty, joined, nest, ready, render, reversed, sphere};
 use glam::DVec3;
 use iorect::check::{Problem, Severity, check};
 use iorect::geometry::{Mesh, Ray};
@@ -350,21 +350,6 @@ fn ball(radius: f64) -> Mesh {
 fn moved(mut mesh: Mesh, by: DVec3) -> Mesh {
     mesh.positions.iter_mut().for_each(|p| *p += by);
     mesh
-}
-
-fn reversed(mut mesh: Mesh) -> Mesh {
-    mesh.reverse();
-    mesh
-}
-
-fn joined(meshes: impl IntoIterator<Item = Mesh>) -> Mesh {
-    let mut all = Mesh::default();
-    for mesh in meshes {
-        let first = all.positions.len() as u32;
-        all.positions.extend(mesh.positions);
-        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
-    }
-    all
 }
 
 fn without(mut mesh: Mesh, is_dropped: impl Fn(usize) -> bool) -> Mesh {

@@ -6,7 +6,7 @@ mod common;
 use std::sync::Arc;
 
 use common::truth::{Truth, is_above, media_along, rays, survey};
-use common::{Numbers, add, empty, nest, ready, render, sphere};
+use common::{Numbers, add, empty, joined, nest, ready, render, reversed, sphere};
 use glam::DVec3;
 use iorect::geometry::{Mesh, Ray};
 use iorect::optics::Ior;
@@ -66,22 +66,6 @@ fn mesh(mesh: Mesh) -> Shape {
 
 fn mesh_of(shape: &Shape) -> Mesh {
     Mesh { normals: Vec::new(), ..tessellate(shape).unwrap().unwrap() }
-}
-
-/// Several meshes as one.
-fn joined(meshes: &[Mesh]) -> Mesh {
-    let mut all = Mesh::default();
-    for mesh in meshes {
-        let first = all.positions.len() as u32;
-        all.positions.extend(&mesh.positions);
-        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
-    }
-    all
-}
-
-fn reversed(mut mesh: Mesh) -> Mesh {
-    mesh.reverse();
-    mesh
 }
 
 /// A glass with a thick bottom, its wall from `inner` to 1, open at the top at height 3.
@@ -374,7 +358,7 @@ fn f06_bubbles_and_inverted_meshes() {
     add(&mut with_object, inner.clone(), 1.0, 0.0);
     check_as_written(with_object, 300);
 
-    let cavity = joined(&[mesh_of(&outer), reversed(mesh_of(&inner))]);
+    let cavity = joined([mesh_of(&outer), reversed(mesh_of(&inner))]);
     let with_cavity = |mesh_to_use: Mesh| {
         let mut description = empty(1.0);
         add(&mut description, mesh(mesh_to_use), 1.5, 0.0);
@@ -519,7 +503,7 @@ fn truth_triangles(shape: &Shape) -> usize {
 fn f07_a_mesh_that_crosses_itself() {
     let parts = [mesh_of(&icosphere(DVec3::NEG_X * 0.4, 0.8)), mesh_of(&icosphere(DVec3::X * 0.5, 0.7))];
     let mut description = empty(1.0);
-    add(&mut description, mesh(joined(&parts)), 1.5, 0.0);
+    add(&mut description, mesh(joined(parts)), 1.5, 0.0);
     add(&mut description, icosphere(DVec3::new(0.05, 0.1, 0.0), 0.3), 1.2, 0.0);
     add(&mut description, sphere(DVec3::new(0.0, 0.9, 0.0), 0.5), 1.7, 0.0);
     let (scene, truth) = check_as_written(description, 500);
@@ -764,7 +748,7 @@ fn f13_one_mesh_or_two_objects() {
     add(&mut two, wine.clone(), 1.36, 0.0);
     let (scene_of_two, truth_of_two) = check_as_written(two.clone(), 300);
     let mut one = empty(1.0);
-    add(&mut one, mesh(joined(&[mesh_of(&glass), mesh_of(&wine)])), 1.5, 0.0);
+    add(&mut one, mesh(joined([mesh_of(&glass), mesh_of(&wine)])), 1.5, 0.0);
     let (scene_of_one, truth_of_one) = check_as_written(one, 300);
     must_differ(&scene_of_one, &truth_of_two, Mode::Reference, 300, 40);
     must_differ(&scene_of_two, &truth_of_one, Mode::Reference, 300, 40);

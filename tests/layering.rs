@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// From the bottom up. Siblings in one row must not use each other.
 const LAYERS: &[&[&str]] = &[
-    &["optics", "geometry", "writing"],
+    &["optics", "geometry", "writing", "color"],
     &["scatter"],
     &["scene"],
     &["rectify"],

@@ -14,6 +14,7 @@ use iorect::tracking::Mode;
 mod common;
 
 use FindingKind::*;
+use common::{joined, reversed};
 
 fn shape(shape: &Shape) -> Mesh {
     tessellate(shape).unwrap().unwrap()
@@ -27,22 +28,6 @@ fn icosphere(center: DVec3, radius: f64, subdivisions: u32) -> Mesh {
 
 fn ball() -> Mesh {
     icosphere(DVec3::ZERO, 1.0, 3)
-}
-
-/// Two meshes as one.
-fn joined(meshes: impl IntoIterator<Item = Mesh>) -> Mesh {
-    let mut all = Mesh::default();
-    for mesh in meshes {
-        let first = all.positions.len() as u32;
-        all.positions.extend(mesh.positions);
-        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
-    }
-    all
-}
-
-fn reversed(mut mesh: Mesh) -> Mesh {
-    mesh.reverse();
-    mesh
 }
 
 /// Turned about an irregular axis, so that nothing is aligned with an axis.

@@ -24,7 +24,7 @@ use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
 use crate::writing::write_atomically;
 
-/// A person hardly closes a dialog sooner than this: a faster answer means that there was none.
+/// Least time that a dialog stays open; a faster answer means that none was shown.
 const NO_DIALOG: Duration = Duration::from_millis(1000);
 
 /// What a path is wanted for.

@@ -60,7 +60,7 @@ pub struct Windows {
 #[derive(Debug)]
 pub struct State {
     pub document: Document,
-    /// Whether `document` is a scene, and not what stands in for the first one.
+    /// `false` while `document` is the placeholder before the first scene.
     has_scene: bool,
     /// The scene that is being read.
     opening: Option<Opening>,

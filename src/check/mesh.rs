@@ -9,7 +9,7 @@ use crate::scene::ObjectId;
 use crate::scene::description::{Refractor, Shape};
 use crate::tracking::Prepared;
 
-/// Takes from `doubts` what is said here, with its reason: the surface is not closed.
+/// Removes from `doubts` the objects reported here, about which rays disagree because the surface is not closed.
 pub(super) fn problems(prepared: &Prepared, rims: &Rims, doubts: &mut Doubts) -> Vec<Problem> {
     let description = &*prepared.description;
     let scene = &*prepared.scene;
@@ -28,14 +28,14 @@ pub(super) fn problems(prepared: &Prepared, rims: &Rims, doubts: &mut Doubts) ->
                 problems.push(and_doubt(problem, doubts.remove(&id)));
             }
             (_, Some(topology)) => {
-                // An interface is not to be turned over or mended, but replaced.
+                // An interface must be replaced by closed bodies; its orientation does not matter then.
                 let is_moot = |finding: &&Finding| {
                     rims.contains_key(&id)
                         && matches!(finding.kind, FindingKind::InsideOut | FindingKind::MixedOrientation)
                 };
                 for finding in topology.findings.iter().filter(|finding| !is_moot(finding)) {
                     let (count, spot) = match finding.kind {
-                        // Parts of which something is to be seen are no reason for advice.
+                        // Parts that can be seen need no advice.
                         FindingKind::NestedComponents => match nested::hidden(prepared, id) {
                             Some(hidden) => hidden,
                             None => continue,
@@ -173,11 +173,11 @@ fn problem(
         }
     };
     let problem = Problem { severity, ..Problem::warning(&refractor.name, kind.word(), message) };
-    // Something of no size is everywhere on the object.
+    // A finding without extent concerns the whole object.
     if spot.radius > 0.0 { problem.at(spot.center, spot.radius) } else { problem }
 }
 
-/// A boundary is worth as many words as it is wide.
+/// An open boundary, by its width: from unmerged vertices to an open sheet.
 fn open(topology: &Topology, count: u64, near: &str, others: Option<&str>) -> (Severity, String) {
     let edges = if count == 1 { "1 of its edges is".to_owned() } else { format!("{count} of its edges are") };
     let start = format!("the mesh is not closed: {edges} not shared by two faces that look the same way");

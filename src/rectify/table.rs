@@ -295,6 +295,16 @@ impl InterfaceTable {
         }
     }
 
+    /// The media on both sides of a refractor's face: in the middle of a triangle, or at one point of a sphere. `None` where there is no
+    /// interface, because a coincident face stands for this one, and for a triangle without area.
+    pub fn sides_of(&self, scene: &Scene, primitive: PrimitiveId) -> Option<Answer> {
+        const MIDDLE: [f64; 2] = [1.0 / 3.0; 2];
+        let point = scene.geometry.sample_primitive(primitive, MIDDLE)?;
+        let refractor = ObjectId(scene.geometry.object_of(primitive));
+        let answer = self.look(scene, refractor, &point, MIDDLE);
+        (!answer.is_masked()).then_some(answer)
+    }
+
     /// Whether the surroundings of that face differ from place to place.
     #[inline]
     pub fn is_mixed(&self, refractor: ObjectId, primitive: PrimitiveId) -> bool {

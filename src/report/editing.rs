@@ -8,7 +8,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::progress::Progress;
-use super::timing::median;
+use crate::measure::statistics::median;
 use crate::optics::Ior;
 use crate::render::ImageSettings;
 use crate::scene::{Description, SceneError};
@@ -16,7 +16,7 @@ use crate::session::{GroundTruthDemand, Request, Worker};
 use crate::spectrum::WAVELENGTH_D_UM;
 use crate::tracking::Mode;
 
-/// Longer than any answer takes.
+/// Time after which a missing image is an error.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// What is measured, and how long.
@@ -133,7 +133,7 @@ pub fn measure(
         return Ok(None);
     }
     let mut answers = vec![Vec::new(); kinds.len()];
-    // The golden ratio's multiples: in the middle of something, which is another thing each time.
+    // Multiples of the golden ratio: each edit meets the renderer at another moment of its work.
     let mut moment = 0.0_f64;
     for index in 0..plan.edits {
         for (&edit, answers) in kinds.iter().zip(&mut answers) {
@@ -148,21 +148,21 @@ pub fn measure(
     Ok(Some(Editing { panes, size: plan.size, times }))
 }
 
-/// `None` of none.
+/// `None` without times.
 fn of_kind(edit: Edit, answers: &[Answer]) -> Option<EditTimes> {
-    let mut rectify: Vec<f64> = answers.iter().filter_map(|answer| answer.rectify_secs).collect();
-    let mut image: Vec<f64> = answers.iter().map(|answer| answer.image_secs).collect();
+    let rectify: Vec<f64> = answers.iter().filter_map(|answer| answer.rectify_secs).collect();
+    let image: Vec<f64> = answers.iter().map(|answer| answer.image_secs).collect();
     Some(EditTimes {
         edit,
         edits: answers.len(),
-        rectify_secs: (!rectify.is_empty()).then(|| median(&mut rectify)),
+        rectify_secs: median(&rectify),
         worst_secs: image.iter().copied().reduce(f64::max)?,
-        image_secs: median(&mut image),
+        image_secs: median(&image)?,
         width: answers.iter().map(|answer| answer.width).min()?,
     })
 }
 
-/// There and back again: no edit leads far away.
+/// Edits go back and forth, so that none leads far away.
 fn edited(before: &Request, edit: Edit, index: usize) -> Request {
     let mut request = Request { epoch: before.epoch + 1, ..before.clone() };
     let way = if index.is_multiple_of(2) { 1.0 } else { -1.0 };

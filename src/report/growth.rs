@@ -16,7 +16,7 @@ use crate::scene::{Description, SceneError};
 use crate::tracking::Mode;
 use crate::tracking::{Prepared, prepare};
 
-/// Memory below which the allocator's habits decide what is measured.
+/// Least memory that can be measured: below it the allocator's reserves hide it.
 const LEAST_MEMORY: u64 = 16 << 20;
 /// Bytes that a triangle takes at most while a scene is prepared, with room to spare.
 const BYTES_PER_TRIANGLE: u64 = 450;

@@ -132,7 +132,7 @@ fn put_back(
     let size = (plan.width, plan.height);
     let settings = |leave_out| ImageSettings { leave_out, ..ImageSettings::new(Mode::Rectified, plan.seed) };
     let is_everything = needs == SceneNeeds::EVERYTHING;
-    // The whole goes by the switch that users have.
+    // All needs together are put back as `--leave-out off` does it.
     let changed = match is_everything {
         true => prepared.clone(),
         false => Prepared { scene: Arc::new(Scene { needs, ..Scene::clone(&prepared.scene) }), ..prepared.clone() },

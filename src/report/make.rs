@@ -157,7 +157,7 @@ pub fn make(request: &Request, store: &Store, progress: &Progress<'_>) -> Result
     Ok(Some(Report { origin, scenes, stability, growth }))
 }
 
-/// Units of work that a request comes to, of about a second of a quick report each.
+/// Work of a request, for the progress bar, in units of about a second of a quick report.
 fn weight_of(request: &Request) -> f64 {
     let has = |part: Part| if request.parts.contains(&part) { 1.0 } else { 0.0 };
     let sizes = Quantity::ALL.iter().flat_map(|&quantity| request.extent.growth.sizes(quantity));
@@ -174,7 +174,7 @@ const PICTURES: f64 = 1.0;
 const LEFT_OUT: f64 = 0.5;
 const EDITING: f64 = 1.0;
 const CHECK: f64 = 0.4;
-/// However long one is ready to wait for error against time.
+/// Largest weight of error against time.
 const MOST_ERRORS: f64 = 1000.0;
 
 fn weight_of_size(size: u64) -> f64 {
@@ -322,7 +322,7 @@ fn all_growth(plan: &GrowthPlan, tally: &Tally<'_>) -> Result<Option<Vec<Growth>
             }
             let what = format!("growth · {} {}", grouped(size), quantity.name());
             let name = format!("growth-{}-{size}", quantity.name());
-            // Sizes that are measured later decide nothing.
+            // The other sizes do not decide this one's result.
             let inputs =
                 GrowthPlan { triangles: vec![], nesting: vec![], objects: vec![], threads: vec![], ..plan.clone() };
             let point = tally.piece(&what, weight_of_size(size), &name, &inputs, |progress| {
@@ -338,7 +338,7 @@ fn all_growth(plan: &GrowthPlan, tally: &Tally<'_>) -> Result<Option<Vec<Growth>
     Ok(Some(all))
 }
 
-/// Counts what is done.
+/// Progress over all pieces, and how many were made and reused.
 struct Tally<'a> {
     progress: Progress<'a>,
     store: &'a Store,

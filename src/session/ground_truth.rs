@@ -15,7 +15,7 @@ use crate::tracking::Mode;
 pub enum GroundTruthDemand {
     #[default]
     Off,
-    /// What there is stays as it is.
+    /// Paused: the samples taken so far are kept.
     Paused,
     On,
 }
@@ -66,7 +66,7 @@ struct Progress {
     job: Job,
     films: [Film; 2],
     truth: GroundTruth,
-    /// Samples from which on images are published again.
+    /// Samples at which images are published next.
     next_images: u32,
     is_settled: bool,
 }
@@ -196,7 +196,7 @@ impl Progress {
     }
 }
 
-/// Neither the panes' seed nor the other half's.
+/// The seed of a half: different from the panes' and from the other half's.
 fn seed_of(seed: u64, half: usize) -> u64 {
     seed.wrapping_add((half as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }

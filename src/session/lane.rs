@@ -11,9 +11,9 @@ use crate::render::{Cpu, Film, RenderTask, Renderer};
 use crate::scene::description::Source;
 use crate::tracking::Mode;
 
-/// The pilot's share of the time for the first image.
+/// Fraction of the time for the first image that the pilot takes.
 const PILOT_SHARE: f64 = 0.2;
-/// How much of the time that the pilot has left the first image may be expected to take: other lanes and programs may want the cores.
+/// Fraction of the budget that the pilot leaves for the first image; the rest is slack for other lanes and programs.
 const FIRST_IMAGE_SHARE: f64 = 0.7;
 /// Time that a slice of samples should take, in seconds.
 const SLICE_SECONDS: f64 = 0.08;
@@ -29,12 +29,12 @@ struct Progress {
     seconds: Vec<f64>,
     /// Films have 1/divisor of the full size each way.
     divisor: u32,
-    /// What the next films have, where it is known.
+    /// Divisor of the next films, if it is known.
     next_divisor: Option<u32>,
     begun: Instant,
-    /// When the first image must be there: the pilot, if there is none better.
+    /// Deadline of the first image; at it the pilot is shown if nothing finer is ready.
     first_image_due: Instant,
-    /// Kept back for as long.
+    /// Images of the pilot, held back until then.
     pilot: Option<Vec<Snapshot>>,
     last_published: Option<Instant>,
     /// Time that the last publication took.
@@ -219,7 +219,7 @@ impl Progress {
 fn post(board: &Board, wake: &Wake, snapshots: Vec<Snapshot>) {
     let mut state = board.lock();
     for snapshot in snapshots {
-        // The other lane may be ahead, or the mode may have moved there.
+        // A mode that moved to the other lane may have newer images from there.
         let is_stale = state.snapshots.get(&snapshot.mode).is_some_and(|old| old.epoch > snapshot.epoch);
         if !is_stale {
             state.snapshots.insert(snapshot.mode, Arc::new(snapshot));

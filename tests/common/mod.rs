@@ -6,12 +6,29 @@ pub mod parts;
 pub mod touch;
 pub mod truth;
 
+use iorect::geometry::Mesh;
 use iorect::render::Film;
 use iorect::report::stability::scenes;
 pub use iorect::report::stability::scenes::{Numbers, add, deflection_degrees, empty, mean, nest, sphere, through};
 use iorect::scene::description::Description;
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
+
+/// Several meshes as one, without their normals.
+pub fn joined(meshes: impl IntoIterator<Item = Mesh>) -> Mesh {
+    let mut all = Mesh::default();
+    for mesh in meshes {
+        let first = all.positions.len() as u32;
+        all.positions.extend(mesh.positions);
+        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
+    }
+    all
+}
+
+pub fn reversed(mut mesh: Mesh) -> Mesh {
+    mesh.reverse();
+    mesh
+}
 
 pub fn ready(description: Description) -> Prepared {
     scenes::ready(description).expect("the scene is fine")

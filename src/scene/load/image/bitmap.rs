@@ -6,6 +6,7 @@ use image::codecs::jpeg::JpegDecoder;
 use image::{ColorType, ImageDecoder};
 
 use super::limits::{black, pixel_count};
+use crate::color::linear_from_srgb;
 use crate::scene::environment::EnvironmentImage;
 
 /// Row by row: a file that is cut off does not take the room of a whole one.
@@ -133,11 +134,6 @@ impl Linear {
         let at = |index: usize| self.0[usize::from(samples[index])];
         if samples.len() >= 3 { [at(0), at(1), at(2)] } else { [at(0); 3] }
     }
-}
-
-/// The transfer function of IEC 61966-2-1.
-fn linear_from_srgb(x: f32) -> f32 {
-    if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 
 #[cfg(test)]
