@@ -51,8 +51,8 @@ pub(super) trait Kernel {
     fn meet_triangles(ray: &ShearedRay, pack: &TrianglePack, t_min: f64, t_max: f64, test: &mut PackTest) -> u32;
 }
 
-/// Work that is compiled once for each kernel. Implementations are `#[inline(always)]`, and so is what they call, or the copies would be compiled for
-/// any processor.
+/// Work that is compiled once for each kernel. Implementations are `#[inline(always)]`, and so is all on the way from them to a kernel's methods.
+/// Functions and closures that are not are compiled for any processor, and would call each vector instruction as a function: no closure calls a kernel.
 pub(super) trait Task {
     fn run<K: Kernel>(self);
 }
