@@ -66,7 +66,7 @@ const LONGER: f64 = 1.0 + 4.0 * f64::EPSILON;
 
 /// Which kernel to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum KernelChoice {
+pub enum KernelChoice {
     Portable,
     #[cfg(target_arch = "x86_64")]
     Avx2,
@@ -98,14 +98,14 @@ impl KernelChoice {
     }
 
     /// The fastest that this processor can run.
-    pub fn best() -> Self {
+    pub(super) fn best() -> Self {
         Self::available().last().copied().unwrap_or(Self::Portable)
     }
 
     /// Does `task` with this kernel, which is one of those [`Self::available`].
     #[inline]
     #[allow(unsafe_code)]
-    pub fn run(self, task: impl Task) {
+    pub(super) fn run(self, task: impl Task) {
         match self {
             Self::Portable => task.run::<Portable>(),
             // SAFETY: the processor has the features that this copy of the code is compiled for, or it would not be available.
