@@ -204,15 +204,15 @@ struct Member<S> {
 }
 
 impl Geometry {
-    /// As [`Self::search_triangles_of_many`], for the rays of one beam.
+    /// As [`Self::search_others`], for the rays of one beam.
     #[inline(always)]
-    pub(super) fn search_triangles_of_beam<K: Kernel, S: Search>(
+    pub(super) fn search_beam<K: Kernel, S: Search>(
         &self,
         rays: &[Ray],
         bundle: &Bundle,
         t_max: impl Fn(usize) -> f64,
         start: impl Fn() -> S,
-        mut finish: impl FnMut(usize, &mut S, f64),
+        mut finish: impl FnMut(usize, &mut S),
     ) {
         let tree = &self.triangle_tree;
         let mut bounds = Bounds {
@@ -308,7 +308,8 @@ impl Geometry {
             (current, stack.length) = (next, length);
         }
         for member in members.iter_mut().flatten() {
-            finish(member.index, &mut member.search, member.t_max);
+            self.search_spheres::<K>(&member.ray, member.t_max, &mut member.search);
+            finish(member.index, &mut member.search);
         }
     }
 }
