@@ -9,8 +9,8 @@ use crate::scene::{MediumId, ObjectId, Scene, Surface};
 
 /// A ray starts on a surface where the surface lies this many of its roundings away or less.
 const ON_SURFACE: f64 = 4.0;
-/// A hit of that surface is the start itself, seen again, unless it lies farther along the ray than this many times the tolerance: then the
-/// ray grazes the surface, and meets it.
+/// A hit of that surface within this many times the tolerance is the ray's own origin and is ignored; one farther along the ray is a grazing ray
+/// that meets the surface.
 const GRAZING: f64 = 1e4;
 
 /// How a path starts.

@@ -11,7 +11,8 @@ use crate::geometry::{Enclosure, Geometry, Topology, WindingTree};
 use crate::optics::Interface;
 
 /// Index into [`Scene::media`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(transparent)]
 pub struct MediumId(pub u32);
 
 impl MediumId {

@@ -53,7 +53,7 @@ pub struct RectifiedObject {
 
 impl RectifiedObject {
     pub fn new(scene: &Scene, table: &InterfaceTable) -> Self {
-        Self { outsides: table.per_object(scene).outsides(scene) }
+        Self { outsides: table.object_table(scene).outsides(scene) }
     }
 }
 
