@@ -292,3 +292,5 @@ fn span(first: u32, count: u32) -> std::ops::Range<usize> {
     first as usize..(first + count) as usize
 }
 
+#[cfg(test)]
+mod tests;
