@@ -19,7 +19,7 @@ use super::tolerance::Tolerance;
 use crate::geometry::{PrimitiveId, SurfacePoint};
 use crate::scene::{ObjectId, Scene};
 
-/// Cells get no smaller than this share of the smallest object that has to do with them.
+/// The smallest cells, as a share of the size of the smallest object that meets the face or has it.
 const FINEST: f64 = 1.0 / 96.0;
 /// Halvings at the most.
 const DEEPEST: u32 = 18;

@@ -7,10 +7,10 @@ use super::contact::Contacts;
 use crate::geometry::PrimitiveId;
 use crate::scene::Scene;
 
-/// How coarse cells may be, as in [`cells::divide`]: time and memory for cells are spent on some thousands of meetings with large faces, and
-/// not on more; and never on more cells than a computer has room for.
+/// How coarse cells may be, as in [`cells::divide`]. Cells are as fine as possible for up to a few thousand contacts of large faces; with more
+/// contacts, or where the cells would not fit into memory, they are coarser.
 pub fn coarseness(scene: &Scene, contacts: &Contacts) -> f64 {
-    /// Meetings for which cells are as fine as can be.
+    /// Contacts of large faces up to which cells are as fine as possible.
     const AMPLE: f64 = 4000.0;
     /// A triangle is large from this share of its object's size on; smaller ones are cells themselves.
     const LARGE: f64 = 1.0 / 16.0;
@@ -24,7 +24,7 @@ pub fn coarseness(scene: &Scene, contacts: &Contacts) -> f64 {
     };
     let meetings = contacts.iter().filter(|(face, _)| is_large(*face)).map(|(_, others)| others.len());
     let by_meetings = (meetings.sum::<usize>() as f64 / AMPLE).max(1.0);
-    // Of each face: how many refractors it is divided for, and how many cells lie side by side along it when they are as fine as can be.
+    // For each face: the number of refractors that it is divided for, and the number of the finest cells along its side.
     let faces: Vec<(f64, f64)> = (contacts.iter().collect::<Vec<_>>().par_iter())
         .filter_map(|(face, others)| {
             let finest = cells::finest(scene, *face, others)?;
@@ -38,7 +38,7 @@ pub fn coarseness(scene: &Scene, contacts: &Contacts) -> f64 {
     coarseness
 }
 
-/// Cells and the refractors that they name, all together, at the most: each costs a question when it is made, and a hundred bytes.
+/// Most cells and refractors named in them, all together. Each costs one containment question and about a hundred bytes.
 const MOST_ENTRIES: f64 = 5e5;
 
 /// About how many entries there will be: cells lie along the curves where others meet a face, until they fill it.

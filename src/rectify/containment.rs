@@ -1,4 +1,4 @@
-//! Which refractors contain a point, or lie on a side of a surface: rays vote, and every refractor is asked in its own way.
+//! Which refractors contain a point, or lie on a side of a surface: rays vote, by rules that depend on how each refractor encloses its volume.
 
 use std::cell::RefCell;
 
@@ -194,7 +194,8 @@ pub fn containment_beside(scene: &Scene, point: &SurfacePoint, is_outer: bool) -
     settle(scene, point, votes, (!may_contain_itself).then_some(own))
 }
 
-/// Generalised winding number of a surface with holes around a point: next to it, on the outer side, where the point lies on that very surface.
+/// Generalised winding number of a surface with holes around a point; for a point on that very surface, of the point moved off it to the outer
+/// side.
 pub(super) fn winding_beside(scene: &Scene, holed: ObjectId, point: &SurfacePoint) -> f64 {
     let is_own = point.primitive != NO_PRIMITIVE && scene.geometry.object_of(point.primitive) == holed.0;
     if is_own { winding_on_side(scene, holed, point, true) } else { scene.object(holed).winding_at(point.position) }
@@ -217,7 +218,8 @@ fn votes_beside(scene: &Scene, point: &SurfacePoint, is_outer: bool) -> Vec<Vote
 
 /// Whether a hit of a ray that leaves `point` is of a face that coincides with that of the point.
 pub(super) fn is_at_start(scene: &Scene, point: &SurfacePoint, hit: &Hit) -> bool {
-    // A coincident face lies within the tolerance, which is longer along a ray that grazes it; everything farther away is none.
+    // A coincident face lies within the tolerance, and a grazing ray may take many times that length to reach it. A hit farther away is of
+    // another face.
     const GRAZING: f64 = 32.0;
     let geometry = &*scene.geometry;
     let tolerance = |primitive| largest(geometry, geometry.object_of(primitive));

@@ -130,7 +130,7 @@ pub fn have_same_surface(scene: &Scene, a: ObjectId, b: ObjectId) -> bool {
     if (area_a - area_b).abs() > SAME_AREA * area_a.max(area_b) {
         return false;
     }
-    // Where all of one lies on the other and is as large, it is the other.
+    // A surface of equal area that lies on the other everywhere is the same surface.
     primitives_of(geometry, a).into_par_iter().all(|face| lies_on(scene, face, b))
 }
 

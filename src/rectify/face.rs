@@ -78,7 +78,8 @@ impl Face {
         }
     }
 
-    /// Whether this and another are spheres farther apart than `margin`, the one in the other or beside it. Quick: most spheres are, of many.
+    /// Whether this and another are spheres farther apart than `margin`, beside each other or one in the other. A quick test that settles
+    /// most pairs of spheres.
     pub(super) fn is_clear_of(&self, other: &Self, margin: f64) -> bool {
         let (Self::Sphere(a), Self::Sphere(b)) = (self, other) else { return false };
         let squared = a.center.distance_squared(b.center);
@@ -173,7 +174,7 @@ impl Face {
         if covers_all {
             return Cover::All;
         }
-        // Apart along an edge of the cell, for cells that are triangles.
+        // For triangular cells, also test whether an edge of the cell separates the two.
         if let [a, b, c] = *cell {
             let up = (b - a).cross(c - a);
             for (start, end) in [(a, b), (b, c), (c, a)] {
@@ -192,10 +193,10 @@ impl Face {
 fn is_along(end: DVec3, face: &[DVec3; 3], k: usize, margin: f64) -> bool {
     let corner = face[k];
     let (p, q) = (face[(k + 1) % 3] - corner, face[(k + 2) % 3] - corner);
-    // So far from the corner the third edge has not cut the face off.
+    // At half the distance to the third edge, or to the end if that is nearer, the face is still there.
     let reach = (end - corner).length().min(p.cross(q).length() / p.distance(q)) / 2.0;
     let point = corner + (end - corner).normalize_or_zero() * reach;
-    // What is nearer to the corner than that cannot be told from it.
+    // A point within a few tolerances of the corner cannot be told from it.
     reach > 4.0 * margin && closest_point(*face, point).distance(point) <= margin
 }
 

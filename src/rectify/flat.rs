@@ -25,8 +25,9 @@
 //!
 //! **Asked cell.** If a primitive of `opaque` covers the point, the crossing is skipped. Each member in turn then has a membership m: 0 on neither side, 1 on
 //! both, 2 on the inner side only, 3 on the outer only. If one of its `coincident` primitives covers the point, take the first that does: if its id is
-//! smaller than that of the face hit, the crossing is skipped; otherwise m is 2 if `is_same` (it looks the same way), else 3. (A refractor of several
-//! parts is asked about both sides instead.) If none does, m is 1 if the refractor contains the point, else 0. With a radix of 4 for members
+//! smaller than that of the face hit, the crossing is skipped; otherwise m is 2 if `is_same` (it looks the same way), else 3. If none does, m is 1
+//! if the refractor contains the point, else 0. (If one does and the refractor has several parts that may contain each other, m or a skip is
+//! what [`membership_of_parts`] says instead of 2 or 3.) With a radix of 4 for members
 //! with coincident primitives and 2 for others, the memberships are digits, the first member's the lowest: their number plus `first_answer` is
 //! the index of the answer. "Covers" is [`Face::cover`], "contains" is [`is_inside`].
 //!

@@ -53,7 +53,7 @@ impl Pair<'_> {
                 return None;
             }
         }
-        // In one plane the axes above are all normal to it; there the edges' own normals tell.
+        // For triangles in one plane the axes above are all normal to it, so the edges' normals in the plane are tested.
         let is_flat = |heights: &[f64; 3], tolerance: f64| heights.iter().all(|h| h.abs() <= tolerance);
         let larger = |a: &[DVec3; 3], b: &[DVec3; 3]| {
             let size = |p: &[DVec3; 3]| edges(p).iter().map(|e| e.length_squared()).fold(0.0, f64::max);

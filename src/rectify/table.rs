@@ -1,4 +1,5 @@
-//! What rectification stores: for every place on a refractor's surface, the media on its two sides.
+//! The interface table: for every point of a refractor's surface the media on its two sides. What follows from geometry is shared between tables;
+//! an edit of media or priorities resolves the answers anew.
 
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
