@@ -10,7 +10,7 @@ use crate::rectify::subjects::{is_refractor, primitives_of, subjects};
 use crate::scene::compile::compile;
 use crate::scene::{builtin, load};
 
-/// Two boxes that share a part of a face, an opaque plate on a part of another, a ball and a lamp that cross both boxes.
+/// Two boxes that share a part of a face, an opaque plate on a part of another face, a ball that crosses both boxes and a lamp that crosses one.
 const COINCIDENT: &str = r#"
 refractor = [
     { name = "left", medium = "glass", shape = { box = { min = [-1, -1, -1], max = [0, 1, 1] } } },
@@ -258,16 +258,11 @@ fn for_each_point(scene: &Scene, layout: &FlatLayout, mut visit: impl FnMut(Obje
         for primitive in primitives_of(geometry, object) {
             let points = if layout.address(object, primitive) & DIVIDED == 0 { 1 } else { of_each };
             for _ in 0..points {
-                let Some(mut point) = geometry.sample_primitive(primitive, [random.next(), random.next()]) else {
-                    break;
-                };
-                let (s, t) = (random.next(), random.next());
-                let [u, v] = if s + t > 1.0 { [1.0 - s, 1.0 - t] } else { [s, t] };
-                if geometry.sphere(primitive).is_none() {
-                    let [a, b, c] = geometry.corners(primitive);
-                    point.position = a * (1.0 - u - v) + b * u + c * v;
-                }
-                visit(object, &point, [u, v]);
+                // The square is folded into the triangle, as the geometry does.
+                let u = [random.next(), random.next()];
+                let Some(point) = geometry.sample_primitive(primitive, u) else { break };
+                let barycentric = if u[0] + u[1] > 1.0 { u.map(|u| 1.0 - u) } else { u };
+                visit(object, &point, barycentric);
             }
         }
     }
