@@ -13,7 +13,7 @@ const MOST_LISTED: usize = 256;
 
 /// A refractor whose membership differs from point to point of a cell.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Member {
+pub struct AskedMember {
     pub refractor: ObjectId,
     /// Its copies, if there are any, of which the same holds.
     pub copies: Option<Arc<[ObjectId]>>,
@@ -26,7 +26,7 @@ pub struct Member {
 pub struct AskedCell {
     /// What holds all over the cell.
     pub base: Surroundings,
-    pub members: Vec<Member>,
+    pub members: Vec<AskedMember>,
     /// Opaque primitives that coincide with the face hereabouts: where they cover it, they stand for it.
     pub opaque: Vec<PrimitiveId>,
     /// Whether so many surfaces meet the face that none is listed, and everything is asked about at each hit.
@@ -85,7 +85,7 @@ impl AskedCell {
     }
 }
 
-impl Member {
+impl AskedMember {
     /// How many memberships there are: without coincident faces a refractor lies on both sides or on neither.
     fn radix(&self) -> usize {
         if self.coincident.is_empty() { 2 } else { 4 }

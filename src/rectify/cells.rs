@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::asked::{AskedCell, Member};
+use super::asked::{AskedCell, AskedMember};
 use super::contact::Contact;
 use super::containment::{containment_beside, is_inside_by_vote};
 use super::face::{Cover, Face};
@@ -277,7 +277,7 @@ impl Divider<'_> {
         let contact = |index: &u32| self.pool[*index as usize].0;
         let (refractors, opaque): (Vec<&Active>, Vec<&Active>) = actives.iter().partition(|active| active.is_refractor);
         let members = (refractors.into_iter())
-            .map(|active| Member {
+            .map(|active| AskedMember {
                 refractor: active.object,
                 copies: None,
                 coincident: (active.coincident.iter().map(contact))

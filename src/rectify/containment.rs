@@ -56,7 +56,7 @@ impl Vote {
 
 /// What one ray has met of one object.
 #[derive(Clone, Copy)]
-struct Meeting {
+struct RayMeeting {
     /// Distance and facing of the first hit.
     t: f64,
     is_front: bool,
@@ -64,12 +64,12 @@ struct Meeting {
     exits: i32,
 }
 
-const NO_MEETING: Meeting = Meeting { t: f64::INFINITY, is_front: false, exits: 0 };
+const NO_MEETING: RayMeeting = RayMeeting { t: f64::INFINITY, is_front: false, exits: 0 };
 
 /// Counts votes. Reused from question to question, so that asking allocates nothing.
 #[derive(Default)]
 pub(super) struct Poll {
-    meetings: Vec<Meeting>,
+    meetings: Vec<RayMeeting>,
     met: Vec<u32>,
     votes: Vec<(u32, u32)>,
     /// Refractors with an entry in `votes`.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::relation::{Pair, Relation};
+use super::relation::{Relation, TrianglePair};
 use super::tolerance::Tolerance;
 use crate::geometry::sphere::Sphere;
 use crate::geometry::{Geometry, PrimitiveId, closest_point};
@@ -120,7 +120,7 @@ impl Face {
         let least = tolerance.least;
         match (self, other) {
             (Self::Triangle { corners: f, normal: nf }, Self::Triangle { corners: t, normal: nt }) => {
-                Pair { f, nf: *nf, t, nt: *nt, reach: self.reach().max(other.reach()), tolerance }.relation()
+                TrianglePair { f, nf: *nf, t, nt: *nt, reach: self.reach().max(other.reach()), tolerance }.relation()
             }
             (Self::Triangle { corners, .. }, Self::Sphere(sphere))
             | (Self::Sphere(sphere), Self::Triangle { corners, .. }) => {

@@ -133,7 +133,7 @@ pub struct FlatTable {
 
 /// What the arrays say about a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Found {
+pub enum Lookup {
     Answer(Answer),
     /// The answer is not listed; the number of the asked cell.
     Unlisted(u32),
@@ -142,10 +142,10 @@ pub enum Found {
 impl FlatTable {
     /// The answer at a point of the surface of a refractor or light: the one description of how the arrays are read.
     #[inline]
-    pub fn look(&self, scene: &Scene, object: ObjectId, point: &SurfacePoint, barycentric: [f64; 2]) -> Found {
+    pub fn look(&self, scene: &Scene, object: ObjectId, point: &SurfacePoint, barycentric: [f64; 2]) -> Lookup {
         let address = self.layout.address(object, point.primitive);
         if address & DIVIDED == 0 {
-            Found::Answer(self.answers[address as usize])
+            Lookup::Answer(self.answers[address as usize])
         } else {
             self.look_closely(scene, address & !DIVIDED, point, barycentric)
         }
@@ -153,23 +153,23 @@ impl FlatTable {
 
     /// In a divided face.
     #[inline(never)]
-    fn look_closely(&self, scene: &Scene, face: u32, point: &SurfacePoint, barycentric: [f64; 2]) -> Found {
+    fn look_closely(&self, scene: &Scene, face: u32, point: &SurfacePoint, barycentric: [f64; 2]) -> Lookup {
         let layout = &*self.layout;
         let (octant, weights) = begin(scene, point, barycentric);
         let leaf = layout.descend(layout.faces[face as usize].root + octant, weights);
         if leaf.kind == KNOWN {
-            return Found::Answer(self.answers[leaf.index as usize]);
+            return Lookup::Answer(self.answers[leaf.index as usize]);
         }
         let asked = &layout.asked[leaf.index as usize];
         if asked.first_answer == NOT_LISTED {
-            return Found::Unlisted(leaf.index);
+            return Lookup::Unlisted(leaf.index);
         }
         let (mut answer, mut stride) = (asked.first_answer, 1);
         let outcome = layout.memberships(scene, asked, point, |member, membership| {
             answer += membership as u32 * stride;
             stride *= if layout.members[member].coincident_count == 0 { 2 } else { 4 };
         });
-        Found::Answer(outcome.map_or(Answer::MASKED, |()| self.answers[answer as usize]))
+        Lookup::Answer(outcome.map_or(Answer::MASKED, |()| self.answers[answer as usize]))
     }
 }
 

@@ -19,7 +19,7 @@ pub enum Relation {
 }
 
 /// Two triangles, `f` and `t`, with their unit normals.
-pub(super) struct Pair<'a> {
+pub(super) struct TrianglePair<'a> {
     pub f: &'a [DVec3; 3],
     pub nf: DVec3,
     pub t: &'a [DVec3; 3],
@@ -29,7 +29,7 @@ pub(super) struct Pair<'a> {
     pub tolerance: Tolerance,
 }
 
-impl Pair<'_> {
+impl TrianglePair<'_> {
     fn allowance(&self, axis: DVec3) -> f64 {
         self.tolerance.along(axis, self.reach)
     }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::asked;
 use super::encounters::{self, Encounter};
-use super::flat::{ASKED, BY_FACE, DIVIDED, FlatTable, Found};
+use super::flat::{ASKED, BY_FACE, DIVIDED, FlatTable, Lookup};
 use super::layout::{Earlier, Layout, lay_out};
 use super::nest;
 use super::object_table::ObjectTable;
@@ -171,8 +171,8 @@ impl InterfaceTable {
     #[inline]
     pub fn look(&self, scene: &Scene, refractor: ObjectId, point: &SurfacePoint, barycentric: [f64; 2]) -> Answer {
         match self.flat.look(scene, refractor, point, barycentric) {
-            Found::Answer(answer) => answer,
-            Found::Unlisted(cell) => self.answer_unlisted(scene, cell, point),
+            Lookup::Answer(answer) => answer,
+            Lookup::Unlisted(cell) => self.answer_unlisted(scene, cell, point),
         }
     }
 

@@ -306,8 +306,8 @@ fn compare_readers(scene: &Scene) -> [usize; 3] {
         divided += usize::from(table.is_mixed(object, point.primitive));
         skipped += usize::from(read == Some(SKIPPED));
         match flat.look(scene, object, point, [u, v]) {
-            Found::Answer(answer) => assert_eq!(read, Some([answer.outside.0, answer.inside.0]), "{point:?}"),
-            Found::Unlisted(_) => {
+            Lookup::Answer(answer) => assert_eq!(read, Some([answer.outside.0, answer.inside.0]), "{point:?}"),
+            Lookup::Unlisted(_) => {
                 assert_eq!(read, None);
                 assert_eq!(table.look(scene, object, point, [u, v]), answer_anew(scene, point), "{point:?}");
                 unlisted += 1;

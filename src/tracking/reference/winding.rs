@@ -119,7 +119,7 @@ struct Group {
 
 /// The winding numbers around a place on a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Sides {
+pub(super) struct WindingSides {
     /// On the side that the place's normal points to, and on the other.
     pub front: f64,
     pub back: f64,
@@ -163,7 +163,7 @@ impl Winding {
     }
 
     /// The winding numbers on both sides of a place; how far off faces may lie there depends on their part.
-    pub fn beside(&self, place: &PointInPlane, allowed: impl Fn(u32) -> Allowed) -> Sides {
+    pub fn beside(&self, place: &PointInPlane, allowed: impl Fn(u32) -> Allowed) -> WindingSides {
         let mut facing = 0;
         let mut is_on_surface = false;
         let rest = self.sum(place.point, |corners, part| match place.is_covered_by(corners, allowed(part)) {
@@ -175,7 +175,7 @@ impl Winding {
             None => solid_angle(corners.map(|p| p - place.point)),
         });
         let half = 0.5 * f64::from(facing);
-        Sides { front: rest - half, back: rest + half, is_on_surface }
+        WindingSides { front: rest - half, back: rest + half, is_on_surface }
     }
 
     #[inline]
