@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use iorect::geometry::Mesh;
 use iorect::optics::{Ior, Medium};
-use iorect::rectify::contact::primitives_of;
+use iorect::rectify::subjects::primitives_of;
 use iorect::scene::description::{
     CameraDescription, Description, Environment, Refractor, Shape, Transform, WorldMedium,
 };

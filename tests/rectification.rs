@@ -220,7 +220,7 @@ fn half_submerged() {
     add(&mut description, icosphere(DVec3::new(1.9, 0.1, 0.0), 0.7), 1.4, 0.0);
     description.camera.position = DVec3::new(0.0, 3.0, 8.0);
     let prepared = ready(description);
-    let ball = &prepared.table.per_object(&prepared.scene).answers[1];
+    let ball = &prepared.table.object_table(&prepared.scene).answers[1];
     assert!(ball.confidence() < 0.9 && ball.rays() > 100, "{ball:?}");
     assert!(render(&prepared, Mode::RectifiedObject, (24, 24), 4, None).events.inconsistent > 0);
     let rectified = render(&prepared, Mode::Rectified, (24, 24), 8, None);

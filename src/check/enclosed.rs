@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{Problem, names, samples};
 use crate::geometry::{Geometry, Ray};
-use crate::rectify::contact::is_refractor;
+use crate::rectify::subjects::is_refractor;
 use crate::scene::{ObjectId, Scene, Surface};
 use crate::tracking::Prepared;
 

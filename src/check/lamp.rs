@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::{Problem, names, samples};
 use crate::geometry::{Geometry, Ray};
-use crate::rectify::contact::primitives_of;
+use crate::rectify::subjects::primitives_of;
 use crate::rectify::tolerance;
 use crate::scene::description::{Light, Shape};
 use crate::scene::{ObjectId, Surface};

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use crate::geometry::Enclosure;
 use crate::geometry::topology::NONE;
-use crate::rectify::contact::primitives_of;
+use crate::rectify::subjects::primitives_of;
 use crate::scene::{ObjectId, Scene};
 use crate::tracking::Prepared;
 

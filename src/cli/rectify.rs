@@ -16,7 +16,7 @@ use crate::check::{Severity, check};
 use crate::export::escape::short_name;
 use crate::export::words::{brief, duration, grouped};
 use crate::rectify::containment::medium_of;
-use crate::rectify::table::RectifySeconds;
+use crate::rectify::progress::RectifySeconds;
 use crate::rectify::{Patch, PatchKind};
 use crate::scene;
 use crate::scene::{MediumId, ObjectId};
@@ -92,7 +92,7 @@ pub fn run(arguments: &RectifyArguments) -> Result<ExitCode, Failure> {
 /// The source's answers, one for each object, in the form of patches.
 fn whole_objects(prepared: &Prepared) -> Vec<Patch> {
     let scene = &*prepared.scene;
-    (prepared.table.per_object(scene).answers.iter())
+    (prepared.table.object_table(scene).answers.iter())
         .map(|answer| {
             let refractor = answer.refractor;
             let outside = medium_of(scene, answer.outside_refractor());

@@ -11,7 +11,8 @@ use crate::optics::{Interface, Ior};
 use crate::spectrum::{Spectrum, Wavelengths};
 
 /// Index into [`Scene::media`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(transparent)]
 pub struct MediumId(pub u32);
 
 impl MediumId {

@@ -17,7 +17,7 @@ impl<'a> TrackingMode<'a> for RectifiedObject {
     const ABOUT: &'static str = "Looks up one exterior per object: no state per path, wrong where an object has different surroundings in different places.";
 
     fn of(prepared: &'a Prepared) -> Self {
-        Self { outsides: prepared.table.per_object(&prepared.scene).outsides(&prepared.scene) }
+        Self { outsides: prepared.table.object_table(&prepared.scene).outsides(&prepared.scene) }
     }
 }
 

@@ -5,9 +5,9 @@ use std::collections::HashSet;
 
 use rayon::prelude::*;
 
-use super::contact::is_refractor;
 use super::containment::medium_of;
 use super::random::Random;
+use super::subjects::is_refractor;
 use crate::geometry::{Hit, Ray, uniform_direction};
 use crate::scene::{MediumId, ObjectId, Scene};
 
@@ -63,7 +63,7 @@ impl ObjectTable {
 
 fn vote(scene: &Scene, refractor: ObjectId) -> Vec<(Option<ObjectId>, u32)> {
     let mut votes: Vec<(Option<ObjectId>, u32)> = Vec::new();
-    // With nothing that could contain anything, the answer is known.
+    // No refractor of this scene can contain anything.
     if !scene.needs.nesting {
         return votes;
     }
@@ -90,7 +90,7 @@ fn vote(scene: &Scene, refractor: ObjectId) -> Vec<(Option<ObjectId>, u32)> {
 
 /// The first refractor along `ray` whose first hit is from behind. Opaque objects are looked through, and `own` never counts.
 pub(super) fn container_along(scene: &Scene, mut ray: Ray, own: ObjectId) -> Option<ObjectId> {
-    /// Hits that are looked for one by one: most containers are near. Where there are more, all are found in one walk.
+    /// Hits that are searched for one by one: most containers are among them. All hits beyond are gathered in one walk.
     const NEAR: u32 = 8;
     let mut met_from_outside: HashSet<ObjectId> = HashSet::new();
     let mut is_container = |hit: &Hit| {
