@@ -10,7 +10,7 @@ use glam::DVec3;
 use iorect::check::check;
 use iorect::geometry::Mesh;
 use iorect::rectify::PatchKind;
-use iorect::scene::description::{Description, Paint, Shape, Solid, Transform};
+use iorect::scene::description::{Description, Object, Paint, Shape, Solid};
 use iorect::scene::{builtin, load, save};
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
@@ -424,7 +424,7 @@ fn objects_without_volume() {
     let mesh = Mesh { positions, normals: Vec::new(), triangles: vec![[0, 1, 2], [0, 2, 1]] };
     add(&mut description, Shape::Mesh { path: "flat.obj".into(), mesh: Arc::new(mesh), notes: Vec::new() }, 1.5, 0.0);
     add(&mut description, Shape::Icosphere { center: DVec3::ZERO, radius: 1.0, subdivisions: 3 }, 1.4, 0.0);
-    description.refractors[1].transform.scale.y = 1e-12;
+    description.objects.refractors_mut()[1].transform.scale.y = 1e-12;
     add(&mut description, sphere(DVec3::ZERO, 2.0), 1.33, 0.0);
     let scene = ready(description);
     assert!(kinds(&scene).contains(&"double_faces"), "{:?}", check(&scene));
@@ -464,15 +464,7 @@ fn an_object_inside_an_opaque_one() {
     let stone = |with_ball: bool| {
         let mut description = empty(1.0);
         add(&mut description, sphere(DVec3::X * 2.0, 1.0), 1.5, 0.0);
-        description.solids.push(Solid {
-            name: "stone".into(),
-            shape: sphere(DVec3::ZERO, 1.0),
-            paint: Paint::Color([0.5; 3]),
-            mirror: false,
-            smooth: false,
-            visible: true,
-            transform: Transform::IDENTITY,
-        });
+        description.objects.push(Object::new("stone", sphere(DVec3::ZERO, 1.0), Solid::of(Paint::Color([0.5; 3]))));
         if with_ball {
             add(&mut description, sphere(DVec3::new(0.1, 0.0, 0.0), 0.5), 1.3, 0.0);
         }

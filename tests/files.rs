@@ -40,7 +40,7 @@ fn one_harmless_oddity_refuses_no_mesh() {
     ];
     for (name, said) in cases {
         let scene = load::file(&folder.join(format!("{name}_obj.toml"))).unwrap();
-        let Shape::Mesh { mesh, .. } = &scene.refractors[0].shape else { panic!("no mesh") };
+        let Shape::Mesh { mesh, .. } = &scene.objects.refractors()[0].shape else { panic!("no mesh") };
         assert_eq!((mesh.positions.len(), mesh.triangles.len()), (8, 12), "{name}");
         assert_eq!(mesh.signed_volume(), 8.0, "{name}");
         let text = save::to_text(&scene);
@@ -69,7 +69,7 @@ fn what_is_passed_over_does_not_change_the_scene() {
     let tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 4\n";
     let plain = read(tetrahedron);
     let odd = read(&format!("\u{feff}{}zz 1\nf 1 2\n", tetrahedron.replace('\n', "\r")));
-    assert_ne!(plain.refractors[0].shape, odd.refractors[0].shape, "one has notes");
+    assert_ne!(plain.objects.refractors()[0].shape, odd.objects.refractors()[0].shape, "one has notes");
     assert_eq!(plain.fingerprint(), odd.fingerprint());
     assert_eq!(save::to_text(&plain), save::to_text(&odd));
     assert_eq!(problems(odd).iter().map(|p| p.kind).collect::<Vec<_>>(), ["unknown_statement", "short_faces"]);
@@ -182,7 +182,7 @@ fn names_that_are_no_text() {
     assert_eq!(scene.name, "sc\u{fffd}ne");
     let copy = folder.join(name(b"copy\xff.toml"));
     save::save(&scene, &copy).unwrap();
-    assert_eq!(load::open(&copy).unwrap().refractors, scene.refractors);
+    assert_eq!(load::open(&copy).unwrap().objects, scene.objects);
     // From elsewhere the mesh could only be named by what a scene file cannot hold.
     let error = save::save(&scene, &desk.path().join("elsewhere.toml")).unwrap_err().to_string();
     assert!(error.contains("not UTF-8") && !desk.path().join("elsewhere.toml").exists(), "{error}");

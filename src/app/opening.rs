@@ -8,7 +8,7 @@ use std::time::Duration;
 use glam::DVec3;
 
 use crate::optics::Ior;
-use crate::scene::description::{CameraDescription, Environment, WorldMedium};
+use crate::scene::description::{CameraDescription, Environment, Objects, WorldMedium};
 use crate::scene::{self, Description, SceneError};
 
 /// Reads a scene from now on.
@@ -93,9 +93,7 @@ pub fn no_scene() -> Arc<Description> {
         world: WorldMedium { ior: Ior::Constant(1.0), absorption: [0.0; 3] },
         environment: Environment::Color([0.0; 3]),
         media: Vec::new(),
-        refractors: Vec::new(),
-        solids: Vec::new(),
-        lights: Vec::new(),
+        objects: Objects::default(),
         source: None,
     })
 }

@@ -139,7 +139,7 @@ fn patch_report<'a>(prepared: &'a Prepared, patch: &Patch) -> PatchReport<'a> {
 
 /// What `check` warns of about refractors.
 fn warnings(prepared: &Prepared) -> Vec<Warning> {
-    let refractors: HashSet<&str> = prepared.description.refractors.iter().map(|r| r.name.as_str()).collect();
+    let refractors: HashSet<&str> = prepared.description.objects.refractors().iter().map(|r| r.name.as_str()).collect();
     let is_refractor = |name: &str| refractors.contains(name);
     (check(prepared).into_iter())
         .filter(|problem| problem.severity != Severity::Advice && problem.place.split(", ").all(is_refractor))

@@ -699,10 +699,10 @@ mod tests {
             let mut scene = compile(&description, None).expect("it is fine");
             let mut table = InterfaceTable::new(&scene);
             let mut kept = 0;
-            for index in 0..description.refractors.len() {
+            for index in 0..description.objects.refractors().len() {
                 for step in [0.13, -0.4, 0.05] {
                     let before = description.clone();
-                    let transform = &mut description.refractors[index].transform;
+                    let transform = &mut description.objects.refractors_mut()[index].transform;
                     transform.translate += DVec3::new(0.4 * step, step, 0.0);
                     transform.rotate.y += 100.0 * step;
                     let moved = compile(&description, Some((&before, &scene))).expect("it is fine");

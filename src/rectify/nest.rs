@@ -171,13 +171,15 @@ mod tests {
         let mover = 31;
         assert_eq!(mover % 5, 1);
         let place = |description: &Description, to: DVec3| {
-            let Shape::Sphere { center, .. } = description.refractors[mover].shape else { panic!("it is a ball") };
+            let Shape::Sphere { center, .. } = description.objects.refractors()[mover].shape else {
+                panic!("it is a ball")
+            };
             to - center
         };
         let across = DVec3::new(0.0097, 0.0, 0.97);
         for to in [across, DVec3::new(0.0, 9.0, 0.0), across * 1.0001, DVec3::new(0.5, 0.5, 2.0)] {
             let before = description.clone();
-            description.refractors[mover].transform.translate = place(&description, to);
+            description.objects.refractors_mut()[mover].transform.translate = place(&description, to);
             let moved = compile(&description, Some((&before, &scene))).unwrap();
             let changed = changed_objects(&before, &description).unwrap();
             let after = table.updated(&moved, &scene, &changed);

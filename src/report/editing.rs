@@ -63,7 +63,7 @@ impl Edit {
     fn is_possible(self, description: &Description) -> bool {
         match self {
             Self::Ior => !description.media.is_empty(),
-            Self::Transform => !description.refractors.is_empty(),
+            Self::Transform => !description.objects.refractors().is_empty(),
             Self::Camera => true,
         }
     }
@@ -175,9 +175,10 @@ fn edited(before: &Request, edit: Edit, index: usize) -> Request {
             request.description = Arc::new(description);
         }
         Edit::Transform => {
-            let refractor = index / 2 % description.refractors.len();
+            let refractor = index / 2 % description.objects.refractors().len();
             let step = 0.01 * (before.camera.target - before.camera.position).length();
-            description.refractors[refractor].transform.translate += DVec3::new(0.22, 0.14, 0.26) * (step * way);
+            description.objects.refractors_mut()[refractor].transform.translate +=
+                DVec3::new(0.22, 0.14, 0.26) * (step * way);
             request.description = Arc::new(description);
         }
         Edit::Camera => request.camera.position += (before.camera.target - before.camera.position) * (0.01 * way),
@@ -273,7 +274,7 @@ mod tests {
     #[test]
     fn what_is_not_there_is_not_edited() {
         let mut description = load::open("plain-glass").unwrap();
-        description.refractors.clear();
+        description.objects.clear(crate::scene::description::Kind::Refractor);
         let found = measured(description, false).unwrap().unwrap();
         assert_eq!(found.times.iter().map(|times| times.edit).collect::<Vec<_>>(), [Edit::Ior, Edit::Camera]);
     }
@@ -299,7 +300,7 @@ mod tests {
             let there = edited(&before, edit, 0);
             let back = edited(&there, edit, 1);
             let place = |request: &Request| {
-                let refractor = request.description.refractors[0].transform.translate;
+                let refractor = request.description.objects.refractors()[0].transform.translate;
                 let ior = request.description.media[0].ior.ior_minus_one(WAVELENGTH_D_UM);
                 (refractor, request.camera.position, ior)
             };

@@ -102,7 +102,7 @@ mod tests {
     fn every_scene_can_be_read() {
         for scene in all() {
             let description = description(scene).unwrap_or_else(|error| panic!("{}: {error}", scene.name));
-            assert!(!description.refractors.is_empty(), "{} shows no dielectric", scene.name);
+            assert!(!description.objects.refractors().is_empty(), "{} shows no dielectric", scene.name);
             assert!(description.source.is_some_and(|source| source.is_builtin));
             assert!(scene.about.ends_with('.') && scene.about.len() < 120, "{}", scene.about);
         }

@@ -16,7 +16,9 @@ use glam::DVec3;
 use sha2::{Digest, Sha256};
 
 use super::camera::Camera;
-use super::description::{Description, Environment, Light, Paint, Refractor, Shape, Solid, Transform, WorldMedium};
+use super::description::{
+    Description, Environment, Light, Object, Paint, Refractor, Role, Shape, Solid, Transform, WorldMedium,
+};
 use super::environment::EnvironmentImage;
 use crate::geometry::Mesh;
 use crate::optics::Ior;
@@ -157,8 +159,8 @@ impl Description {
     /// Of all that decides what can be seen, but for the camera, which is often moved: see [`Camera::hash_into`]. Contents of meshes and
     /// images count, their paths do not, nor do names.
     pub fn fingerprint(&self) -> Fingerprint {
-        let Self { name: _, camera: _, world, environment, media, refractors, solids, lights, source: _ } = self;
-        let mut hasher = Hasher::new("iorect scene 1");
+        let Self { name: _, camera: _, world, environment, media, objects, source: _ } = self;
+        let mut hasher = Hasher::new("iorect scene 2");
         let WorldMedium { ior, absorption } = world;
         hash_ior(&mut hasher, ior);
         hasher.numbers(*absorption);
@@ -169,42 +171,37 @@ impl Description {
             hasher.numbers(*absorption);
         }
         let mut shapes = Shapes::default();
-        hasher.integer(refractors.len() as u64);
-        for Refractor { name: _, medium, shape, priority, smooth, visible, transform } in refractors {
-            let medium = media.iter().position(|m| m.name == *medium);
-            hasher.integer(medium.map_or(u64::MAX, |index| index as u64));
+        hasher.integer(objects.len() as u64);
+        for Object { name: _, shape, transform, visible, role } in &**objects {
             shapes.hash(&mut hasher, shape);
-            hasher.integer(i64::from(*priority) as u64);
-            hasher.flag(*smooth);
-            hasher.flag(*visible);
             hash_transform(&mut hasher, transform);
-        }
-        hasher.integer(solids.len() as u64);
-        for Solid { name: _, shape, paint, mirror, smooth, visible, transform } in solids {
-            shapes.hash(&mut hasher, shape);
-            match paint {
-                Paint::Color(color) => {
-                    hasher.text("color");
-                    hasher.numbers(*color);
+            hasher.flag(*visible);
+            hasher.text(role.kind().name());
+            match role {
+                Role::Refractor(Refractor { medium, priority, smooth }) => {
+                    let medium = media.iter().position(|m| m.name == *medium);
+                    hasher.integer(medium.map_or(u64::MAX, |index| index as u64));
+                    hasher.integer(i64::from(*priority) as u64);
+                    hasher.flag(*smooth);
                 }
-                Paint::Checker { a, b, size } => {
-                    hasher.text("checker");
-                    hasher.numbers(*a);
-                    hasher.numbers(*b);
-                    hasher.number(*size);
+                Role::Solid(Solid { paint, mirror, smooth }) => {
+                    match paint {
+                        Paint::Color(color) => {
+                            hasher.text("color");
+                            hasher.numbers(*color);
+                        }
+                        Paint::Checker { a, b, size } => {
+                            hasher.text("checker");
+                            hasher.numbers(*a);
+                            hasher.numbers(*b);
+                            hasher.number(*size);
+                        }
+                    }
+                    hasher.flag(*mirror);
+                    hasher.flag(*smooth);
                 }
+                Role::Light(Light { radiance }) => hasher.numbers(*radiance),
             }
-            hasher.flag(*mirror);
-            hasher.flag(*smooth);
-            hasher.flag(*visible);
-            hash_transform(&mut hasher, transform);
-        }
-        hasher.integer(lights.len() as u64);
-        for Light { name: _, shape, radiance, visible, transform } in lights {
-            shapes.hash(&mut hasher, shape);
-            hasher.numbers(*radiance);
-            hasher.flag(*visible);
-            hash_transform(&mut hasher, transform);
         }
         hasher.finish()
     }
@@ -369,10 +366,8 @@ mod tests {
         for medium in &mut renamed.media {
             medium.name += " renamed";
         }
-        for refractor in &mut renamed.refractors {
-            refractor.medium += " renamed";
-            refractor.name += " renamed";
-        }
+        renamed.objects.refractor_roles_mut().for_each(|refractor| refractor.medium += " renamed");
+        renamed.objects.iter_mut().for_each(|object| object.name += " renamed");
         assert_eq!(renamed.fingerprint(), before);
     }
 
@@ -387,7 +382,7 @@ mod tests {
             })
         };
         let mut scene = described("iced-water");
-        scene.refractors[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(1.0), notes: Vec::new() };
+        scene.objects[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(1.0), notes: Vec::new() };
         let image = |blue: f32| EnvironmentImage { width: 1, height: 1, pixels: vec![[1.0, 1.0, blue]], notes: vec![] };
         let with_image = |blue: f32| Environment::Image {
             path: "e.hdr".into(),
@@ -395,6 +390,12 @@ mod tests {
             rotation: 0.0,
             scale: 1.0,
         };
+        fn refractor(d: &mut Description, index: usize) -> &mut Refractor {
+            d.objects[index].refractor_mut().unwrap()
+        }
+        fn solid(d: &mut Description) -> &mut Solid {
+            d.objects.solids_mut()[0].solid_mut().unwrap()
+        }
         type Edit<'a> = Box<dyn Fn(&mut Description) + 'a>;
         let edits: Vec<Edit<'_>> = vec![
             Box::new(|_| ()),
@@ -403,18 +404,16 @@ mod tests {
             Box::new(|d| d.media[0].absorption[0] += 1e-9),
             Box::new(|d| d.media[0].ior = Ior::Cauchy([1.5, 0.0, 0.0])),
             Box::new(|d| d.media[0].ior = Ior::Sellmeier(vec![[1.5, 0.0]].into())),
-            Box::new(|d| d.refractors[0].medium = d.refractors[1].medium.clone()),
-            Box::new(|d| {
-                d.refractors[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(2.0), notes: Vec::new() }
-            }),
-            Box::new(|d| d.refractors[0].priority -= 7),
-            Box::new(|d| d.refractors[0].smooth ^= true),
-            Box::new(|d| d.refractors[0].visible ^= true),
-            Box::new(|d| d.refractors[0].transform.rotate.y += 1.0),
-            Box::new(|d| d.refractors.swap(0, 1)),
-            Box::new(|d| d.solids[0].mirror ^= true),
-            Box::new(|d| d.solids[0].paint = Paint::Color([0.125; 3])),
-            Box::new(|d| _ = d.refractors.pop()),
+            Box::new(|d| refractor(d, 0).medium = refractor(d, 1).medium.clone()),
+            Box::new(|d| d.objects[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(2.0), notes: Vec::new() }),
+            Box::new(|d| refractor(d, 0).priority -= 7),
+            Box::new(|d| refractor(d, 0).smooth ^= true),
+            Box::new(|d| d.objects[0].visible ^= true),
+            Box::new(|d| d.objects[0].transform.rotate.y += 1.0),
+            Box::new(|d| d.objects.swap(0, 1)),
+            Box::new(|d| solid(d).mirror ^= true),
+            Box::new(|d| solid(d).paint = Paint::Color([0.125; 3])),
+            Box::new(|d| _ = d.objects.remove(0)),
             Box::new(|d| d.environment = Environment::Color([0.25; 3])),
             Box::new(|d| d.environment = with_image(1.0)),
             Box::new(|d| d.environment = with_image(2.0)),
@@ -430,7 +429,7 @@ mod tests {
         // The same contents from another file.
         let mut moved = scene.clone();
         let note = LoadNote { kind: "short_faces", count: 1, first_line: None, message: String::new() };
-        moved.refractors[0].shape = Shape::Mesh { path: "b.obj".into(), mesh: mesh(1.0), notes: vec![note] };
+        moved.objects[0].shape = Shape::Mesh { path: "b.obj".into(), mesh: mesh(1.0), notes: vec![note] };
         assert_eq!(moved.fingerprint(), scene.fingerprint());
     }
 

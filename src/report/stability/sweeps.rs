@@ -67,7 +67,7 @@ pub(super) const SWEEPS: &[SweepDefinition] = &[
 ];
 
 fn transformed(mut description: Description, scale: f64, center: DVec3) -> Description {
-    for refractor in &mut description.refractors {
+    for refractor in description.objects.refractors_mut() {
         refractor.transform = Transform { scale: DVec3::splat(scale), translate: center, ..Transform::IDENTITY };
     }
     description
@@ -246,14 +246,14 @@ fn slivers(subject: &Subject) -> Result<Vec<Step>, Unmeasured> {
         let mut squashed = empty(1.0);
         for radius in [1.0, 0.5] {
             add(&mut squashed, icosphere(radius, 3), 1.0, 0.0);
-            if let Some(refractor) = squashed.refractors.last_mut() {
+            if let Some(refractor) = squashed.objects.refractors_mut().last_mut() {
                 refractor.transform = Transform { scale: DVec3::new(1.0, thin, 1.0), ..turned };
             }
         }
         let single = |shape: Shape| {
             let mut description = empty(1.0);
             add(&mut description, shape, 1.0, 0.0);
-            description.refractors[0].transform = turned;
+            description.objects.refractors_mut()[0].transform = turned;
             description
         };
         let once = [("world", "object 0"), ("object 0", "world")];

@@ -113,19 +113,14 @@ fn parse_with(text: &str, path: &Path, files: Files<'_>) -> Result<Description, 
 
     let stem = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
     let media = media(&root)?;
-    let mut objects = objects::Reader::new(files, &media);
-    let refractors = objects.refractors(&root)?;
-    let solids = objects.solids(&root)?;
-    let lights = objects.lights(&root)?;
+    let objects = objects::Reader::new(files, &media).objects(&root)?;
     Ok(Description {
         name: root.read("name", stem, |node| node.words().map(str::to_owned))?,
         camera: camera(&root.need("camera")?.table()?.renamed("[camera]".into()))?,
         world: world(&root)?,
         environment: environment::environment(&root, files)?,
         media,
-        refractors,
-        solids,
-        lights,
+        objects,
         source: Some(Arc::new(Source {
             path: path.to_path_buf(),
             text: text.to_owned(),

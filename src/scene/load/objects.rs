@@ -10,7 +10,7 @@ use super::shape::{self, MeshCache};
 use super::suggest::suggestion;
 use crate::optics::{Medium, catalog, medium};
 use crate::scene::SceneError;
-use crate::scene::description::{Light, Paint, Refractor, Shape, Solid, Transform};
+use crate::scene::description::{Light, Object, Objects, Paint, Refractor, Shape, Solid, Transform};
 use crate::scene::shapes::{MAX_LENGTH, MIN_LENGTH};
 
 /// Albedo of a solid that gives none.
@@ -32,7 +32,12 @@ impl<'a> Reader<'a> {
         Self { files, media, media_names, names: HashMap::new(), meshes: MeshCache::default() }
     }
 
-    pub fn refractors(&mut self, root: &Table<'_>) -> Result<Vec<Refractor>, SceneError> {
+    pub fn objects(&mut self, root: &Table<'_>) -> Result<Objects, SceneError> {
+        let (refractors, solids, lights) = (self.refractors(root)?, self.solids(root)?, self.lights(root)?);
+        Ok(refractors.into_iter().chain(solids).chain(lights).collect())
+    }
+
+    fn refractors(&mut self, root: &Table<'_>) -> Result<Vec<Object>, SceneError> {
         const KEYS: [&str; 8] = ["name", "medium", "shape", "priority", "roughness", "smooth", "visible", "transform"];
         let mut refractors = Vec::new();
         for table in root.read("refractor", Vec::new(), Node::tables)? {
@@ -44,20 +49,16 @@ impl<'a> Reader<'a> {
             }
             let medium = self.medium(&table.need("medium")?)?;
             let (shape, transform) = self.shape(&table)?;
-            refractors.push(Refractor {
-                name,
-                medium,
-                shape,
-                priority: table.read("priority", 0, |node| node.integer(i32::MIN..=i32::MAX))?,
-                smooth: table.read("smooth", false, Node::boolean)?,
-                visible: table.read("visible", true, Node::boolean)?,
-                transform,
-            });
+            let priority = table.read("priority", 0, |node| node.integer(i32::MIN..=i32::MAX))?;
+            let smooth = table.read("smooth", false, Node::boolean)?;
+            let visible = table.read("visible", true, Node::boolean)?;
+            let role = Refractor { medium, priority, smooth }.into();
+            refractors.push(Object { name, shape, transform, visible, role });
         }
         Ok(refractors)
     }
 
-    pub fn solids(&mut self, root: &Table<'_>) -> Result<Vec<Solid>, SceneError> {
+    fn solids(&mut self, root: &Table<'_>) -> Result<Vec<Object>, SceneError> {
         const KEYS: [&str; 8] = ["name", "shape", "color", "checker", "mirror", "smooth", "visible", "transform"];
         let mut solids = Vec::new();
         for table in root.read("solid", Vec::new(), Node::tables)? {
@@ -71,32 +72,22 @@ impl<'a> Reader<'a> {
                 (None, None) => Paint::Color(DEFAULT_ALBEDO),
             };
             let (shape, transform) = self.shape(&table)?;
-            solids.push(Solid {
-                name,
-                shape,
-                paint,
-                mirror: table.read("mirror", false, Node::boolean)?,
-                smooth: table.read("smooth", false, Node::boolean)?,
-                visible: table.read("visible", true, Node::boolean)?,
-                transform,
-            });
+            let mirror = table.read("mirror", false, Node::boolean)?;
+            let smooth = table.read("smooth", false, Node::boolean)?;
+            let visible = table.read("visible", true, Node::boolean)?;
+            solids.push(Object { name, shape, transform, visible, role: Solid { paint, mirror, smooth }.into() });
         }
         Ok(solids)
     }
 
-    pub fn lights(&mut self, root: &Table<'_>) -> Result<Vec<Light>, SceneError> {
+    fn lights(&mut self, root: &Table<'_>) -> Result<Vec<Object>, SceneError> {
         let mut lights = Vec::new();
         for table in root.read("light", Vec::new(), Node::tables)? {
             let (name, table) = self.begin(table, "light", &["name", "shape", "radiance", "visible", "transform"])?;
             let (shape, transform) = self.shape(&table)?;
             let radiance = table.need("radiance")?.radiance()?;
-            lights.push(Light {
-                name,
-                shape,
-                radiance,
-                visible: table.read("visible", true, Node::boolean)?,
-                transform,
-            });
+            let visible = table.read("visible", true, Node::boolean)?;
+            lights.push(Object { name, shape, transform, visible, role: Light { radiance }.into() });
         }
         Ok(lights)
     }

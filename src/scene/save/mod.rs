@@ -18,7 +18,8 @@ use self::merge::merge;
 use self::value::ToValue;
 use super::SceneError;
 use super::description::{
-    CameraDescription, Description, Environment, Light, Paint, Refractor, Solid, Transform, WorldMedium,
+    CameraDescription, Description, Environment, Kind, Light, Object, Paint, Refractor, Role, Solid, Transform,
+    WorldMedium,
 };
 use super::load;
 use crate::optics::{Ior, Medium};
@@ -47,11 +48,10 @@ pub fn to_text(description: &Description) -> String {
 /// Whether `new` is what the text of `old` says, which alone does not hold meshes and images.
 fn says_the_same(old: &Description, new: &Description) -> bool {
     let mut new = Description { source: old.source.clone(), ..new.clone() };
-    let shapes = (new.refractors.iter_mut().map(|r| &mut r.shape).zip(old.refractors.iter().map(|r| &r.shape)))
-        .chain(new.solids.iter_mut().map(|s| &mut s.shape).zip(old.solids.iter().map(|s| &s.shape)))
-        .chain(new.lights.iter_mut().map(|l| &mut l.shape).zip(old.lights.iter().map(|l| &l.shape)));
-    for (new, old) in shapes.filter(|(new, old)| value::same_shape(old, new)) {
-        new.clone_from(old);
+    for (new, old) in new.objects.iter_mut().zip(&*old.objects) {
+        if value::same_shape(&old.shape, &new.shape) {
+            new.shape.clone_from(&old.shape);
+        }
     }
     if same_environment(&old.environment, &new.environment) {
         new.environment.clone_from(&old.environment);
@@ -72,12 +72,10 @@ fn edit(document: &mut DocumentMut, old: Option<&Description>, new: &Description
     }
     let media = List { key: "medium", name: |m: &Medium| &m.name, write: medium };
     media.sync(root, old.map(|o| &o.media[..]), &new.media);
-    let refractors = List { key: "refractor", name: |r: &Refractor| &r.name, write: refractor };
-    refractors.sync(root, old.map(|o| &o.refractors[..]), &new.refractors);
-    let solids = List { key: "solid", name: |s: &Solid| &s.name, write: solid };
-    solids.sync(root, old.map(|o| &o.solids[..]), &new.solids);
-    let lights = List { key: "light", name: |l: &Light| &l.name, write: light };
-    lights.sync(root, old.map(|o| &o.lights[..]), &new.lights);
+    for kind in Kind::ALL {
+        let objects = List { key: kind.name(), name: |o: &Object| &o.name, write: object };
+        objects.sync(root, old.map(|o| o.objects.of(kind)), new.objects.of(kind));
+    }
 }
 
 /// Writes the scene to a file, whole or not at all. Paths that are relative to another folder are rewritten; what a built-in scene names
@@ -192,19 +190,25 @@ fn medium(table: &mut dyn TableLike, old: Option<&Medium>, new: &Medium) {
     field(table, "absorption", old.map(|o| &o.absorption), &new.absorption, Some(&[0.0; 3]));
 }
 
-fn refractor(table: &mut dyn TableLike, old: Option<&Refractor>, new: &Refractor) {
+fn object(table: &mut dyn TableLike, old: Option<&Object>, new: &Object) {
     field(table, "name", old.map(|o| &o.name), &new.name, None);
-    field(table, "medium", old.map(|o| &o.medium), &new.medium, None);
+    match &new.role {
+        Role::Refractor(new) => refractor(table, old.and_then(Object::refractor), new),
+        Role::Solid(new) => solid(table, old.and_then(Object::solid), new),
+        Role::Light(new) => light(table, old.and_then(Object::light), new),
+    }
     shape(table, old.map(|o| &o.shape), &new.shape);
-    field(table, "priority", old.map(|o| &o.priority), &new.priority, Some(&0));
-    field(table, "smooth", old.map(|o| &o.smooth), &new.smooth, Some(&false));
     visible(table, old.map(|o| o.visible), new.visible);
     transform(table, old.map(|o| &o.transform), &new.transform);
 }
 
+fn refractor(table: &mut dyn TableLike, old: Option<&Refractor>, new: &Refractor) {
+    field(table, "medium", old.map(|o| &o.medium), &new.medium, None);
+    field(table, "priority", old.map(|o| &o.priority), &new.priority, Some(&0));
+    field(table, "smooth", old.map(|o| &o.smooth), &new.smooth, Some(&false));
+}
+
 fn solid(table: &mut dyn TableLike, old: Option<&Solid>, new: &Solid) {
-    field(table, "name", old.map(|o| &o.name), &new.name, None);
-    shape(table, old.map(|o| &o.shape), &new.shape);
     if old.map(|o| &o.paint) != Some(&new.paint) {
         let (form, other) = match new.paint {
             Paint::Color(_) => ("color", "checker"),
@@ -215,16 +219,10 @@ fn solid(table: &mut dyn TableLike, old: Option<&Solid>, new: &Solid) {
     }
     field(table, "mirror", old.map(|o| &o.mirror), &new.mirror, Some(&false));
     field(table, "smooth", old.map(|o| &o.smooth), &new.smooth, Some(&false));
-    visible(table, old.map(|o| o.visible), new.visible);
-    transform(table, old.map(|o| &o.transform), &new.transform);
 }
 
 fn light(table: &mut dyn TableLike, old: Option<&Light>, new: &Light) {
-    field(table, "name", old.map(|o| &o.name), &new.name, None);
-    shape(table, old.map(|o| &o.shape), &new.shape);
     field(table, "radiance", old.map(|o| &o.radiance), &new.radiance, None);
-    visible(table, old.map(|o| o.visible), new.visible);
-    transform(table, old.map(|o| &o.transform), &new.transform);
 }
 
 /// Only said of what is not: an object that is shown again loses the key.

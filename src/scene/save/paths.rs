@@ -37,11 +37,8 @@ pub(super) fn relocate(description: &mut Description, target: &Path) -> Result<(
         }
         Ok(())
     };
-    let shapes = (description.refractors.iter_mut().map(|r| &mut r.shape))
-        .chain(description.solids.iter_mut().map(|s| &mut s.shape))
-        .chain(description.lights.iter_mut().map(|l| &mut l.shape));
-    for shape in shapes {
-        if let Shape::Mesh { path, .. } = shape {
+    for object in description.objects.iter_mut() {
+        if let Shape::Mesh { path, .. } = &mut object.shape {
             moved(path)?;
         }
     }
