@@ -3,6 +3,7 @@
 //! Meshes and environment images are read by [`super::load`] and held by [`Arc`], so a description is cheap to clone (undo, worker
 //! requests) and compiling it needs no files.
 
+mod fields;
 mod objects;
 mod shape;
 
@@ -11,6 +12,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+pub use self::fields::{DEFAULT_VERTICAL_FOV, blank_medium, medium_fields};
 pub use self::objects::{Kind, Light, Object, Objects, Paint, Refractor, Role, Solid};
 pub use self::shape::{Shape, Transform};
 use super::environment::EnvironmentImage;

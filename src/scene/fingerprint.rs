@@ -4,8 +4,8 @@
 //! changes the fingerprint and no picture, which costs no more than a reference that is made again.
 //!
 //! Every number goes in with its bits, so 0 and −0 are told apart; every list with its length, and every choice with its name, so that
-//! no two descriptions can run together. The structs are taken apart field by field: a new field does not compile until it is decided
-//! here whether it matters.
+//! no two descriptions can run together. What is hashed are the fields of the scene's tables, each of which is said once for all (see
+//! [`super::fields`]), so that none can be forgotten here.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -16,13 +16,11 @@ use glam::DVec3;
 use sha2::{Digest, Sha256};
 
 use super::camera::Camera;
-use super::description::{
-    Description, Environment, Light, Object, Paint, Refractor, Role, Shape, Solid, Transform, WorldMedium,
-};
+use super::description::{Description, medium_fields};
 use super::environment::EnvironmentImage;
+use super::fields::{Entry, Field, Plain, Slot, Visitor};
 use crate::geometry::Mesh;
 use crate::optics::Ior;
-use crate::optics::medium::Medium;
 
 /// A SHA-256 sum, shown as 64 hexadecimal digits.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -159,51 +157,25 @@ impl Description {
     /// Of all that decides what can be seen, but for the camera, which is often moved: see [`Camera::hash_into`]. Contents of meshes and
     /// images count, their paths do not, nor do names.
     pub fn fingerprint(&self) -> Fingerprint {
-        let Self { name: _, camera: _, world, environment, media, objects, source: _ } = self;
-        let mut hasher = Hasher::new("iorect scene 2");
-        let WorldMedium { ior, absorption } = world;
-        hash_ior(&mut hasher, ior);
-        hasher.numbers(*absorption);
-        hash_environment(&mut hasher, environment);
-        hasher.integer(media.len() as u64);
-        for Medium { name: _, ior, absorption } in media {
-            hash_ior(&mut hasher, ior);
-            hasher.numbers(*absorption);
+        let Self { name: _, camera: _, mut world, mut environment, mut media, mut objects, source: _ } = self.clone();
+        let hasher = Hasher::new("iorect scene 2");
+        let mut hasher = FieldHasher { hasher, media: HashMap::new(), meshes: HashMap::new() };
+        world.fields(&mut hasher);
+        environment.fields(&mut hasher);
+        hasher.hasher.integer(media.len() as u64);
+        for medium in &mut media {
+            medium_fields(medium, &mut hasher);
         }
-        let mut shapes = Shapes::default();
-        hasher.integer(objects.len() as u64);
-        for Object { name: _, shape, transform, visible, role } in &**objects {
-            shapes.hash(&mut hasher, shape);
-            hash_transform(&mut hasher, transform);
-            hasher.flag(*visible);
-            hasher.text(role.kind().name());
-            match role {
-                Role::Refractor(Refractor { medium, priority, smooth }) => {
-                    let medium = media.iter().position(|m| m.name == *medium);
-                    hasher.integer(medium.map_or(u64::MAX, |index| index as u64));
-                    hasher.integer(i64::from(*priority) as u64);
-                    hasher.flag(*smooth);
-                }
-                Role::Solid(Solid { paint, mirror, smooth }) => {
-                    match paint {
-                        Paint::Color(color) => {
-                            hasher.text("color");
-                            hasher.numbers(*color);
-                        }
-                        Paint::Checker { a, b, size } => {
-                            hasher.text("checker");
-                            hasher.numbers(*a);
-                            hasher.numbers(*b);
-                            hasher.number(*size);
-                        }
-                    }
-                    hasher.flag(*mirror);
-                    hasher.flag(*smooth);
-                }
-                Role::Light(Light { radiance }) => hasher.numbers(*radiance),
-            }
+        for (index, medium) in media.into_iter().enumerate().rev() {
+            // Of equal names, which the loader refuses, the first.
+            hasher.media.insert(medium.name, index as u64);
         }
-        hasher.finish()
+        hasher.hasher.integer(objects.len() as u64);
+        for object in &mut objects {
+            hasher.hasher.text(object.kind().name());
+            object.fields(&mut hasher);
+        }
+        hasher.hasher.finish()
     }
 }
 
@@ -246,83 +218,63 @@ fn hash_ior(hasher: &mut Hasher, ior: &Ior) {
     }
 }
 
-fn hash_environment(hasher: &mut Hasher, environment: &Environment) {
-    match environment {
-        Environment::Color(color) => {
-            hasher.text("color");
-            hasher.numbers(*color);
-        }
-        Environment::Gradient { zenith, horizon, nadir } => {
-            hasher.text("gradient");
-            [zenith, horizon, nadir].into_iter().for_each(|color| hasher.numbers(*color));
-        }
-        Environment::Image { path: _, image, rotation, scale } => {
-            let EnvironmentImage { width, height, pixels, notes: _ } = &**image;
-            hasher.text("image");
-            hasher.integer(*width as u64);
-            hasher.integer(*height as u64);
-            hasher.list(pixels, |pixel| pixel.map(|component| u64::from(component.to_bits())));
-            hasher.numbers([*rotation, *scale]);
-        }
-    }
-}
-
-fn hash_transform(hasher: &mut Hasher, transform: &Transform) {
-    let Transform { scale, rotate, translate } = *transform;
-    [scale, rotate, translate].into_iter().for_each(|vector| hasher.vector(vector));
-}
-
-/// Meshes that have been read already: thousands of objects may share one.
-#[derive(Default)]
-struct Shapes {
+/// Hashes fields: keys, forms and values.
+struct FieldHasher {
+    hasher: Hasher,
+    /// Media by name: what is named is hashed, not the name.
+    media: HashMap<String, u64>,
+    /// Meshes that have been read already: thousands of objects may share one.
     meshes: HashMap<*const Mesh, Fingerprint>,
 }
 
-impl Shapes {
-    fn hash(&mut self, hasher: &mut Hasher, shape: &Shape) {
-        match shape {
-            Shape::Sphere { center, radius } => {
-                hasher.text("sphere");
-                hasher.vector(*center);
-                hasher.number(*radius);
-            }
-            Shape::Icosphere { center, radius, subdivisions } => {
-                hasher.text("icosphere");
-                hasher.vector(*center);
-                hasher.number(*radius);
-                hasher.integer(u64::from(*subdivisions));
-            }
-            Shape::Box { min, max } => {
-                hasher.text("box");
-                hasher.vector(*min);
-                hasher.vector(*max);
-            }
-            Shape::Cylinder { center, radius, height, segments } => {
-                hasher.text("cylinder");
-                hasher.vector(*center);
-                hasher.numbers([*radius, *height]);
-                hasher.integer(u64::from(*segments));
-            }
-            Shape::Torus { center, major, minor, segments, rings } => {
-                hasher.text("torus");
-                hasher.vector(*center);
-                hasher.numbers([*major, *minor]);
-                hasher.integer(u64::from(*segments));
-                hasher.integer(u64::from(*rings));
-            }
-            Shape::Lathe { profile, segments } => {
-                hasher.text("lathe");
-                hasher.list(profile, |point| point.map(f64::to_bits));
-                hasher.integer(u64::from(*segments));
-            }
-            Shape::Quad { center, edge_u, edge_v } => {
-                hasher.text("quad");
-                [center, edge_u, edge_v].into_iter().for_each(|vector| hasher.vector(*vector));
-            }
-            Shape::Mesh { path: _, mesh, notes: _ } => {
-                hasher.text("mesh");
+impl Visitor for FieldHasher {
+    fn field(&mut self, Field { key, slot, is_default: _ }: Field<'_>) -> bool {
+        if matches!(slot, Slot::Name(_)) {
+            return true;
+        }
+        let hasher = &mut self.hasher;
+        hasher.text(key);
+        match slot {
+            Slot::Medium(name) => hasher.integer(self.media.get(name).copied().unwrap_or(u64::MAX)),
+            Slot::Ior(ior) => hash_ior(hasher, ior),
+            Slot::Mesh { mesh, .. } => {
                 let of_mesh = self.meshes.entry(Arc::as_ptr(mesh)).or_insert_with(|| of_mesh(mesh));
                 hasher.fingerprint(*of_mesh);
+            }
+            Slot::Image { image, .. } => {
+                let EnvironmentImage { width, height, pixels, notes: _ } = &**image;
+                hasher.integer(*width as u64);
+                hasher.integer(*height as u64);
+                hasher.list(pixels, |pixel| pixel.map(|component| u64::from(component.to_bits())));
+            }
+            Slot::Table(fields) => fields(self),
+            slot => hash_plain(hasher, slot.plain().as_ref()),
+        }
+        true
+    }
+
+    fn form(&mut self, _: &[&'static str], current: &'static str, _: Option<&'static str>) -> &'static str {
+        self.hasher.text(current);
+        current
+    }
+}
+
+fn hash_plain(hasher: &mut Hasher, plain: Option<&Plain>) {
+    match plain {
+        None => hasher.text("none"),
+        Some(Plain::Flag(value)) => hasher.flag(*value),
+        Some(Plain::Integer(value)) => hasher.integer(*value as u64),
+        Some(Plain::Number(value)) => hasher.number(*value),
+        Some(Plain::Text(value)) => hasher.text(value),
+        Some(Plain::List(items)) => {
+            hasher.integer(items.len() as u64);
+            items.iter().for_each(|item| hash_plain(hasher, Some(item)));
+        }
+        Some(Plain::Table(entries)) => {
+            hasher.integer(entries.len() as u64);
+            for Entry { key, value, is_default: _ } in entries {
+                hasher.text(key);
+                hash_plain(hasher, Some(value));
             }
         }
     }
@@ -342,6 +294,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
+    use crate::scene::description::{Environment, Paint, Refractor, Shape, Solid};
     use crate::scene::{LoadNote, builtin, load};
 
     fn described(name: &str) -> Description {

@@ -6,6 +6,7 @@ pub mod compile;
 pub mod description;
 pub mod environment;
 pub mod error;
+pub mod fields;
 pub mod files;
 pub mod fingerprint;
 pub mod light;
@@ -17,7 +18,7 @@ mod scene;
 pub mod shapes;
 
 pub use description::Description;
-pub use error::SceneError;
+pub use error::{Fault, SceneError};
 pub use fingerprint::Fingerprint;
 pub use needs::SceneNeeds;
 pub use note::LoadNote;

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::geometry::Mesh;
 use crate::scene::LoadNote;
+use crate::scene::error::Fault;
 use crate::scene::shapes::{MAX_LENGTH, MIN_LENGTH};
 
 /// Scale first, then rotate about the fixed x, y and z axes through the origin, then translate.
@@ -30,20 +31,25 @@ impl Transform {
         glam::DAffine3 { matrix3: rotation * glam::DMat3::from_diagonal(self.scale), translation: self.translate }
     }
 
-    /// Why `shape` cannot be transformed like this, in words.
-    pub fn fault(&self, shape: &Shape) -> Option<String> {
-        let is_within = |v: DVec3| v.is_finite() && v.abs().max_element() <= MAX_LENGTH;
+    /// # Errors
+    /// When `shape` cannot be transformed like this.
+    pub fn validate(&self, shape: &Shape) -> Result<(), Fault> {
         let size = self.scale.abs();
-        if !(is_within(self.translate) && is_within(self.scale) && self.rotate.is_finite()) {
-            Some(format!("Numbers of a transform must be finite and at most {MAX_LENGTH:e}."))
+        for (key, vector) in [("scale", self.scale), ("translate", self.translate)] {
+            if !(vector.abs().max_element() <= MAX_LENGTH && vector.is_finite()) {
+                return Fault::at(key, format!("`{key}` is too large, must be at most {MAX_LENGTH:e}"));
+            }
+        }
+        if !self.rotate.is_finite() {
+            Fault::at("rotate", "`rotate` must be finite")
         } else if size.min_element() == 0.0 {
-            Some("A scale must not be 0.".to_owned())
+            Fault::at("scale", "`scale` must not be 0")
         } else if size.min_element() < MIN_LENGTH {
-            Some(format!("A scale must be at least {MIN_LENGTH:e}."))
+            Fault::at("scale", format!("`scale` is too small, must be at least {MIN_LENGTH:e}"))
         } else if matches!(shape, Shape::Sphere { .. }) && (size.x != size.y || size.y != size.z) {
-            Some("A sphere is analytic and scales by the same amount along all axes; use an icosphere.".to_owned())
+            Fault::at("", "a `sphere` is analytic and cannot be scaled differently along its axes; use an `icosphere`")
         } else {
-            None
+            Ok(())
         }
     }
 }

@@ -6,21 +6,19 @@
 mod bytes;
 mod corners;
 mod encoding;
-mod environment;
 mod files;
 pub(crate) mod image;
+mod ior;
 mod lines;
 mod mesh;
 mod node;
 mod obj;
-mod objects;
 mod passed_over;
 mod ply;
 mod polygon;
-mod shape;
+mod reader;
 mod suggest;
 
-use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -31,18 +29,13 @@ use self::encoding::Utf16;
 use self::files::Files;
 pub(super) use self::files::normal;
 use self::node::{Node, Table, Text};
+use self::reader::{Context, read, read_list};
 use self::suggest::suggestion;
 use super::SceneError;
 use super::builtin;
-use super::camera::Camera;
-use super::description::{CameraDescription, Description, Source, WorldMedium};
+use super::description::{self, CameraDescription, Description, Environment, Kind, Object, Source, WorldMedium};
+use super::fields::Visitor;
 use super::files::{MAX_SCENE_BYTES, read_or_receive};
-use super::shapes::{MAX_LENGTH, MIN_LENGTH};
-use crate::optics::ior::IOR_RANGE;
-use crate::optics::{Ior, Medium, catalog, medium};
-
-/// Vertical field of view of a camera that gives none, in degrees.
-pub const DEFAULT_VERTICAL_FOV: f64 = 40.0;
 
 /// A scene by the name of a built-in one, or by its file's path.
 ///
@@ -112,136 +105,38 @@ fn parse_with(text: &str, path: &Path, files: Files<'_>) -> Result<Description, 
     root.only(&["name", "camera", "world", "environment", "medium", "refractor", "solid", "light"])?;
 
     let stem = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
-    let media = media(&root)?;
-    let objects = objects::Reader::new(files, &media).objects(&root)?;
+    let mut context = Context::new(files);
+    let media = read_list(&root, "medium", &mut context, description::blank_medium, description::medium_fields)?;
+    context.set_media(&media);
+    let mut objects = Vec::new();
+    for kind in Kind::ALL {
+        objects.extend(read_list(&root, kind.name(), &mut context, || Object::blank(kind), Object::fields)?);
+    }
+    let mut section = |key: &'static str, node: Node<'_>, fields: &mut dyn FnMut(&mut dyn Visitor)| {
+        read(node.table()?.renamed(format!("[{key}]")), key, &mut context, fields)
+    };
+    let name = root.read("name", stem, |node| node.words().map(str::to_owned))?;
+    let mut camera = CameraDescription::blank();
+    section("camera", root.need("camera")?, &mut |v| camera.fields(v))?;
+    let mut world = WorldMedium::DEFAULT;
+    if let Some(node) = root.get("world") {
+        section("world", node, &mut |v| world.fields(v))?;
+    }
+    let mut environment = Environment::DEFAULT;
+    if let Some(node) = root.get("environment") {
+        section("environment", node, &mut |v| environment.fields(v))?;
+    }
     Ok(Description {
-        name: root.read("name", stem, |node| node.words().map(str::to_owned))?,
-        camera: camera(&root.need("camera")?.table()?.renamed("[camera]".into()))?,
-        world: world(&root)?,
-        environment: environment::environment(&root, files)?,
+        name,
+        camera,
+        world,
+        environment,
         media,
-        objects,
+        objects: objects.into_iter().collect(),
         source: Some(Arc::new(Source {
             path: path.to_path_buf(),
             text: text.to_owned(),
             is_builtin: matches!(files, Files::BuiltIn(_)),
         })),
     })
-}
-
-fn camera(table: &Table<'_>) -> Result<CameraDescription, SceneError> {
-    table.only(&["position", "target", "up", "vertical_fov", "aperture_radius", "focus_distance"])?;
-    let camera = CameraDescription {
-        position: table.need("position")?.vec3()?,
-        target: table.need("target")?.vec3()?,
-        up: table.read("up", glam::DVec3::Y, Node::vec3)?,
-        vertical_fov: table.read("vertical_fov", DEFAULT_VERTICAL_FOV, |node| {
-            node.number_that("greater than 0 and less than 180 degrees", |x| x > 0.0 && x < 180.0)
-        })?,
-        aperture_radius: table.read("aperture_radius", 0.0, |node| node.number_that("0 or more", |x| x >= 0.0))?,
-        focus_distance: table
-            .read("focus_distance", None, |node| node.number_that("greater than 0", |x| x > 0.0).map(Some))?,
-    };
-    // What only all of it together can show: no direction, or an `up` along it.
-    let is_far = |point: glam::DVec3| point.abs().max_element() > MAX_LENGTH;
-    let place_of_fault = match camera {
-        CameraDescription { position, .. } if is_far(position) => "position",
-        CameraDescription { position, target, .. } if is_far(target) || position == target => "target",
-        CameraDescription { aperture_radius, .. } if aperture_radius > MAX_LENGTH => "aperture_radius",
-        CameraDescription { focus_distance: Some(distance), .. } if !(MIN_LENGTH..=MAX_LENGTH).contains(&distance) => {
-            "focus_distance"
-        }
-        _ => "up",
-    };
-    Camera::new(&camera).map_err(|error| match table.get(place_of_fault) {
-        Some(node) => node.error(error.message),
-        None => table.error(error.message),
-    })?;
-    Ok(camera)
-}
-
-fn world(root: &Table<'_>) -> Result<WorldMedium, SceneError> {
-    let mut world = WorldMedium { ior: Ior::Constant(1.0), absorption: [0.0; 3] };
-    if let Some(node) = root.get("world") {
-        let table = node.table()?.renamed("[world]".into());
-        table.only(&["ior", "absorption"])?;
-        world.ior = table.read("ior", world.ior, ior)?;
-        world.absorption = table.read("absorption", world.absorption, Node::non_negative3)?;
-    }
-    Ok(world)
-}
-
-fn media(root: &Table<'_>) -> Result<Vec<Medium>, SceneError> {
-    let mut media: Vec<Medium> = Vec::new();
-    let mut names = HashSet::new();
-    let tables = root.read("medium", Vec::new(), Node::tables)?;
-    for table in tables {
-        let table = table.renamed("[[medium]]".into());
-        table.only(&["name", "ior", "absorption"])?;
-        let node = table.need("name")?;
-        let name = node.words()?;
-        if matches!(name, medium::WORLD | medium::VACUUM) {
-            return Err(node.error(format!("`{name}` is a reserved name; call the medium something else")));
-        }
-        if !names.insert(name) {
-            return Err(node.error(format!("there are two media called `{name}`; names must be unique")));
-        }
-        let table = table.renamed(format!("medium `{name}`"));
-        media.push(Medium {
-            name: name.to_owned(),
-            ior: ior(&table.need("ior")?)?,
-            absorption: table.read("absorption", [0.0; 3], Node::non_negative3)?,
-        });
-    }
-    Ok(media)
-}
-
-/// A number, or a table with one of the formulas.
-fn ior(node: &Node<'_>) -> Result<Ior, SceneError> {
-    const FORMS: [&str; 3] = ["catalog", "cauchy", "sellmeier"];
-    if !node.is_table() {
-        if !node.is_number() {
-            // Both forms in one sentence; `number` alone would hide the other.
-            return Err(node.error(format!(
-                "{} must be a number, or a table with one of {}, such as {{ catalog = \"water\" }}",
-                node.name,
-                FORMS.join(", ")
-            )));
-        }
-        return node.number_that("greater than 0 (from 1e-6 to 1e6)", |n| IOR_RANGE.contains(&n)).map(Ior::Constant);
-    }
-    let table = node.table()?;
-    table.only(&FORMS)?;
-    let model = match table.present(&FORMS)[..] {
-        ["catalog"] => {
-            let entry = table.need("catalog")?;
-            let name = entry.words()?;
-            let found = catalog::find(name).ok_or_else(|| {
-                let names = || catalog::ALL.iter().map(|entry| entry.name);
-                entry.error(format!(
-                    "the catalogue has no `{name}`{}; it has: {}",
-                    suggestion(name, names()),
-                    names().collect::<Vec<_>>().join(", ")
-                ))
-            })?;
-            Ior::Catalog(found)
-        }
-        ["cauchy"] => Ior::Cauchy(table.need("cauchy")?.numbers()?),
-        ["sellmeier"] => {
-            let terms = table.need("sellmeier")?;
-            let pairs = terms.items()?.iter().map(Node::numbers).collect::<Result<Vec<[f64; 2]>, _>>()?;
-            if pairs.is_empty() {
-                return Err(terms.error("`sellmeier` is empty, must be one or more pairs [B, C]"));
-            }
-            Ior::Sellmeier(pairs.into())
-        }
-        _ => return Err(node.error(format!("{} must have exactly one of {}", node.name, FORMS.join(", ")))),
-    };
-    let n = model.ior();
-    if IOR_RANGE.contains(&n) {
-        Ok(model)
-    } else {
-        Err(node
-            .error(format!("the formula gives an IOR of {n} at 587.56 nm, must be greater than 0 (from 1e-6 to 1e6)")))
-    }
 }

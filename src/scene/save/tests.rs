@@ -1,9 +1,9 @@
-use super::*;
 use glam::DVec3;
 
-use crate::optics::catalog;
+use super::*;
+use crate::optics::{Ior, Medium, catalog};
 use crate::scene::builtin;
-use crate::scene::description::{Kind, Object, Shape};
+use crate::scene::description::{Environment, Kind, Light, Object, Paint, Shape, Transform, WorldMedium};
 
 const TEXT: &str = r#"# A scene with remarks.
 name = "Remarked"   # called so
