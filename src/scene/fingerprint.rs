@@ -194,30 +194,6 @@ impl Camera {
     }
 }
 
-fn hash_ior(hasher: &mut Hasher, ior: &Ior) {
-    let terms = |hasher: &mut Hasher, terms: &[[f64; 2]]| hasher.list(terms, |term| term.map(f64::to_bits));
-    match ior {
-        Ior::Constant(n) => {
-            hasher.text("constant");
-            hasher.number(*n);
-        }
-        Ior::Cauchy(coefficients) => {
-            hasher.text("cauchy");
-            hasher.numbers(*coefficients);
-        }
-        Ior::Sellmeier(pairs) => {
-            hasher.text("sellmeier");
-            terms(hasher, pairs);
-        }
-        Ior::Gas(pairs) => {
-            hasher.text("gas");
-            terms(hasher, pairs);
-        }
-        // The formula and not the entry's name: a later version may know better numbers.
-        Ior::Catalog(entry) => hash_ior(hasher, &entry.model),
-    }
-}
-
 /// Hashes fields: keys, forms and values.
 struct FieldHasher {
     hasher: Hasher,
@@ -236,7 +212,14 @@ impl Visitor for FieldHasher {
         hasher.text(key);
         match slot {
             Slot::Medium(name) => hasher.integer(self.media.get(name).copied().unwrap_or(u64::MAX)),
-            Slot::Ior(ior) => hash_ior(hasher, ior),
+            Slot::Ior(ior) => {
+                // The formula and not the entry's name: a later version may know better numbers.
+                let model = if let Ior::Catalog(entry) = ior { &entry.model } else { &*ior };
+                match model {
+                    Ior::Gas(terms) => hasher.list(terms, |term| term.map(f64::to_bits)),
+                    _ => hash_plain(hasher, Slot::Ior(&mut model.clone()).plain().as_ref()),
+                }
+            }
             Slot::Mesh { mesh, .. } => {
                 let of_mesh = self.meshes.entry(Arc::as_ptr(mesh)).or_insert_with(|| of_mesh(mesh));
                 hasher.fingerprint(*of_mesh);

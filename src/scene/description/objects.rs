@@ -93,22 +93,44 @@ impl Role {
     }
 }
 
-impl From<Refractor> for Role {
-    fn from(refractor: Refractor) -> Self {
-        Self::Refractor(refractor)
-    }
+/// What each role gives to roles, objects and lists of objects alike.
+macro_rules! roles {
+    ($($role:ident: $one:ident, $one_mut:ident, $all:ident, $all_mut:ident;)*) => {
+        $(
+            impl From<$role> for Role {
+                fn from(role: $role) -> Self {
+                    Self::$role(role)
+                }
+            }
+
+            impl Object {
+                pub fn $one(&self) -> Option<&$role> {
+                    if let Role::$role(role) = &self.role { Some(role) } else { None }
+                }
+
+                pub fn $one_mut(&mut self) -> Option<&mut $role> {
+                    if let Role::$role(role) = &mut self.role { Some(role) } else { None }
+                }
+            }
+
+            impl Objects {
+                pub fn $all(&self) -> &[Object] {
+                    self.of(Kind::$role)
+                }
+
+                pub fn $all_mut(&mut self) -> &mut [Object] {
+                    let range = self.range(Kind::$role);
+                    &mut self.0[range]
+                }
+            }
+        )*
+    };
 }
 
-impl From<Solid> for Role {
-    fn from(solid: Solid) -> Self {
-        Self::Solid(solid)
-    }
-}
-
-impl From<Light> for Role {
-    fn from(light: Light) -> Self {
-        Self::Light(light)
-    }
+roles! {
+    Refractor: refractor, refractor_mut, refractors, refractors_mut;
+    Solid: solid, solid_mut, solids, solids_mut;
+    Light: light, light_mut, lights, lights_mut;
 }
 
 impl Refractor {
@@ -143,30 +165,6 @@ impl Object {
             Role::Light(_) => false,
         }
     }
-
-    pub fn refractor(&self) -> Option<&Refractor> {
-        if let Role::Refractor(refractor) = &self.role { Some(refractor) } else { None }
-    }
-
-    pub fn refractor_mut(&mut self) -> Option<&mut Refractor> {
-        if let Role::Refractor(refractor) = &mut self.role { Some(refractor) } else { None }
-    }
-
-    pub fn solid(&self) -> Option<&Solid> {
-        if let Role::Solid(solid) = &self.role { Some(solid) } else { None }
-    }
-
-    pub fn solid_mut(&mut self) -> Option<&mut Solid> {
-        if let Role::Solid(solid) = &mut self.role { Some(solid) } else { None }
-    }
-
-    pub fn light(&self) -> Option<&Light> {
-        if let Role::Light(light) = &self.role { Some(light) } else { None }
-    }
-
-    pub fn light_mut(&mut self) -> Option<&mut Light> {
-        if let Role::Light(light) = &mut self.role { Some(light) } else { None }
-    }
 }
 
 /// All objects of a scene, in the order of object ids: by role, and of one role in file order, which breaks ties between overlapping
@@ -199,37 +197,8 @@ impl Objects {
         &self.0[self.range(kind)]
     }
 
-    pub fn of_mut(&mut self, kind: Kind) -> &mut [Object] {
-        let range = self.range(kind);
-        &mut self.0[range]
-    }
-
     fn range(&self, kind: Kind) -> std::ops::Range<usize> {
         self.0.partition_point(|o| o.kind() < kind)..self.0.partition_point(|o| o.kind() <= kind)
-    }
-
-    pub fn refractors(&self) -> &[Object] {
-        self.of(Kind::Refractor)
-    }
-
-    pub fn refractors_mut(&mut self) -> &mut [Object] {
-        self.of_mut(Kind::Refractor)
-    }
-
-    pub fn solids(&self) -> &[Object] {
-        self.of(Kind::Solid)
-    }
-
-    pub fn solids_mut(&mut self) -> &mut [Object] {
-        self.of_mut(Kind::Solid)
-    }
-
-    pub fn lights(&self) -> &[Object] {
-        self.of(Kind::Light)
-    }
-
-    pub fn lights_mut(&mut self) -> &mut [Object] {
-        self.of_mut(Kind::Light)
     }
 
     /// What makes the refractors refractors, in their order.
