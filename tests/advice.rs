@@ -10,12 +10,12 @@ use std::sync::Arc;
 use common::{Numbers, add, empty, nest, ready, render, sphere};
 use glam::DVec3;
 use iorect::check::{Problem, Severity, check};
+use iorect::formats::{self, builtin};
 use iorect::geometry::{Mesh, Ray};
 use iorect::optics::Ior;
 use iorect::rectify::containment::medium_at;
 use iorect::scene::description::{Description, Environment, Light, Object, Paint, Shape, Solid};
 use iorect::scene::shapes::tessellate;
-use iorect::scene::{builtin, load};
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
 use iorect::transport::inspect::{Follow, trace};
@@ -138,7 +138,7 @@ fn turn_over(shape: &mut Shape) {
 }
 
 fn case(path: &str) -> Description {
-    load::file(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases").join(path)).unwrap()
+    formats::file(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases").join(path)).unwrap()
 }
 
 // Overlaps
@@ -725,7 +725,7 @@ fn gaps_and_overlaps_that_are_meant() {
         assert_eq!(kinds(&description).iter().find(|kind| is_near(kind)), None, "{:?}", problems(&description));
     }
     for scene in builtin::all() {
-        let said = problems(&builtin::description(scene).unwrap());
+        let said = problems(&formats::open(scene.name).unwrap());
         let new = [
             "thin_film",
             "slivers",

@@ -337,8 +337,8 @@ fn points_in_space() {
 #[test]
 fn built_in_scenes() {
     let mut object_differs = Vec::new();
-    for builtin in iorect::scene::builtin::all() {
-        let scene = ready(iorect::scene::builtin::description(builtin).unwrap());
+    for builtin in iorect::formats::builtin::all() {
+        let scene = ready(iorect::formats::open(builtin.name).unwrap());
         let size = (40, 30);
         let [reference, rectified, object] =
             [Mode::Reference, Mode::Rectified, Mode::RectifiedObject].map(|mode| render(&scene, mode, size, 2, None));

@@ -231,7 +231,7 @@ fn an_edited_scene_is_saved_and_read_back() {
     assert!(harness.state().state().document.is_dirty());
     apply(&mut harness, Command::SaveAs(path.clone()));
     until(&mut harness, "it is saved", |app| !app.state().document.is_dirty());
-    let saved = iorect::scene::load::file(&path).expect("a scene that can be read");
+    let saved = iorect::formats::file(&path).expect("a scene that can be read");
     assert!((saved.medium("glass").unwrap().ior.ior() - 1.61).abs() < 1e-9);
     assert_eq!(harness.state().state().settings.recent[0], path.display().to_string());
 }
@@ -768,7 +768,7 @@ fn everything_has_a_name_and_is_inside_the_window() {
 fn the_window_is_drawn_in_both_themes() {
     for (theme, name) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
         let settings = Settings { theme, ..quick() };
-        let description = iorect::scene::load::open("camera-in-water").expect("a built-in scene");
+        let description = iorect::formats::open("camera-in-water").expect("a built-in scene");
         let mut harness = Harness::builder()
             .with_size([1280.0, 720.0])
             .with_step_dt(1.0 / 60.0)

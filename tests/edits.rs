@@ -47,7 +47,7 @@ fn an_invisible_object_is_as_if_it_were_not_there() {
 #[test]
 fn an_edited_scene_is_the_scene_opened_so() {
     for name in ["lamp-in-ice", "half-submerged"] {
-        let before = iorect::scene::load::open(name).unwrap();
+        let before = iorect::formats::open(name).unwrap();
         let known = ready(before.clone());
         for index in 0..before.objects.refractors().len() {
             let mut after = before.clone();
@@ -76,7 +76,7 @@ fn an_edit_that_adds_a_need_brings_its_work_back() {
     for (x, ior) in [(-1.2, 1.5), (1.2, 1.6)] {
         add(&mut before, Shape::Sphere { center: DVec3::new(x, 0.0, 0.0), radius: 1.0 }, ior, 0.0);
     }
-    let picture = iorect::scene::load::open("plain-glass").unwrap().environment;
+    let picture = iorect::formats::open("plain-glass").unwrap().environment;
     assert!(matches!(picture, Environment::Image { .. }));
     type Edit<'a> = (&'a str, Box<dyn Fn(&mut Description) + 'a>);
     let edits: [Edit<'_>; 7] = [

@@ -4,10 +4,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
+use iorect::formats::{self, builtin};
 use iorect::geometry::Mesh;
 use iorect::optics::Ior;
 use iorect::scene::description::{Environment, Paint, Refractor, Shape, Transform};
-use iorect::scene::{builtin, load, save};
 
 #[path = "../assets/make_assets.rs"]
 #[allow(dead_code)]
@@ -105,7 +105,7 @@ fn every_key_reaches_the_description() {
     std::fs::write(folder.path().join("models/stone.obj"), STONE).unwrap();
     let path = folder.path().join("all.toml");
     std::fs::write(&path, EVERYTHING).unwrap();
-    let scene = load::file(&path).unwrap();
+    let scene = formats::file(&path).unwrap();
 
     assert_eq!(scene.name, "Ice in water in glass");
     assert_eq!((scene.camera.position, scene.camera.up), (DVec3::new(0.0, 1.2, 4.0), DVec3::Z));
@@ -156,7 +156,7 @@ fn every_key_reaches_the_description() {
 #[test]
 fn defaults_are_those_of_the_format() {
     let text = "[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n";
-    let scene = load::parse(text, Path::new("some/where/quiet.toml"), false).unwrap();
+    let scene = formats::parse(text, Path::new("some/where/quiet.toml"), &formats::Disk).unwrap();
     assert_eq!(scene.name, "quiet");
     assert_eq!((scene.camera.up, scene.camera.vertical_fov), (DVec3::Y, 40.0));
     assert_eq!((scene.camera.aperture_radius, scene.camera.focus_distance), (0.0, None));
@@ -168,7 +168,7 @@ fn defaults_are_those_of_the_format() {
 #[test]
 fn inline_arrays_of_tables_do_as_well() {
     let text = "camera = { position = [0, 0, 1], target = [0, 0, 0] }\nmedium = [{ name = \"a\", ior = 2 }, { name = \"b\", ior = 3 }]\n";
-    let scene = load::parse(text, Path::new("s.toml"), false).unwrap();
+    let scene = formats::parse(text, Path::new("s.toml"), &formats::Disk).unwrap();
     assert_eq!(scene.media[1].ior, Ior::Constant(3.0));
 }
 
@@ -179,7 +179,7 @@ fn an_environment_image_beside_its_scene() {
     image.save(folder.path().join("sky.exr")).unwrap();
     let text = "[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n[environment]\nimage = \"sky.exr\"\nrotation = 90\nscale = 2\n";
     std::fs::write(folder.path().join("s.toml"), text).unwrap();
-    let scene = load::file(&folder.path().join("s.toml")).unwrap();
+    let scene = formats::file(&folder.path().join("s.toml")).unwrap();
     let Environment::Image { path, image, rotation, scale } = scene.environment else { panic!("no image") };
     assert_eq!((path.as_path(), rotation, scale), (Path::new("sky.exr"), 90.0, 2.0));
     assert_eq!((image.width, image.height), (4, 2));
@@ -192,10 +192,10 @@ fn an_environment_image_beside_its_scene() {
 fn built_in_scenes_open_by_name_and_survive_being_saved() {
     let folder = tempfile::tempdir().unwrap();
     for scene in builtin::all() {
-        let original = load::open(scene.name).unwrap();
+        let original = formats::open(scene.name).unwrap();
         let path = folder.path().join(format!("{}.toml", scene.name));
-        save::save(&original, &path).unwrap();
-        let again = load::open(path.to_str().unwrap()).unwrap();
+        formats::save(&original, &path).unwrap();
+        let again = formats::open(path.to_str().unwrap()).unwrap();
         assert_eq!(
             (again.media, again.objects.lights(), again.camera),
             (original.media, original.objects.lights(), original.camera)
@@ -222,7 +222,7 @@ fn computed_assets_are_what_their_command_makes() {
 
 #[test]
 fn the_brilliant_is_convex_and_closed() {
-    let scene = load::open("diamond-in-water").unwrap();
+    let scene = formats::open("diamond-in-water").unwrap();
     let shape = &scene.objects.refractors().iter().find(|r| r.name == "wet diamond").unwrap().shape;
     let Shape::Mesh { mesh, notes, .. } = shape else { panic!("no mesh: {shape:?}") };
     assert_eq!(notes, &[]);
@@ -282,7 +282,7 @@ fn a_million_triangles_are_read_quickly() {
         let text = format!(
             "[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n[[solid]]\nname = \"grid\"\nshape = {{ mesh = \"{name}\" }}\n"
         );
-        let scene = load::parse(&text, &folder.path().join("s.toml"), false).unwrap();
+        let scene = formats::parse(&text, &folder.path().join("s.toml"), &formats::Disk).unwrap();
         let Shape::Mesh { mesh: read, .. } = &scene.objects.solids()[0].shape else { panic!("no mesh") };
         assert_eq!((&read.positions, &read.triangles), (&mesh.positions, &mesh.triangles));
     }

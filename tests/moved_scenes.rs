@@ -8,10 +8,10 @@ use std::path::Path;
 use common::{Numbers, add, empty, mean, ready, render, sphere};
 use glam::{DMat3, DVec3};
 use iorect::check::check;
+use iorect::formats;
 use iorect::geometry::Mesh;
 use iorect::rectify::PatchKind;
 use iorect::scene::description::{Description, Environment, Kind, Object, Shape, Transform};
-use iorect::scene::load;
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
 
@@ -25,7 +25,7 @@ const APART: f64 = 0.0944;
 
 fn case(name: &str) -> Description {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases").join(name);
-    load::open(path.to_str().unwrap()).unwrap()
+    formats::open(path.to_str().unwrap()).unwrap()
 }
 
 /// A motion that permutes the axes cyclically `turns` times, then scales, then moves.

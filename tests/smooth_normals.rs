@@ -10,6 +10,7 @@ use std::sync::atomic::AtomicBool;
 
 use common::{Numbers, add, empty, mean, ready, render, sphere};
 use glam::DVec3;
+use iorect::formats;
 use iorect::geometry::{Geometry, Mesh, Part, Ray};
 use iorect::optics::Interface;
 use iorect::render::{Film, RenderSettings, VarianceReduction, accumulate};
@@ -18,7 +19,6 @@ use iorect::scatter::normals::Normals;
 use iorect::scene::camera::Camera;
 use iorect::scene::description::{Description, Environment, Kind, Object, Paint, Shape, Solid};
 use iorect::scene::environment::EnvironmentImage;
-use iorect::scene::load;
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
 
@@ -140,7 +140,7 @@ fn assert_white(scene: &Prepared, mode: Mode, radiance: f64, what: &str) {
 #[test]
 fn the_rims_of_a_coarse_glass_ball_are_bright() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases/smooth-dark-rims/scene.toml");
-    let scene = ready(load::file(&path).expect("the scene is fine"));
+    let scene = ready(formats::file(&path).expect("the scene is fine"));
     for mode in Mode::ALL {
         assert_white(&scene, mode, 1.0, "the case");
         let (_, least) = mean_and_least(&plain(&scene, mode, 32, 4));

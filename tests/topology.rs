@@ -632,14 +632,17 @@ fn false_counts_in_files() {
     ] {
         std::fs::write(folder.path().join("m.ply"), bytes).unwrap();
         let start = std::time::Instant::now();
-        let error = iorect::scene::load::parse(text, &folder.path().join("s.toml"), false).unwrap_err().to_string();
+        let error = iorect::formats::parse(text, &folder.path().join("s.toml"), &iorect::formats::Disk)
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("m.ply") && error.contains(word), "{error}");
         assert!(start.elapsed().as_secs() < 10);
     }
     let polygon = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf".to_owned() + &" 1 2 3".repeat(10_000) + "\n";
     std::fs::write(folder.path().join("m.obj"), polygon).unwrap();
     let error =
-        iorect::scene::load::parse(&text.replace("ply", "obj"), &folder.path().join("s.toml"), false).unwrap_err();
+        iorect::formats::parse(&text.replace("ply", "obj"), &folder.path().join("s.toml"), &iorect::formats::Disk)
+            .unwrap_err();
     assert!(error.to_string().contains("m.obj:4") && error.to_string().contains("30000 corners"), "{error}");
 }
 

@@ -8,14 +8,15 @@ use std::sync::atomic::AtomicBool;
 
 use common::{add, empty, mean, nest, ready, render, sphere};
 use glam::DVec3;
+use iorect::formats;
 use iorect::geometry::Mesh;
 use iorect::measure::metrics;
 use iorect::render::{Film, RenderSettings, VarianceReduction, accumulate};
+use iorect::scene::Scene;
 use iorect::scene::camera::Camera;
 use iorect::scene::description::{Description, Environment, Light, Object, Paint, Shape, Solid};
 use iorect::scene::environment::EnvironmentImage;
 use iorect::scene::needs::SceneNeeds;
-use iorect::scene::{Scene, load};
 use iorect::tracking::Mode;
 use iorect::tracking::{Prepared, prepare};
 
@@ -318,7 +319,7 @@ mod against_another_renderer {
     }
 
     fn load_scene(name: &str) -> Description {
-        load::open(format!("tests/data/reference/{name}.toml")).expect("the scene is in the repository")
+        formats::open(format!("tests/data/reference/{name}.toml")).expect("the scene is in the repository")
     }
 
     /// relMSE of the image and of its 16×16 block means, against the image of `name`.

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::formats::{self, builtin};
 use crate::geometry::Mesh;
 use crate::optics::Ior;
+use crate::scene::LoadNote;
 use crate::scene::description::{Description, Shape};
-use crate::scene::{LoadNote, builtin, load};
 use crate::tracking::prepare;
 
 const HEAD: &str = r#"
@@ -25,7 +26,7 @@ ior = 1.33
 "#;
 
 fn scene(text: &str) -> Description {
-    load::parse(&format!("{HEAD}{text}"), Path::new("test.toml"), false).unwrap()
+    formats::parse(&format!("{HEAD}{text}"), Path::new("test.toml"), &formats::Disk).unwrap()
 }
 
 fn object(name: &str, medium: &str, shape: &str) -> String {
@@ -96,7 +97,7 @@ fn light_and_camera() {
 
 #[test]
 fn what_reading_an_image_changed_is_said() {
-    let mut scene = builtin::description(builtin::find("plain-glass").unwrap()).unwrap();
+    let mut scene = formats::open("plain-glass").unwrap();
     assert_eq!(found(scene.clone()), []);
     let Environment::Image { image, .. } = &mut scene.environment else { panic!("no image") };
     let note = |kind| LoadNote { kind, count: 7, first_line: None, message: format!("{kind}, with advice") };
@@ -213,7 +214,7 @@ fn what_was_passed_over_in_a_file_is_said_once_with_its_line() {
 #[test]
 fn built_in_scenes_have_no_warnings() {
     for scene in builtin::all() {
-        let problems = problems_of(builtin::description(scene).unwrap());
+        let problems = problems_of(formats::open(scene.name).unwrap());
         let warnings: Vec<_> = problems.iter().filter(|p| p.severity != Severity::Advice).collect();
         assert!(warnings.is_empty(), "{}: {warnings:?}", scene.name);
         assert!(problems.iter().all(|p| p.kind != "unused_medium"), "{}", scene.name);

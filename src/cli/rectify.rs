@@ -18,7 +18,6 @@ use crate::export::words::{brief, duration, grouped};
 use crate::rectify::containment::medium_of;
 use crate::rectify::table::RectifySeconds;
 use crate::rectify::{Patch, PatchKind};
-use crate::scene;
 use crate::scene::{MediumId, ObjectId};
 use crate::tracking::Prepared;
 
@@ -61,7 +60,7 @@ struct Warning {
 }
 
 pub fn run(arguments: &RectifyArguments) -> Result<ExitCode, Failure> {
-    let prepared = prepare_shown(Arc::new(scene::load::open(&arguments.scene.scene)?))?;
+    let prepared = prepare_shown(Arc::new(crate::formats::open(&arguments.scene.scene)?))?;
     let table = &prepared.table;
     let mut seconds = table.seconds;
     let patches = match arguments.granularity {

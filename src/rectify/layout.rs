@@ -687,15 +687,15 @@ impl Splitter<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats;
     use crate::rectify::InterfaceTable;
     use crate::scene::compile::{changed_objects, compile};
-    use crate::scene::load;
 
     /// Each refractor of each scene is moved in turn: what is taken over and what is found anew together say what a layout from nothing says.
     #[test]
     fn an_edit_redoes_what_it_touches_and_no_more() {
         for name in ["iced-water", "half-submerged", "siblings"] {
-            let mut description = load::open(name).expect("a built-in scene");
+            let mut description = formats::open(name).expect("a built-in scene");
             let mut scene = compile(&description, None).expect("it is fine");
             let mut table = InterfaceTable::new(&scene);
             let mut kept = 0;

@@ -114,11 +114,11 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::formats;
     use crate::rectify::InterfaceTable;
     use crate::rectify::pretrace::vote;
     use crate::scene::compile::{changed_objects, compile};
     use crate::scene::description::{Description, Shape};
-    use crate::scene::load;
 
     /// Balls and meshes of balls in each other, in three heaps, and some beside them; those of the first heap have priorities.
     fn heaps(count: u32) -> Description {
@@ -143,7 +143,7 @@ mod tests {
             );
         }
         let light = "[[light]]\nname = \"lamp\"\nradiance = [1, 1, 1]\nshape = { sphere = { center = [0, 0, 0], radius = 0.001 } }\n";
-        load::parse(&(text + light), "heaps.toml".as_ref(), false).unwrap()
+        formats::parse(&(text + light), "heaps.toml".as_ref(), &formats::Disk).unwrap()
     }
 
     #[test]

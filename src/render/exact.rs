@@ -93,7 +93,7 @@ impl ExactRow<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load;
+    use crate::formats;
 
     fn total(unit_exponent: i32, samples: impl Iterator<Item = f64>) -> i128 {
         let mut sums = ExactSums::new(1, unit_exponent);
@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn the_unit_follows_the_brightest_light() {
-        let mut scene = load::open("plain-glass").unwrap();
+        let mut scene = formats::open("plain-glass").unwrap();
         scene.objects.clear(crate::scene::description::Kind::Light);
         for (brightest, exponent) in [(1.0, 0), (1.99, 0), (2.0, 1), (1e6, 19), (0.3, -2), (0.0, 0), (1e-320, -900)] {
             scene.environment = Environment::Color([0.0, brightest, 0.0]);

@@ -42,12 +42,12 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::scene::load;
+    use crate::formats;
     use crate::tracking::Mode;
 
     #[test]
     fn every_setting_counts() {
-        let scene = load::open("plain-glass").unwrap();
+        let scene = formats::open("plain-glass").unwrap();
         let camera = Camera::new(&scene.camera).unwrap();
         let base = RenderSettings {
             mode: Mode::Rectified,

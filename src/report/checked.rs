@@ -6,8 +6,8 @@
 use std::path::Path;
 
 use crate::export::ExportError;
+use crate::formats::disk::{self, FileError, MAX_DATA_BYTES};
 use crate::scene::Fingerprint;
-use crate::scene::files::{self, FileError, MAX_DATA_BYTES};
 use crate::tracking::Events;
 use crate::writing::write_atomically;
 
@@ -76,7 +76,7 @@ pub struct Reader {
 impl Reader {
     /// `None` where there is no such file, or one that is damaged or cannot be read, which is logged: it is to be made again.
     pub fn open(path: &Path) -> Option<Self> {
-        let problem = match files::read(path, MAX_DATA_BYTES) {
+        let problem = match disk::read(path, MAX_DATA_BYTES) {
             Ok(bytes) if bytes.len() < CHECKSUM || checksum(&bytes[CHECKSUM..]) != bytes[..CHECKSUM] => {
                 "is damaged: its contents are not those that were written".to_owned()
             }

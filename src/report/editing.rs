@@ -247,7 +247,7 @@ impl Window {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load;
+    use crate::formats;
     use std::sync::atomic::AtomicBool;
 
     const PLAN: EditingPlan = EditingPlan { size: [32, 18], edits: 2, within_secs: 0.01 };
@@ -259,7 +259,7 @@ mod tests {
 
     #[test]
     fn every_kind_of_edit_is_answered() {
-        let found = measured(load::open("nested-spheres").unwrap(), false).unwrap().unwrap();
+        let found = measured(formats::open("nested-spheres").unwrap(), false).unwrap().unwrap();
         assert_eq!(found.times.iter().map(|times| times.edit).collect::<Vec<_>>(), Edit::ALL);
         for times in &found.times {
             assert_eq!(times.edits, 2);
@@ -268,12 +268,12 @@ mod tests {
             // The camera alone needs no rectification.
             assert_eq!(times.rectify_secs.is_some(), times.edit != Edit::Camera, "{times:?}");
         }
-        assert!(measured(load::open("plain-glass").unwrap(), true).unwrap().is_none());
+        assert!(measured(formats::open("plain-glass").unwrap(), true).unwrap().is_none());
     }
 
     #[test]
     fn what_is_not_there_is_not_edited() {
-        let mut description = load::open("plain-glass").unwrap();
+        let mut description = formats::open("plain-glass").unwrap();
         description.objects.clear(crate::scene::description::Kind::Refractor);
         let found = measured(description, false).unwrap().unwrap();
         assert_eq!(found.times.iter().map(|times| times.edit).collect::<Vec<_>>(), [Edit::Ior, Edit::Camera]);
@@ -281,7 +281,7 @@ mod tests {
 
     #[test]
     fn edits_come_back_to_where_they_began() {
-        let description = Arc::new(load::open("nested-spheres").unwrap());
+        let description = Arc::new(formats::open("nested-spheres").unwrap());
         let request = |camera| Request {
             epoch: 1,
             description: Arc::clone(&description),

@@ -10,8 +10,8 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::export::ExportError;
+use crate::formats::disk::{self, FileError, MAX_DATA_BYTES};
 use crate::scene::Fingerprint;
-use crate::scene::files::{self, FileError, MAX_DATA_BYTES};
 use crate::writing::{WriteError, require_writable, write_atomically};
 
 /// A folder of finished pieces.
@@ -80,7 +80,7 @@ impl Store {
 
     /// `Ok(None)` where nothing is kept.
     fn read<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, String> {
-        let text = match files::read(path, MAX_DATA_BYTES) {
+        let text = match disk::read(path, MAX_DATA_BYTES) {
             Ok(text) => text,
             Err(FileError::NotFound) => return Ok(None),
             Err(error) => return Err(error.to_string()),

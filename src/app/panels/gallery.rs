@@ -5,7 +5,7 @@ use egui::{Align2, Button, Context, RichText, ScrollArea, Window, vec2};
 use crate::app::command::Command;
 use crate::app::state::State;
 use crate::app::theme::Palette;
-use crate::scene::builtin;
+use crate::formats::builtin;
 
 pub fn show(ctx: &Context, state: &State, commands: &mut Vec<Command>) {
     let mut is_open = state.windows.gallery;

@@ -3,10 +3,11 @@
 use glam::DVec3;
 
 use super::Quantity;
+use crate::formats::{self, builtin};
 use crate::optics::{Ior, Medium};
 use crate::report::stability::scenes;
+use crate::scene::SceneError;
 use crate::scene::description::{CameraDescription, Description, Environment, Object, Refractor, Shape};
-use crate::scene::{SceneError, builtin, load};
 
 const WATER: f64 = 1.333;
 const GLASS: f64 = 1.5;
@@ -17,7 +18,7 @@ pub fn of(quantity: Quantity, size: u64) -> Result<(Description, u64), SceneErro
         Quantity::Triangles => tori(size),
         Quantity::Nesting => (lens(size), size),
         Quantity::Objects => (balls(size), size),
-        Quantity::Threads => (load::open(builtin::DEFAULT)?, size),
+        Quantity::Threads => (formats::open(builtin::DEFAULT)?, size),
     })
 }
 

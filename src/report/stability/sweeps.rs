@@ -8,8 +8,8 @@ use super::nests::{EVER_DENSER, HEIGHTS, deflections};
 use super::outcome::{Measurement, Step};
 use super::scenes::{Numbers, add, deflection_degrees, empty, icosphere, interfaces, nest, ready, sphere};
 use super::shells::{Kind, OUT_AND_IN, miscounted, scaled_paths, shells};
+use crate::formats::{self, builtin};
 use crate::geometry::Ray;
-use crate::scene::builtin;
 use crate::scene::camera::Camera;
 use crate::scene::description::{Description, Shape, Transform};
 use crate::tracking::Mode;
@@ -298,7 +298,7 @@ fn builtin_scenes(subject: &Subject) -> Result<Vec<Step>, Unmeasured> {
     let mut steps = Vec::new();
     for (index, scene) in builtin::all().iter().enumerate() {
         subject.go_on()?;
-        let prepared = ready(builtin::description(scene)?)?;
+        let prepared = ready(formats::open(scene.name)?)?;
         let camera = Camera::new(&prepared.description.camera)?;
         let mut numbers = Numbers(67);
         let size = glam::DVec2::splat(512.0);

@@ -16,17 +16,17 @@ use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 use self::lines::ends_as_in;
 use self::merge::merge;
 use self::tree::{Tree, to_value};
-use super::SceneError;
-use super::description::Description;
-use super::fields::{Entry, Plain};
-use super::load;
+use super::parse_text_only;
+use crate::scene::SceneError;
+use crate::scene::description::Description;
+use crate::scene::fields::{Entry, Plain};
 use crate::writing::write_atomically;
 
 /// The scene as a file's text. Relative paths stay as they are. A scene that has not been edited is the text that was read, to the byte.
 pub fn to_text(description: &Description) -> String {
     let new = Tree::of(description);
     let original = description.source.as_deref().and_then(|source| {
-        let old = load::parse_text_only(&source.text, &source.path).ok()?;
+        let old = parse_text_only(&source.text, &source.path).ok()?;
         Some((source.text.as_str(), source.text.parse::<DocumentMut>().ok()?, Tree::of(&old)))
     });
     match original {

@@ -1,7 +1,7 @@
 //! Indices of refraction.
 
 use super::node::Node;
-use super::suggest::suggestion;
+use crate::formats::suggest::suggestion;
 use crate::optics::ior::IOR_RANGE;
 use crate::optics::{Ior, catalog};
 use crate::scene::SceneError;

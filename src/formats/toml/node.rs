@@ -6,7 +6,7 @@ use std::path::Path;
 
 use toml_edit::{Item, TableLike, Value};
 
-use super::suggest::suggestion;
+use crate::formats::suggest::suggestion;
 use crate::scene::SceneError;
 use crate::scene::fields::Limits;
 

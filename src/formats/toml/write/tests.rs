@@ -1,8 +1,8 @@
 use glam::DVec3;
 
 use super::*;
+use crate::formats::{self, builtin};
 use crate::optics::{Ior, Medium, catalog};
-use crate::scene::builtin;
 use crate::scene::description::{Environment, Kind, Light, Object, Paint, Shape, Transform, WorldMedium};
 
 const TEXT: &str = r#"# A scene with remarks.
@@ -36,7 +36,7 @@ edge_v = [4, 0, 0]
 "#;
 
 fn read(text: &str) -> Description {
-    load::parse(text, Path::new("remarked.toml"), false).unwrap()
+    formats::parse(text, Path::new("remarked.toml"), &formats::Disk).unwrap()
 }
 
 /// Reads what was written: it must say the same.
@@ -52,7 +52,7 @@ fn assert_faithful(description: &Description) -> String {
 fn what_was_not_edited_is_not_touched() {
     assert_eq!(to_text(&read(TEXT)), TEXT);
     for scene in builtin::all() {
-        assert_eq!(to_text(&builtin::description(scene).unwrap()), scene.text, "{}", scene.name);
+        assert_eq!(to_text(&formats::open(scene.name).unwrap()), scene.text, "{}", scene.name);
     }
 }
 
@@ -150,10 +150,10 @@ fn objects_come_go_move_and_are_renamed() {
 #[test]
 fn a_scene_without_source_is_written_whole() {
     for scene in builtin::all() {
-        let mut description = builtin::description(scene).unwrap();
+        let mut description = formats::open(scene.name).unwrap();
         description.source = None;
         let text = to_text(&description);
-        let again = load::parse_text_only(&text, Path::new("scene.toml")).unwrap();
+        let again = parse_text_only(&text, Path::new("scene.toml")).unwrap();
         assert_eq!(again.media, description.media, "{text}");
         assert_eq!((again.camera, &again.world), (description.camera, &description.world));
         assert!(again.objects.iter().map(|o| &o.name).eq(description.objects.iter().map(|o| &o.name)), "{text}");
@@ -179,25 +179,25 @@ fn saved_elsewhere_it_still_finds_its_files() {
         TEXT.replace("sphere = { center = [0, 0, 0], radius = 1 }", "mesh = \"meshes/m.obj\""),
     )
     .unwrap();
-    let scene = load::file(&at("a/s.toml")).unwrap();
+    let scene = formats::file(&at("a/s.toml")).unwrap();
     save(&scene, &at("b/s.toml")).unwrap();
-    let again = load::file(&at("b/s.toml")).unwrap();
+    let again = formats::file(&at("b/s.toml")).unwrap();
     let Shape::Mesh { path, mesh, .. } = &again.objects.refractors()[0].shape else { panic!("no mesh") };
     assert_eq!((path.as_path(), mesh.triangles.len()), (Path::new("../a/meshes/m.obj"), 1));
     // Back again, over itself.
     save(&again, &at("a/s.toml")).unwrap();
-    assert_eq!(load::file(&at("a/s.toml")).unwrap().objects[0].shape, scene.objects.refractors()[0].shape);
+    assert_eq!(formats::file(&at("a/s.toml")).unwrap().objects[0].shape, scene.objects.refractors()[0].shape);
 }
 
 #[test]
 fn a_saved_built_in_scene_brings_its_image() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = builtin::description(builtin::find("plain-glass").unwrap()).unwrap();
+    let scene = formats::open("plain-glass").unwrap();
     let path = folder.path().join("mine.toml");
     std::fs::write(folder.path().join("sunset.exr"), "another file of that name").unwrap();
     save(&scene, &path).unwrap();
     save(&scene, &path).unwrap();
-    let again = load::file(&path).unwrap();
+    let again = formats::file(&path).unwrap();
     let Environment::Image { path: image, .. } = &again.environment else { panic!("no image") };
     assert_eq!(image, Path::new("sunset-2.exr"));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
@@ -240,7 +240,7 @@ fn variants(text: &str) -> Vec<String> {
     let mut all = vec![text.to_owned(), crlf, mixed];
     // Those that can be read.
     let marked: Vec<String> = all.iter().map(|text| format!("\u{feff}{text}")).collect();
-    all.extend(marked.into_iter().filter(|text| load::parse(text, Path::new("odd.toml"), false).is_ok()));
+    all.extend(marked.into_iter().filter(|text| formats::parse(text, Path::new("odd.toml"), &formats::Disk).is_ok()));
     all
 }
 
@@ -251,7 +251,9 @@ fn odd_notations_are_not_touched() {
     }
     for scene in builtin::all() {
         let text = scene.text.replace('\n', "\r\n");
-        let description = load::parse(&text, Path::new(&format!("built-in/scenes/{}.toml", scene.name)), true).unwrap();
+        let description =
+            formats::parse(&text, Path::new(&format!("built-in/scenes/{}.toml", scene.name)), &formats::BuiltIn)
+                .unwrap();
         assert_eq!(to_text(&description), text, "{}", scene.name);
     }
 }

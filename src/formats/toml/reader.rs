@@ -1,13 +1,14 @@
 //! Fills in the fields of a scene's tables from TOML.
 
 use std::collections::{HashMap, HashSet};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::files::Files;
+use super::ior;
 use super::node::{Node, Table};
-use super::suggest::suggestion;
-use super::{image, ior, mesh};
+use crate::formats::files::Files;
+use crate::formats::suggest::suggestion;
+use crate::formats::{image, mesh};
 use crate::geometry::Mesh;
 use crate::optics::{Medium, catalog, medium};
 use crate::scene::environment::EnvironmentImage;
@@ -16,7 +17,10 @@ use crate::scene::{Fault, LoadNote, SceneError};
 
 /// What the tables of a scene have to do with each other and with files.
 pub(super) struct Context<'a> {
-    files: Files<'a>,
+    /// Where meshes and images are found; `None` if only the scene's own text is read.
+    files: Option<&'a dyn Files>,
+    /// That of the scene file.
+    folder: &'a Path,
     /// Names of the media, in their order.
     media: Vec<String>,
     known_media: HashSet<String>,
@@ -27,9 +31,9 @@ pub(super) struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    pub fn new(files: Files<'a>) -> Self {
-        let (media, known_media) = (Vec::new(), HashSet::new());
-        Self { files, media, known_media, names: HashMap::new(), meshes: HashMap::new() }
+    pub fn new(files: Option<&'a dyn Files>, folder: &'a Path) -> Self {
+        let (names, meshes) = (HashMap::new(), HashMap::new());
+        Self { files, folder, media: Vec::new(), known_media: HashSet::new(), names, meshes }
     }
 
     /// From here on names are those of objects, which may name these media.
@@ -59,16 +63,14 @@ impl<'a> Context<'a> {
     }
 
     fn mesh(&mut self, node: &Node<'_>, path: PathBuf) -> Result<(Arc<Mesh>, Vec<LoadNote>), SceneError> {
-        let format = mesh::Format::of(&path).map_err(|message| node.error(message))?;
+        let format = mesh::format_of(&path).map_err(|message| node.error(message))?;
         if let Some(found) = self.meshes.get(&path) {
             return Ok(found.clone());
         }
-        if matches!(self.files, Files::Nowhere) {
-            return Ok((Arc::default(), Vec::new()));
-        }
-        let file = self.files.locate(&path);
+        let Some(files) = self.files else { return Ok((Arc::default(), Vec::new())) };
+        let file = files.locate(&self.folder.join(&path));
         let bytes =
-            (self.files.read(&path)).map_err(|message| node.error(format!("the mesh {} {message}", file.display())))?;
+            files.read(&file).map_err(|message| node.error(format!("the mesh {} {message}", file.display())))?;
         let (mesh, notes) = mesh::read(&bytes, format).map_err(|fault| match fault.line {
             Some(line) => SceneError::at(file, line, 1, fault.message),
             None => SceneError::in_file(file, fault.message),
@@ -77,13 +79,11 @@ impl<'a> Context<'a> {
     }
 
     fn image(&self, node: &Node<'_>, path: PathBuf) -> Result<Option<EnvironmentImage>, SceneError> {
-        if matches!(self.files, Files::Nowhere) {
-            return Ok(None);
-        }
+        let Some(files) = self.files else { return Ok(None) };
         let format = image::format_of(&path).map_err(|message| node.error(message))?;
-        let file = self.files.locate(&path);
-        let bytes = (self.files.read(&path))
-            .map_err(|message| node.error(format!("the image {} {message}", file.display())))?;
+        let file = files.locate(&self.folder.join(&path));
+        let bytes =
+            (files.read(&file)).map_err(|message| node.error(format!("the image {} {message}", file.display())))?;
         image::read(&bytes, format).map(Some).map_err(|message| SceneError::in_file(file, message))
     }
 }
@@ -92,7 +92,7 @@ impl<'a> Context<'a> {
 ///
 /// # Errors
 /// Where the table has unknown keys, then where `fields` meets the first fault.
-pub(super) fn read(
+pub(super) fn read_table(
     table: Table<'_>,
     kind: &'static str,
     context: &mut Context<'_>,
@@ -115,7 +115,7 @@ pub(super) fn read_list<T>(
     let tables = root.read(kind, Vec::new(), Node::tables)?;
     let read_one = |table: Table<'_>| {
         let mut value = blank();
-        read(table.renamed(format!("[[{kind}]]")), kind, context, |v| fields(&mut value, v))?;
+        read_table(table.renamed(format!("[[{kind}]]")), kind, context, |v| fields(&mut value, v))?;
         Ok(value)
     };
     tables.into_iter().map(read_one).collect()
@@ -166,7 +166,7 @@ impl Reader<'_, '_, '_> {
                     *image = Arc::new(read);
                 }
             }
-            Slot::Table(fields) => read(node.table()?, self.kind, self.context, fields)?,
+            Slot::Table(fields) => read_table(node.table()?, self.kind, self.context, fields)?,
         }
         Ok(())
     }
@@ -230,7 +230,7 @@ impl Visitor for Reader<'_, '_, '_> {
 
     fn check(&mut self, check: &dyn Fn() -> Result<(), Fault>) {
         // What is blank would be at fault too.
-        if self.error.is_some() || matches!(self.context.files, Files::Nowhere) {
+        if self.error.is_some() || self.context.files.is_none() {
             return;
         }
         self.error = check().err().map(|Fault { key, message }| match self.table.get(key) {
