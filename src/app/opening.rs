@@ -86,7 +86,7 @@ pub fn no_scene() -> Arc<Description> {
             position: DVec3::Z,
             target: DVec3::ZERO,
             up: DVec3::Y,
-            vertical_fov: scene::description::DEFAULT_VERTICAL_FOV,
+            vertical_fov: scene::tables::DEFAULT_VERTICAL_FOV,
             aperture_radius: 0.0,
             focus_distance: None,
         },

@@ -52,10 +52,26 @@ pub(super) fn normal(path: &Path) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats::read;
+    use crate::scene::description::Shape;
 
     #[test]
     fn dots_are_taken_out() {
         assert_eq!(normal(Path::new("a/./b/../c")), Path::new("a/c"));
         assert_eq!(normal(Path::new("../a/../../c")), Path::new("../../c"));
+    }
+
+    #[test]
+    fn a_scene_with_its_mesh_from_memory() {
+        let text = "[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n[[solid]]\nname = \"s\"\nshape = { mesh = \"../m.obj\" }\n";
+        let read = |name: &str| {
+            let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec();
+            read(text.as_bytes(), Path::new("a/b/s.toml"), &Memory([(name.into(), obj)].into()))
+        };
+        let scene = read("a/m.obj").unwrap();
+        let Shape::Mesh { mesh, .. } = &scene.objects[0].shape else { panic!("no mesh") };
+        assert_eq!(mesh.triangles.len(), 1);
+        let error = read("m.obj").unwrap_err().to_string();
+        assert!(error.starts_with("a/b/s.toml:6:18: the mesh a/b/../m.obj cannot be read"), "{error}");
     }
 }

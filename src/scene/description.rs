@@ -1,9 +1,8 @@
 //! A scene as its author wrote it: plain data, no acceleration structures, nothing derived.
 //!
-//! Meshes and environment images are read by [`super::load`] and held by [`Arc`], so a description is cheap to clone (undo, worker
+//! Meshes and environment images are read by [`crate::formats`] and held by [`Arc`], so a description is cheap to clone (undo, worker
 //! requests) and compiling it needs no files.
 
-mod fields;
 mod objects;
 mod shape;
 
@@ -12,10 +11,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-pub use self::fields::{DEFAULT_VERTICAL_FOV, blank_medium, medium_fields};
 pub use self::objects::{Kind, Light, Object, Objects, Paint, Refractor, Role, Solid};
 pub use self::shape::{Shape, Transform};
-use super::environment::EnvironmentImage;
+use super::image::EnvironmentImage;
 use crate::optics::{Ior, Medium};
 
 /// The most radiance of lights and environments. What can be made of it, such as squares of sums over all samples, stays finite.

@@ -6,19 +6,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::LoadNote;
 use super::description::Environment;
-
-/// A latitude–longitude image, linear Rec. 709, every component finite and ≥ 0.
-#[derive(Debug, Clone, PartialEq)]
-pub struct EnvironmentImage {
-    pub width: usize,
-    pub height: usize,
-    /// Row-major, row 0 at +y.
-    pub pixels: Vec<[f32; 3]>,
-    /// What the file held otherwise, and was replaced, converted or passed over.
-    pub notes: Vec<LoadNote>,
-}
+pub use super::image::EnvironmentImage;
 
 /// The environment, ready to be looked up and sampled.
 #[derive(Debug, Clone)]

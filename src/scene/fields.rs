@@ -1,13 +1,13 @@
 //! The fields of a scene's tables, each said once: what reads scenes, writes them and takes their fingerprint goes through the same
-//! lists, in [`description::fields`](super::description).
+//! lists, in [`super::tables`].
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::environment::EnvironmentImage;
 use super::error::Fault;
+use super::image::EnvironmentImage;
 use super::note::LoadNote;
 use crate::geometry::Mesh;
 use crate::optics::{Ior, catalog};

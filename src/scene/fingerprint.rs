@@ -16,9 +16,10 @@ use glam::DVec3;
 use sha2::{Digest, Sha256};
 
 use super::camera::Camera;
-use super::description::{Description, medium_fields};
-use super::environment::EnvironmentImage;
+use super::description::Description;
 use super::fields::{Entry, Field, Plain, Slot, Visitor};
+use super::image::EnvironmentImage;
+use super::tables::medium_fields;
 use crate::geometry::Mesh;
 use crate::optics::Ior;
 

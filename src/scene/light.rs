@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::environment::DirectionSample;
-use super::scene::ObjectId;
+use super::ids::ObjectId;
 use crate::geometry::{Geometry, ObjectRange, SurfacePoint};
 use crate::scatter::frame;
 

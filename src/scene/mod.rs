@@ -7,11 +7,15 @@ pub mod environment;
 pub mod error;
 pub mod fields;
 pub mod fingerprint;
+mod ids;
+mod image;
 pub mod light;
 pub mod needs;
 pub mod note;
 mod scene;
 pub mod shapes;
+mod survey;
+pub mod tables;
 
 pub use description::Description;
 pub use error::{Fault, SceneError};

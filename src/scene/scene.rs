@@ -5,25 +5,11 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::environment::EnvironmentLight;
+pub use super::ids::{MediumId, ObjectId};
 use super::light::Emitters;
 use super::needs::SceneNeeds;
 use crate::geometry::{Enclosure, Geometry, Topology, WindingTree};
 use crate::optics::Interface;
-
-/// Index into [`Scene::media`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct MediumId(pub u32);
-
-impl MediumId {
-    /// The global medium.
-    pub const WORLD: Self = Self(0);
-    /// The reserved exterior of `naive`.
-    pub const VACUUM: Self = Self(1);
-}
-
-/// Index into [`Scene::objects`]: refractors first, then solids, then lights, each in file order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct ObjectId(pub u32);
 
 /// A medium with its numbers worked out for transport in RGB.
 #[derive(Debug, Clone, PartialEq)]

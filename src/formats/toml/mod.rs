@@ -19,8 +19,9 @@ pub use self::write::{save, to_text};
 use super::encoding::Utf16;
 use super::files::Files;
 use crate::scene::SceneError;
-use crate::scene::description::{self, CameraDescription, Description, Environment, Kind, Object, Source, WorldMedium};
+use crate::scene::description::{CameraDescription, Description, Environment, Kind, Object, Source, WorldMedium};
 use crate::scene::fields::Visitor;
+use crate::scene::tables::{blank_medium, medium_fields};
 
 /// A scene from the bytes of its file.
 ///
@@ -65,7 +66,7 @@ fn parse_with(text: &str, path: &Path, files: Option<&dyn Files>) -> Result<Desc
 
     let stem = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
     let mut context = Context::new(files, path.parent().unwrap_or(Path::new("")));
-    let media = read_list(&root, "medium", &mut context, description::blank_medium, description::medium_fields)?;
+    let media = read_list(&root, "medium", &mut context, blank_medium, medium_fields)?;
     context.set_media(&media);
     let mut objects = Vec::new();
     for kind in Kind::ALL {

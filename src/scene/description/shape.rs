@@ -6,9 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::geometry::Mesh;
-use crate::scene::LoadNote;
-use crate::scene::error::Fault;
-use crate::scene::shapes::{MAX_LENGTH, MIN_LENGTH};
+use crate::scene::note::LoadNote;
 
 /// Scale first, then rotate about the fixed x, y and z axes through the origin, then translate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,28 +27,6 @@ impl Transform {
             * glam::DMat3::from_rotation_y(self.rotate.y.to_radians())
             * glam::DMat3::from_rotation_x(self.rotate.x.to_radians());
         glam::DAffine3 { matrix3: rotation * glam::DMat3::from_diagonal(self.scale), translation: self.translate }
-    }
-
-    /// # Errors
-    /// When `shape` cannot be transformed like this.
-    pub fn validate(&self, shape: &Shape) -> Result<(), Fault> {
-        let size = self.scale.abs();
-        for (key, vector) in [("scale", self.scale), ("translate", self.translate)] {
-            if !(vector.abs().max_element() <= MAX_LENGTH && vector.is_finite()) {
-                return Fault::at(key, format!("`{key}` is too large, must be at most {MAX_LENGTH:e}"));
-            }
-        }
-        if !self.rotate.is_finite() {
-            Fault::at("rotate", "`rotate` must be finite")
-        } else if size.min_element() == 0.0 {
-            Fault::at("scale", "`scale` must not be 0")
-        } else if size.min_element() < MIN_LENGTH {
-            Fault::at("scale", format!("`scale` is too small, must be at least {MIN_LENGTH:e}"))
-        } else if matches!(shape, Shape::Sphere { .. }) && (size.x != size.y || size.y != size.z) {
-            Fault::at("", "a `sphere` is analytic and cannot be scaled differently along its axes; use an `icosphere`")
-        } else {
-            Ok(())
-        }
     }
 }
 

@@ -2,8 +2,9 @@
 
 use toml_edit::{Array, InlineTable, TableLike, Value};
 
-use crate::scene::description::{Description, Environment, Kind, Object, WorldMedium, medium_fields};
+use crate::scene::description::{Description, Environment, Kind, Object, WorldMedium};
 use crate::scene::fields::{Entry, Plain, entries};
+use crate::scene::tables::medium_fields;
 
 /// A scene as its file has it: without the contents of meshes and images.
 #[derive(Debug, PartialEq)]

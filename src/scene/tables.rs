@@ -1,19 +1,20 @@
-//! The fields of every table of a scene: keys, defaults and limits. See [`crate::scene::fields`].
+//! The fields of every table of a scene: keys, defaults and limits. See [`super::fields`].
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::objects::{Kind, Light, Object, Paint, Refractor, Role, Solid};
-use super::shape::{Shape, Transform};
-use super::{CameraDescription, Environment, MAX_RADIANCE, WorldMedium};
+use super::camera::Camera;
+use super::description::{
+    CameraDescription, Environment, Kind, Light, MAX_RADIANCE, Object, Paint, Refractor, Role, Shape, Solid, Transform,
+    WorldMedium,
+};
+use super::error::Fault;
+use super::fields::{ANY, Field, Limits, NON_NEGATIVE, POSITIVE, SHARE, Slot, Visitor};
+use super::image::EnvironmentImage;
+use super::shapes::{self, DEFAULT_RINGS, DEFAULT_SEGMENTS, MAX_LENGTH, MIN_LENGTH};
 use crate::optics::{Ior, Medium};
-use crate::scene::camera::Camera;
-use crate::scene::environment::EnvironmentImage;
-use crate::scene::error::Fault;
-use crate::scene::fields::{ANY, Field, Limits, NON_NEGATIVE, POSITIVE, SHARE, Slot, Visitor};
-use crate::scene::shapes::{self, DEFAULT_RINGS, DEFAULT_SEGMENTS, MAX_LENGTH, MIN_LENGTH};
 
 /// Vertical field of view of a camera that gives none, in degrees.
 pub const DEFAULT_VERTICAL_FOV: f64 = 40.0;
@@ -209,6 +210,28 @@ impl Paint {
 }
 
 impl Transform {
+    /// # Errors
+    /// When `shape` cannot be transformed like this.
+    pub fn validate(&self, shape: &Shape) -> Result<(), Fault> {
+        let size = self.scale.abs();
+        for (key, vector) in [("scale", self.scale), ("translate", self.translate)] {
+            if !(vector.abs().max_element() <= MAX_LENGTH && vector.is_finite()) {
+                return Fault::at(key, format!("`{key}` is too large, must be at most {MAX_LENGTH:e}"));
+            }
+        }
+        if !self.rotate.is_finite() {
+            Fault::at("rotate", "`rotate` must be finite")
+        } else if size.min_element() == 0.0 {
+            Fault::at("scale", "`scale` must not be 0")
+        } else if size.min_element() < MIN_LENGTH {
+            Fault::at("scale", format!("`scale` is too small, must be at least {MIN_LENGTH:e}"))
+        } else if matches!(shape, Shape::Sphere { .. }) && (size.x != size.y || size.y != size.z) {
+            Fault::at("", "a `sphere` is analytic and cannot be scaled differently along its axes; use an `icosphere`")
+        } else {
+            Ok(())
+        }
+    }
+
     /// Of an object of that shape.
     fn fields(&mut self, v: &mut dyn Visitor, shape: &Shape) {
         let Self { scale, rotate, translate } = self;
