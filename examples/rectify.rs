@@ -9,7 +9,7 @@ use iorect::geometry::Mesh;
 use iorect::optics::{Ior, Medium};
 use iorect::rectify::subjects::primitives_of;
 use iorect::scene::description::{
-    CameraDescription, Description, Environment, Refractor, Shape, Transform, WorldMedium,
+    CameraDescription, Description, Environment, Object, Objects, Refractor, Shape, WorldMedium,
 };
 use iorect::scene::{MediumId, SceneError};
 use iorect::tracking::prepare;
@@ -38,15 +38,8 @@ pub fn sides<'a>(world: f64, meshes: impl IntoIterator<Item = (&'a str, Mesh, f6
     let mut description = empty(world);
     for (name, mesh, ior) in meshes {
         description.media.push(Medium { name: name.into(), ior: Ior::Constant(ior), absorption: [0.0; 3] });
-        description.refractors.push(Refractor {
-            name: name.into(),
-            medium: name.into(),
-            shape: Shape::Mesh { path: name.into(), mesh: Arc::new(mesh), notes: Vec::new() },
-            priority: 0,
-            smooth: false,
-            visible: true,
-            transform: Transform::IDENTITY,
-        });
+        let shape = Shape::Mesh { path: name.into(), mesh: Arc::new(mesh), notes: Vec::new() };
+        description.objects.push(Object::new(name, shape, Refractor::of(name)));
     }
     let prepared = &prepare(Arc::new(description), None)?;
     let (scene, geometry) = (&*prepared.scene, &*prepared.scene.geometry);
@@ -64,20 +57,11 @@ pub fn sides<'a>(world: f64, meshes: impl IntoIterator<Item = (&'a str, Mesh, f6
 fn empty(world: f64) -> Description {
     Description {
         name: "in memory".into(),
-        camera: CameraDescription {
-            position: DVec3::Z * 10.0,
-            target: DVec3::ZERO,
-            up: DVec3::Y,
-            vertical_fov: 40.0,
-            aperture_radius: 0.0,
-            focus_distance: None,
-        },
+        camera: CameraDescription::blank(),
         world: WorldMedium { ior: Ior::Constant(world), absorption: [0.0; 3] },
         environment: Environment::Color([1.0; 3]),
         media: Vec::new(),
-        refractors: Vec::new(),
-        solids: Vec::new(),
-        lights: Vec::new(),
+        objects: Objects::default(),
         source: None,
     }
 }

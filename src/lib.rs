@@ -11,7 +11,8 @@
 //! | [`optics`] | Fresnel and Snell, dispersion formulas, media, the catalogue: physics without geometry |
 //! | [`color`] | sRGB's transfer function, scales of false colours |
 //! | [`geometry`] | rays, triangles, spheres, meshes with their analysis and repair, and the tree that finds what a ray hits |
-//! | [`scene`] | the scene as the user wrote it ([`scene::Description`]), its files, and its compiled form ([`scene::Scene`]) |
+//! | [`scene`] | the scene as the user wrote it ([`scene::Description`]), and its compiled form ([`scene::Scene`]) |
+//! | [`formats`] | scenes, meshes and images from files, and scenes back to them; the built-in scenes |
 //! | [`rectify`] | what lies on both sides of every place on every refractor: contacts, cells, patches, votes, the interface table |
 //! | [`tracking`] | the modes: given a crossing, which medium is left and which is entered |
 //! | [`scatter`] | dielectric, mirroring and diffuse scattering about interpolated normals, given a pair of indices |
@@ -36,6 +37,7 @@ pub mod check;
 pub mod cli;
 pub mod color;
 pub mod export;
+pub mod formats;
 pub mod geometry;
 pub mod measure;
 pub mod optics;

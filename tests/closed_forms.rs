@@ -9,7 +9,7 @@ use common::{add, deflection_degrees, empty, mean, nest, ready, render, sphere, 
 use glam::DVec3;
 use iorect::geometry::Ray;
 use iorect::report::stability::{Effort, Subject, cases};
-use iorect::scene::description::{Environment, Light, Shape, Transform};
+use iorect::scene::description::{Environment, Light, Object, Shape};
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
 use iorect::transport::inspect::{Follow, trace};
@@ -132,17 +132,15 @@ fn boxes(list: &[(f64, f64, f64, f64)], degrees: f64) -> Prepared {
 
 fn lit_from_below(description: &mut iorect::scene::Description, degrees: f64) {
     description.environment = Environment::Color([0.0; 3]);
-    description.lights.push(Light {
-        name: "lamp".into(),
-        shape: Shape::Quad {
+    description.objects.push(Object::new(
+        "lamp",
+        Shape::Quad {
             center: DVec3::new(0.0, -1000.0, 0.0),
             edge_u: DVec3::new(0.0, 0.0, 4e5),
             edge_v: DVec3::new(4e5, 0.0, 0.0),
         },
-        radiance: [1.0; 3],
-        visible: true,
-        transform: Transform::IDENTITY,
-    });
+        Light { radiance: [1.0; 3] },
+    ));
     let angle = degrees.to_radians();
     description.camera.position = DVec3::new(-angle.sin(), angle.cos(), 0.0) * 10.0;
     description.camera.target = DVec3::ZERO;

@@ -13,10 +13,10 @@ use exr::meta::attribute::SampleType::{F16, F32, U32};
 use exr_bytes::{Channel, Part, channel, value_of};
 use glam::DVec3;
 use iorect::check::{Severity, check};
+use iorect::formats;
 use iorect::scene::description::Environment;
 use iorect::scene::environment::EnvironmentImage;
 use iorect::scene::lights::EnvironmentLight;
-use iorect::scene::load;
 use rayon::prelude::*;
 
 /// Reads an image through a scene that names it.
@@ -24,7 +24,7 @@ fn read(name: &str, bytes: &[u8]) -> Result<Arc<EnvironmentImage>, String> {
     let folder = tempfile::tempdir().unwrap();
     let scene = format!("[camera]\nposition = [0, 0, 3]\ntarget = [0, 0, 0]\n[environment]\nimage = \"{name}\"\n");
     std::fs::write(folder.path().join(name), bytes).unwrap();
-    match load::parse(&scene, &folder.path().join("s.toml"), false) {
+    match formats::parse(&scene, &folder.path().join("s.toml"), &formats::Disk) {
         Ok(description) => match description.environment {
             Environment::Image { image, .. } => Ok(image),
             other => panic!("{other:?}"),
@@ -59,7 +59,7 @@ fn cases_have_their_right_values() {
         ("luminance_only_exr", [0.5; 3], &[]),
         ("one_inf_pixel_exr", [0.5; 3], &["replaced_pixels"]),
     ] {
-        let description = load::file(&folder.join(format!("{scene}.toml"))).unwrap();
+        let description = formats::file(&folder.join(format!("{scene}.toml"))).unwrap();
         let light = EnvironmentLight::new(&description.environment);
         for direction in [DVec3::Y, DVec3::NEG_Y, DVec3::X, DVec3::NEG_Z, DVec3::new(0.6, -0.64, 0.48)] {
             assert!((DVec3::from(light.radiance(direction).to_rgb()) - DVec3::from(right)).length() < 1e-12, "{scene}");

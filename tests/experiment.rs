@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use iorect::formats;
 use iorect::measure::Interval;
 use iorect::measure::statistics::t_quantile;
 use iorect::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
@@ -14,7 +15,6 @@ use iorect::report::progress::Progress;
 use iorect::report::reference::{References, SEEDS, Wanted, references};
 use iorect::report::store::Store;
 use iorect::scene::camera::Camera;
-use iorect::scene::load;
 use iorect::tracking::Mode;
 use iorect::tracking::{Prepared, prepare};
 
@@ -22,7 +22,7 @@ static NEVER: AtomicBool = AtomicBool::new(false);
 const QUIETLY: Progress<'_> = Progress { cancel: &NEVER, tell: &|_, _| () };
 
 fn prepared(scene: &str) -> Prepared {
-    prepare(Arc::new(load::open(scene).unwrap()), None).unwrap()
+    prepare(Arc::new(formats::open(scene).unwrap()), None).unwrap()
 }
 
 struct Subject {
@@ -260,7 +260,7 @@ fn interruptions_and_threads_change_nothing_but_times() {
 #[ignore = "minutes of rendering; run it with --release -- --ignored --nocapture"]
 fn slopes_and_plateaus_of_all_built_in_scenes() {
     let folder = tempfile::tempdir().unwrap();
-    let scenes = iorect::scene::builtin::all();
+    let scenes = iorect::formats::builtin::all();
     let together = 0.95_f64.powf(1.0 / scenes.len() as f64);
     let mut wrong = Vec::new();
     for scene in scenes {

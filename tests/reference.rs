@@ -7,16 +7,16 @@ use std::path::Path;
 
 use common::{add, empty, mean, ready, render};
 use glam::DVec3;
+use iorect::formats;
 use iorect::geometry::Ray;
 use iorect::scene::description::Shape;
-use iorect::scene::load;
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
 use iorect::transport::inspect::{Follow, VertexEvent, trace};
 
 fn scene(name: &str) -> Prepared {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases").join(name);
-    ready(load::open(path.to_str().unwrap()).unwrap())
+    ready(formats::open(path.to_str().unwrap()).unwrap())
 }
 
 /// The unions are cubes: the same paths go through a plain one. In a white furnace, a lossless one cannot be seen but for the noise of paths that

@@ -9,6 +9,7 @@ use std::sync::{Arc, LazyLock};
 
 use common::{add, empty, nest, sphere};
 use glam::DVec3;
+use iorect::formats;
 use iorect::report::csv::tables;
 use iorect::report::data::Report;
 use iorect::report::extent::Extent;
@@ -18,7 +19,7 @@ use iorect::report::progress::Progress;
 use iorect::report::stability::{Map, Outcome};
 use iorect::report::store::Store;
 use iorect::report::write::write;
-use iorect::scene::{Description, load};
+use iorect::scene::Description;
 use serde_json::Value;
 
 /// What a page may not be made to say by a scene's name.
@@ -66,7 +67,7 @@ static MADE: LazyLock<Made> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(&folder.path().join("cache")).unwrap();
     let subjects =
-        vec![subject("nest", hostile_nest()), subject("camera-in-water", load::open("camera-in-water").unwrap())];
+        vec![subject("nest", hostile_nest()), subject("camera-in-water", formats::open("camera-in-water").unwrap())];
     let report = make(&request(subjects, &Part::ALL), &store, &quiet(&AtomicBool::new(false))).unwrap().unwrap();
     write(&report, folder.path()).unwrap();
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();

@@ -312,7 +312,7 @@ fn holes_are_as_large_as_what_is_missing() {
 #[test]
 fn a_ring_with_a_repeated_seam_in_water() {
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases/torus-seam/nested.toml");
-    let prepared = common::ready(iorect::scene::load::file(&scene).unwrap());
+    let prepared = common::ready(iorect::formats::file(&scene).unwrap());
     let ring = &prepared.table.patches[0];
     let name = |medium| prepared.scene.medium(medium).name.clone();
     assert_eq!((ring.outside.map(name), ring.inside.map(name)), (Some("water".into()), Some("glass".into())));

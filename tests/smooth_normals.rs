@@ -10,15 +10,15 @@ use std::sync::atomic::AtomicBool;
 
 use common::{Numbers, add, empty, mean, ready, render, sphere};
 use glam::DVec3;
+use iorect::formats;
 use iorect::geometry::{Geometry, Mesh, Part, Ray};
 use iorect::optics::Interface;
 use iorect::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
 use iorect::scatter::dielectric::{self, Choice};
 use iorect::scatter::normals::Normals;
 use iorect::scene::camera::Camera;
-use iorect::scene::description::{Description, Environment, Paint, Shape, Solid, Transform};
+use iorect::scene::description::{Description, Environment, Kind, Object, Paint, Shape, Solid};
 use iorect::scene::environment::EnvironmentImage;
-use iorect::scene::load;
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
 
@@ -104,7 +104,7 @@ fn shapes() -> Vec<(&'static str, Shape)> {
 fn in_white_room(shape: Shape, ior: f64) -> Description {
     let mut description = empty(1.0);
     add(&mut description, shape, ior, 0.0);
-    description.refractors[0].smooth = true;
+    description.objects.refractors_mut()[0].refractor_mut().unwrap().smooth = true;
     description.camera.position = DVec3::new(0.3, 1.1, 4.0);
     description.camera.vertical_fov = 32.0;
     description
@@ -144,7 +144,7 @@ fn assert_white(scene: &Prepared, mode: Mode, radiance: f64, what: &str) {
 #[test]
 fn the_rims_of_a_coarse_glass_ball_are_bright() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases/smooth-dark-rims/scene.toml");
-    let scene = ready(load::file(&path).expect("the scene is fine"));
+    let scene = ready(formats::file(&path).expect("the scene is fine"));
     for mode in Mode::ALL {
         assert_white(&scene, mode, 1.0, "the case");
         let (_, least) = mean_and_least(&plain(&scene, mode, 32, 4));
@@ -189,7 +189,7 @@ fn coarse_smooth_nests_are_white_in_a_white_room() {
         add(&mut description, given(round(0.8, 8, 6)), iors[1], 0.0);
         let (center, major, minor) = (DVec3::new(0.05, 0.0, 0.0), 0.35, 0.15);
         add(&mut description, Shape::Torus { center, major, minor, segments: 9, rings: 6 }, iors[2], 0.0);
-        description.refractors.iter_mut().for_each(|r| r.smooth = true);
+        description.objects.refractor_roles_mut().for_each(|r| r.smooth = true);
         let scene = ready(description);
         for mode in [Mode::Rectified, Mode::Reference, Mode::Priority] {
             assert_white(&scene, mode, 1.0, &format!("{iors:?} in {world}"));
@@ -199,17 +199,13 @@ fn coarse_smooth_nests_are_white_in_a_white_room() {
 
 fn white_solid(shape: Shape, mirror: bool) -> Description {
     let mut description = in_white_room(sphere(DVec3::new(0.0, -50.0, 0.0), 1.0), 1.5);
-    description.refractors.clear();
+    description.objects.clear(Kind::Refractor);
     description.media.clear();
-    description.solids.push(Solid {
-        name: "solid".into(),
+    description.objects.push(Object::new(
+        "solid",
         shape,
-        paint: Paint::Color([1.0; 3]),
-        mirror,
-        smooth: true,
-        visible: true,
-        transform: Transform::IDENTITY,
-    });
+        Solid { mirror, smooth: true, ..Solid::of(Paint::Color([1.0; 3])) },
+    ));
     description
 }
 
@@ -351,7 +347,8 @@ fn paths_are_not_caught() {
 fn difference_to_sphere(shape: Shape, ior: f64, smooth: bool) -> f64 {
     let picture = |shape: Shape, seed: u64| {
         let mut description = in_white_room(shape, ior);
-        description.refractors[0].smooth = smooth && !matches!(description.refractors[0].shape, Shape::Sphere { .. });
+        description.objects.refractors_mut()[0].refractor_mut().unwrap().smooth =
+            smooth && !matches!(description.objects.refractors()[0].shape, Shape::Sphere { .. });
         description.environment =
             Environment::Gradient { zenith: [1.0, 0.9, 0.2], horizon: [0.3; 3], nadir: [0.05, 0.1, 0.4] };
         let scene = ready(description);

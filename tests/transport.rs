@@ -8,14 +8,15 @@ use std::sync::atomic::AtomicBool;
 
 use common::{add, empty, mean, nest, ready, render, sphere};
 use glam::DVec3;
+use iorect::formats;
 use iorect::geometry::Mesh;
 use iorect::measure::metrics;
 use iorect::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
+use iorect::scene::Scene;
 use iorect::scene::camera::Camera;
-use iorect::scene::description::{Description, Environment, Light, Paint, Shape, Solid, Transform};
+use iorect::scene::description::{Description, Environment, Light, Object, Paint, Shape, Solid};
 use iorect::scene::environment::EnvironmentImage;
 use iorect::scene::needs::SceneNeeds;
-use iorect::scene::{Scene, load};
 use iorect::tracking::Mode;
 use iorect::tracking::{Prepared, prepare};
 
@@ -25,26 +26,22 @@ const ALBEDO: f64 = 0.6;
 fn floor() -> Description {
     let mut description = empty(1.0);
     description.environment = Environment::Color([0.0; 3]);
-    description.solids.push(Solid {
-        name: "floor".into(),
-        shape: Shape::Quad { center: DVec3::ZERO, edge_u: DVec3::Z * 200.0, edge_v: DVec3::X * 200.0 },
-        paint: Paint::Color([ALBEDO; 3]),
-        mirror: false,
-        smooth: false,
-        visible: true,
-        transform: Transform::IDENTITY,
-    });
+    description.objects.push(Object::new(
+        "floor",
+        Shape::Quad { center: DVec3::ZERO, edge_u: DVec3::Z * 200.0, edge_v: DVec3::X * 200.0 },
+        Solid::of(Paint::Color([ALBEDO; 3])),
+    ));
     description.camera.position = DVec3::new(3.0, 4.0, 0.0);
     description.camera.vertical_fov = 1e-6;
     description
 }
 
-fn lamp(shape: Shape) -> Light {
-    Light { name: "lamp".into(), shape, radiance: [5.0; 3], visible: true, transform: Transform::IDENTITY }
+fn lamp(shape: Shape) -> Object {
+    Object::new("lamp", shape, Light { radiance: [5.0; 3] })
 }
 
 /// A lamp that looks down: half a unit by a unit, at a height of 1, straight above the point that is seen.
-fn square_lamp() -> Light {
+fn square_lamp() -> Object {
     lamp(Shape::Quad { center: DVec3::Y, edge_u: DVec3::X * 0.5, edge_v: DVec3::Z })
 }
 
@@ -64,7 +61,7 @@ fn without_light_sampling(prepared: &Prepared) -> Prepared {
 fn direct_light_of_a_sphere() {
     let mut description = floor();
     let center = DVec3::new(0.0, 2.0, 1.0);
-    description.lights.push(lamp(sphere(center, 0.5)));
+    description.objects.push(lamp(sphere(center, 0.5)));
     let scene = ready(description);
     let d = center.length();
     let expected = ALBEDO * 5.0 * (0.5 / d).powi(2) * (2.0 / d);
@@ -76,7 +73,7 @@ fn direct_light_of_a_sphere() {
 #[test]
 fn direct_light_of_a_rectangle() {
     let mut description = floor();
-    description.lights.push(square_lamp());
+    description.objects.push(square_lamp());
     let scene = ready(description);
     let (a, b) = (0.25f64, 0.5f64);
     let part = |a: f64, b: f64| a / (1.0 + a * a).sqrt() * (b / (1.0 + a * a).sqrt()).atan();
@@ -90,7 +87,7 @@ fn direct_light_of_a_rectangle() {
 #[test]
 fn the_back_of_a_lamp_is_dark() {
     let mut description = floor();
-    description.lights.push(lamp(Shape::Quad { center: DVec3::Y, edge_u: DVec3::Z, edge_v: DVec3::X }));
+    description.objects.push(lamp(Shape::Quad { center: DVec3::Y, edge_u: DVec3::Z, edge_v: DVec3::X }));
     check_mean(&ready(description), 0.0);
 }
 
@@ -98,7 +95,7 @@ fn the_back_of_a_lamp_is_dark() {
 #[test]
 fn light_through_a_matched_absorbing_pane() {
     let mut description = floor();
-    description.lights.push(lamp(sphere(DVec3::new(0.0, 50.0, 0.0), 0.5)));
+    description.objects.push(lamp(sphere(DVec3::new(0.0, 50.0, 0.0), 0.5)));
     description.camera.position = DVec3::new(0.0, 10.0, 1e-3);
     let (min, max) = (DVec3::new(-90.0, 1.0, -90.0), DVec3::new(90.0, 2.0, 90.0));
     add(&mut description, Shape::Box { min, max }, 1.0, 0.7);
@@ -162,15 +159,11 @@ fn image_environments_are_sampled_without_bias() {
 fn grey_and_mirroring_solids_in_a_white_room() {
     for mirror in [false, true] {
         let mut description = empty(1.0);
-        description.solids.push(Solid {
-            name: "ball".into(),
-            shape: sphere(DVec3::ZERO, 1.0),
-            paint: Paint::Color([ALBEDO; 3]),
-            mirror,
-            smooth: false,
-            visible: true,
-            transform: Transform::IDENTITY,
-        });
+        description.objects.push(Object::new(
+            "ball",
+            sphere(DVec3::ZERO, 1.0),
+            Solid { mirror, ..Solid::of(Paint::Color([ALBEDO; 3])) },
+        ));
         description.camera.vertical_fov = 1.0;
         check_mean(&ready(description), ALBEDO);
     }
@@ -187,7 +180,7 @@ fn interpolated_normals() {
         for (radius, ior) in [(1.0, 1.5), (0.7, 1.2)] {
             add(&mut description, Shape::Icosphere { center: DVec3::ZERO, radius, subdivisions: 2 }, ior, 0.0);
         }
-        description.refractors.iter_mut().for_each(|r| r.smooth = smooth);
+        description.objects.refractor_roles_mut().for_each(|r| r.smooth = smooth);
         ready(description)
     };
     let film = render(&ball(true), Mode::Rectified, (64, 64), 16, None);
@@ -214,8 +207,8 @@ fn busy() -> Prepared {
     add(&mut description, Shape::Icosphere { center: DVec3::Y * 1.2, radius: 1.0, subdivisions: 3 }, 1.5, 0.1);
     add(&mut description, sphere(DVec3::new(0.1, 1.2, 0.0), 0.6), 1.333, 0.2);
     add(&mut description, sphere(DVec3::new(0.2, 1.1, 0.1), 0.3), 1.0, 0.0);
-    description.lights.push(square_lamp());
-    description.lights[0].transform.translate = DVec3::Y * 3.0;
+    description.objects.push(square_lamp());
+    description.objects.lights_mut()[0].transform.translate = DVec3::Y * 3.0;
     description.environment =
         Environment::Gradient { zenith: [0.3, 0.5, 1.0], horizon: [0.8; 3], nadir: [0.1, 0.05, 0.0] };
     ready(description)
@@ -307,7 +300,7 @@ fn edits_keep_what_they_cannot_change() {
 
     // Moving an object is another geometry.
     let mut moved = (*before.description).clone();
-    moved.refractors[1].transform.translate.x += 0.01;
+    moved.objects.refractors_mut()[1].transform.translate.x += 0.01;
     let moved = prepare(Arc::new(moved), Some(&before)).unwrap();
     assert!(!Arc::ptr_eq(&before.scene.geometry, &moved.scene.geometry));
 }
@@ -323,7 +316,7 @@ mod against_another_renderer {
     }
 
     fn load_scene(name: &str) -> Description {
-        load::open(format!("tests/data/reference/{name}.toml")).expect("the scene is in the repository")
+        formats::open(format!("tests/data/reference/{name}.toml")).expect("the scene is in the repository")
     }
 
     /// relMSE of the image and of its 16×16 block means, against the image of `name`.
@@ -372,7 +365,7 @@ mod against_another_renderer {
     #[test]
     fn overlapping_volumes_without_priorities() {
         let mut description = load_scene("s2");
-        description.refractors.iter_mut().for_each(|refractor| refractor.priority = 0);
+        description.objects.refractor_roles_mut().for_each(|refractor| refractor.priority = 0);
         let (pixels, blocks) = errors("s2", description, Mode::Rectified, spp(32));
         assert!(pixels < 6e-3 && blocks < 3e-5, "{pixels:e} {blocks:e}");
     }
@@ -393,7 +386,7 @@ mod against_another_renderer {
         const BOTTOM: f64 = 0.21;
         const LEVEL: f64 = 1.71;
         let mut description = load_scene("s2");
-        let glass = description.refractors.iter().find(|r| r.name == "glass").expect("s2 has a glass");
+        let glass = description.objects.refractors().iter().find(|r| r.name == "glass").expect("s2 has a glass");
         let Shape::Mesh { mesh: glass, .. } = &glass.shape else { panic!("the glass is a mesh") };
         // The inner side of the wall is a cone above a disc.
         let inner_radius = |y: f64| 0.68 + (y - BOTTOM) * 0.0864;
@@ -441,7 +434,8 @@ mod against_another_renderer {
         let volume = water.signed_volume();
         assert!((volume - 2.63).abs() < 0.05, "closed, and outward: {volume}");
         let shape = Shape::Mesh { path: "water.ply".into(), mesh: Arc::new(water), notes: Vec::new() };
-        description.refractors.iter_mut().find(|r| r.name == "water").expect("s2 has water").shape = shape;
+        description.objects.refractors_mut().iter_mut().find(|r| r.name == "water").expect("s2 has water").shape =
+            shape;
         description
     }
 
@@ -452,7 +446,7 @@ mod against_another_renderer {
             for priorities in [true, false] {
                 let mut description = with_water_that_fits(bed);
                 if !priorities {
-                    description.refractors.iter_mut().for_each(|refractor| refractor.priority = 0);
+                    description.objects.refractor_roles_mut().for_each(|refractor| refractor.priority = 0);
                 }
                 let (pixels, blocks) = errors("s2", description, Mode::Rectified, spp(16));
                 assert!(pixels < 1.2e-2 && blocks < 6e-5, "{pixels:e} {blocks:e}");

@@ -5,9 +5,9 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
+use iorect::formats;
 use iorect::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
 use iorect::scene::camera::Camera;
-use iorect::scene::load;
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
 
@@ -16,7 +16,7 @@ use common::ready;
 const SIZE: (u32, u32) = (24, 16);
 
 fn scene(name: &str) -> Prepared {
-    ready(load::open(name).expect("a built-in scene"))
+    ready(formats::open(name).expect("a built-in scene"))
 }
 
 fn settings(seed: u64, splits: u32) -> ImageSettings {

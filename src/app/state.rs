@@ -363,7 +363,7 @@ fn automatic_factor(window: [f32; 2], monitor: Option<[f32; 2]>) -> f32 {
 
 /// The medium that an object of the tree is made of.
 pub fn medium_of(description: &Description, object: &str) -> Option<MediumRef> {
-    let refractor = description.refractors.iter().find(|refractor| refractor.name == object)?;
+    let refractor = description.objects.find(object)?.refractor()?;
     Some(MediumRef::Named(refractor.medium.clone()))
 }
 

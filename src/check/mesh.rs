@@ -6,7 +6,7 @@ use super::{Problem, Severity, Spot, names, nested};
 use crate::geometry::topology::{Finding, FindingKind};
 use crate::geometry::{Enclosure, Topology};
 use crate::scene::ObjectId;
-use crate::scene::description::{Refractor, Shape};
+use crate::scene::description::{Object, Shape};
 use crate::tracking::Prepared;
 
 /// Removes from `doubts` the objects reported here, about which rays disagree because the surface is not closed.
@@ -15,7 +15,7 @@ pub(super) fn problems(prepared: &Prepared, rims: &Rims, doubts: &mut Doubts) ->
     let scene = &*prepared.scene;
     let mut problems = Vec::new();
     // Refractors are the first objects.
-    for (index, (refractor, object)) in description.refractors.iter().zip(&scene.objects).enumerate() {
+    for (index, (refractor, object)) in description.objects.refractors().iter().zip(&scene.objects).enumerate() {
         let id = ObjectId(index as u32);
         match (&refractor.shape, &object.topology) {
             (Shape::Quad { .. }, _) => {
@@ -66,14 +66,14 @@ fn and_doubt(mut problem: Problem, doubt: Option<Doubt>) -> Problem {
 }
 
 /// The place of a finding.
-fn spot(refractor: &Refractor, finding: &Finding) -> Spot {
+fn spot(refractor: &Object, finding: &Finding) -> Spot {
     let center = refractor.transform.matrix().transform_point3(finding.center);
     Spot { center, radius: finding.radius * refractor.transform.scale.abs().max_element() }
 }
 
 /// What is to be said of a finding at `spot`. `others` are the surfaces, by name, that the rim of one that is not closed is joined to.
 fn problem(
-    refractor: &Refractor,
+    refractor: &Object,
     topology: &Topology,
     kind: FindingKind,
     count: u64,

@@ -14,7 +14,6 @@ use super::preparation::prepare_shown;
 use super::progress::Progress;
 use crate::render::exact::unit_exponent;
 use crate::render::{Cpu, Display, Film, ImageSettings, Recipe, RenderTask, Renderer, SampleRange};
-use crate::scene;
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
@@ -114,7 +113,7 @@ impl<'a> Job<'a> {
     /// Reads and prepares the scene.
     pub fn new(arguments: &'a ImageArguments) -> Result<Self, Failure> {
         let start = Instant::now();
-        let description = scene::load::open(&arguments.scene)?;
+        let description = crate::formats::open(&arguments.scene)?;
         let load_secs = start.elapsed().as_secs_f64();
         let camera = Camera::new(&description.camera)?;
         // 0 lets rayon take one thread per core.

@@ -9,7 +9,8 @@ use clap::Parser;
 use super::arguments::{Arguments, Command, WindowArguments};
 use super::image::DEFAULT_SPP;
 use super::{Failure, compare, shell_word, tell};
-use crate::scene::{SceneError, builtin};
+use crate::formats::builtin;
+use crate::scene::SceneError;
 
 /// What is written where no window can be opened.
 const FALLBACK_PICTURE: &str = "iorect-comparison.png";

@@ -26,12 +26,12 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::ExportError;
+use crate::formats::disk::{self, FileError};
+use crate::formats::image::limits;
 use crate::render::exact::{ExactSums, MOST_BITS};
 use crate::render::{Partial, Recipe, SampleRange};
 use crate::scene::Fingerprint;
-use crate::scene::files::{self, FileError};
 use crate::scene::fingerprint::Hasher;
-use crate::scene::load::image::limits;
 use crate::tracking::Events;
 use crate::writing::write_atomically;
 
@@ -307,7 +307,7 @@ fn require_plausible(partial: &Partial) -> Result<(), String> {
 }
 
 fn open(path: &Path) -> Result<File, SumsError> {
-    files::open(path).map_err(|reason| SumsError::Read { path: path.to_path_buf(), reason })
+    disk::open(path).map_err(|reason| SumsError::Read { path: path.to_path_buf(), reason })
 }
 
 fn not_exr(path: &Path, error: &exr::error::Error) -> SumsError {

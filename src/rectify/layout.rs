@@ -267,22 +267,22 @@ impl Interner {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats;
     use crate::rectify::InterfaceTable;
     use crate::scene::compile::{changed_objects, compile};
-    use crate::scene::load;
 
     /// Each refractor of each scene is moved in turn: what is taken over and what is found anew together say what a layout from nothing says.
     #[test]
     fn an_edit_redoes_what_it_touches_and_no_more() {
         for name in ["iced-water", "half-submerged", "siblings"] {
-            let mut description = load::open(name).expect("a built-in scene");
+            let mut description = formats::open(name).expect("a built-in scene");
             let mut scene = compile(&description, None).expect("it is fine");
             let mut table = InterfaceTable::new(&scene);
             let mut kept = 0;
-            for index in 0..description.refractors.len() {
+            for index in 0..description.objects.refractors().len() {
                 for step in [0.13, -0.4, 0.05] {
                     let before = description.clone();
-                    let transform = &mut description.refractors[index].transform;
+                    let transform = &mut description.objects.refractors_mut()[index].transform;
                     transform.translate += DVec3::new(0.4 * step, step, 0.0);
                     transform.rotate.y += 100.0 * step;
                     let moved = compile(&description, Some((&before, &scene))).expect("it is fine");

@@ -116,11 +116,11 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::formats;
     use crate::rectify::InterfaceTable;
     use crate::rectify::pretrace::vote;
     use crate::scene::compile::{changed_objects, compile};
     use crate::scene::description::{Description, Shape};
-    use crate::scene::load;
 
     /// Balls and meshes of balls in each other, in three heaps, and some beside them; those of the first heap have priorities.
     fn heaps(count: u32) -> Description {
@@ -145,7 +145,7 @@ mod tests {
             );
         }
         let light = "[[light]]\nname = \"lamp\"\nradiance = [1, 1, 1]\nshape = { sphere = { center = [0, 0, 0], radius = 0.001 } }\n";
-        load::parse(&(text + light), "heaps.toml".as_ref(), false).unwrap()
+        formats::parse(&(text + light), "heaps.toml".as_ref(), &formats::Disk).unwrap()
     }
 
     #[test]
@@ -173,13 +173,15 @@ mod tests {
         let mover = 31;
         assert_eq!(mover % 5, 1);
         let place = |description: &Description, to: DVec3| {
-            let Shape::Sphere { center, .. } = description.refractors[mover].shape else { panic!("it is a ball") };
+            let Shape::Sphere { center, .. } = description.objects.refractors()[mover].shape else {
+                panic!("it is a ball")
+            };
             to - center
         };
         let across = DVec3::new(0.0097, 0.0, 0.97);
         for to in [across, DVec3::new(0.0, 9.0, 0.0), across * 1.0001, DVec3::new(0.5, 0.5, 2.0)] {
             let before = description.clone();
-            description.refractors[mover].transform.translate = place(&description, to);
+            description.objects.refractors_mut()[mover].transform.translate = place(&description, to);
             let moved = compile(&description, Some((&before, &scene))).unwrap();
             let changed = changed_objects(&before, &description).unwrap();
             let after = table.updated(&moved, &scene, &changed);

@@ -32,13 +32,13 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::scene::load;
+    use crate::formats;
     use crate::tracking::Mode;
     use crate::transport::sampler::Sequence;
 
     #[test]
     fn every_setting_counts() {
-        let scene = load::open("plain-glass").unwrap();
+        let scene = formats::open("plain-glass").unwrap();
         let camera = Camera::new(&scene.camera).unwrap();
         let base = ImageSettings::new(Mode::Rectified, 3);
         let mut closer = scene.camera;

@@ -345,7 +345,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::scene::load;
+    use crate::formats;
     use crate::tracking::prepare;
 
     const SCENE: &str = r#"
@@ -371,7 +371,7 @@ shape = { icosphere = { center = [0, 0, 0], radius = 1, subdivisions = 3 } }
 "#;
 
     fn prepared() -> Prepared {
-        let description = load::parse(SCENE, std::path::Path::new("pool.toml"), false).unwrap();
+        let description = formats::parse(SCENE, std::path::Path::new("pool.toml"), &formats::Disk).unwrap();
         prepare(Arc::new(description), None).unwrap()
     }
 

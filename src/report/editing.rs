@@ -64,7 +64,7 @@ impl Edit {
     fn is_possible(self, description: &Description) -> bool {
         match self {
             Self::Ior => !description.media.is_empty(),
-            Self::Transform => !description.refractors.is_empty(),
+            Self::Transform => !description.objects.refractors().is_empty(),
             Self::Camera => true,
         }
     }
@@ -175,9 +175,10 @@ fn edited(before: &Request, edit: Edit, index: usize) -> Request {
             request.description = Arc::new(description);
         }
         Edit::Transform => {
-            let refractor = index / 2 % description.refractors.len();
+            let refractor = index / 2 % description.objects.refractors().len();
             let step = 0.01 * (before.camera.target - before.camera.position).length();
-            description.refractors[refractor].transform.translate += DVec3::new(0.22, 0.14, 0.26) * (step * way);
+            description.objects.refractors_mut()[refractor].transform.translate +=
+                DVec3::new(0.22, 0.14, 0.26) * (step * way);
             request.description = Arc::new(description);
         }
         Edit::Camera => request.camera.position += (before.camera.target - before.camera.position) * (0.01 * way),
@@ -246,7 +247,7 @@ impl Window {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load;
+    use crate::formats;
     use std::sync::atomic::AtomicBool;
 
     const PLAN: EditingPlan = EditingPlan { size: [32, 18], edits: 2, within_secs: 0.01 };
@@ -258,7 +259,7 @@ mod tests {
 
     #[test]
     fn every_kind_of_edit_is_answered() {
-        let found = measured(load::open("nested-spheres").unwrap(), false).unwrap().unwrap();
+        let found = measured(formats::open("nested-spheres").unwrap(), false).unwrap().unwrap();
         assert_eq!(found.times.iter().map(|times| times.edit).collect::<Vec<_>>(), Edit::ALL);
         for times in &found.times {
             assert_eq!(times.edits, 2);
@@ -267,20 +268,20 @@ mod tests {
             // The camera alone needs no rectification.
             assert_eq!(times.rectify_secs.is_some(), times.edit != Edit::Camera, "{times:?}");
         }
-        assert!(measured(load::open("plain-glass").unwrap(), true).unwrap().is_none());
+        assert!(measured(formats::open("plain-glass").unwrap(), true).unwrap().is_none());
     }
 
     #[test]
     fn what_is_not_there_is_not_edited() {
-        let mut description = load::open("plain-glass").unwrap();
-        description.refractors.clear();
+        let mut description = formats::open("plain-glass").unwrap();
+        description.objects.clear(crate::scene::description::Kind::Refractor);
         let found = measured(description, false).unwrap().unwrap();
         assert_eq!(found.times.iter().map(|times| times.edit).collect::<Vec<_>>(), [Edit::Ior, Edit::Camera]);
     }
 
     #[test]
     fn edits_come_back_to_where_they_began() {
-        let description = Arc::new(load::open("nested-spheres").unwrap());
+        let description = Arc::new(formats::open("nested-spheres").unwrap());
         let request = |camera| Request {
             epoch: 1,
             description: Arc::clone(&description),
@@ -298,7 +299,7 @@ mod tests {
             let there = edited(&before, edit, 0);
             let back = edited(&there, edit, 1);
             let place = |request: &Request| {
-                let refractor = request.description.refractors[0].transform.translate;
+                let refractor = request.description.objects.refractors()[0].transform.translate;
                 let ior = request.description.media[0].ior.ior_minus_one(WAVELENGTH_D_UM);
                 (refractor, request.camera.position, ior)
             };

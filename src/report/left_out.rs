@@ -172,12 +172,12 @@ fn are_equal(a: &Film, b: &Film) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load;
+    use crate::formats;
     use crate::tracking::prepare;
     use std::sync::atomic::AtomicBool;
 
     fn measured(name: &str, plan: &LeftOutPlan, cancel: bool) -> Option<LeftOut> {
-        let prepared = prepare(load::open(name).unwrap().into(), None).unwrap();
+        let prepared = prepare(formats::open(name).unwrap().into(), None).unwrap();
         let camera = Camera::new(&prepared.description.camera).unwrap();
         let progress = Progress { cancel: &AtomicBool::new(cancel), tell: &|_, _| () };
         measure(&prepared, &camera, plan, &progress)

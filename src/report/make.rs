@@ -20,11 +20,12 @@ use super::stability::{self, Stability};
 use super::store::Store;
 use crate::export::ExportError;
 use crate::export::words::grouped;
+use crate::formats::builtin;
 use crate::geometry::Ray;
 use crate::rectify::start::start;
 use crate::scene::camera::Camera;
 use crate::scene::fingerprint::Hasher;
-use crate::scene::{Description, SceneError, builtin};
+use crate::scene::{Description, SceneError};
 use crate::tracking::{Prepared, prepare};
 
 /// What a report can be about.

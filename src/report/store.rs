@@ -12,8 +12,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::export::ExportError;
+use crate::formats::disk::{self, FileError, MAX_DATA_BYTES};
 use crate::scene::Fingerprint;
-use crate::scene::files::{self, FileError, MAX_DATA_BYTES};
 use crate::writing::{WriteError, require_writable, write_atomically};
 
 /// Bytes of a SHA-256.
@@ -76,7 +76,7 @@ impl Store {
     /// The piece as it was kept; `None` where there is none, or one that cannot be used, which is logged.
     pub fn find<T: DeserializeOwned>(&self, name: &str, inputs: &impl Serialize) -> Option<T> {
         let key = self.key(name, inputs);
-        let problem = match files::read(&key.path, MAX_DATA_BYTES) {
+        let problem = match disk::read(&key.path, MAX_DATA_BYTES) {
             Ok(bytes) => match parse(&bytes, &key.made_from) {
                 Ok(piece) => return Some(piece),
                 Err(problem) => problem,

@@ -1,6 +1,6 @@
 //! An environment image as it was read.
 
-use super::LoadNote;
+use super::note::LoadNote;
 
 /// A latitude–longitude image, linear Rec. 709, every component finite and ≥ 0.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,27 +4,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+pub use super::ids::{MediumId, ObjectId};
 use super::lights::{Emitters, EnvironmentLight, Light};
 use super::needs::SceneNeeds;
 use crate::geometry::{Enclosure, Geometry, Topology, WindingTree};
 use crate::optics::{Interface, Ior};
 use crate::spectrum::{Spectrum, Wavelengths};
-
-/// Index into [`Scene::media`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(transparent)]
-pub struct MediumId(pub u32);
-
-impl MediumId {
-    /// The global medium.
-    pub const WORLD: Self = Self(0);
-    /// The reserved exterior of `naive`.
-    pub const VACUUM: Self = Self(1);
-}
-
-/// Index into [`Scene::objects`]: refractors first, then solids, then lights, each in file order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct ObjectId(pub u32);
 
 /// A medium with its numbers worked out for transport in RGB.
 #[derive(Debug, Clone, PartialEq)]

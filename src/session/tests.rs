@@ -16,7 +16,7 @@ use crate::tracking::prepare;
 use glam::DVec3;
 
 fn request(epoch: u64, modes: &[Mode]) -> Request {
-    let description = Arc::new(crate::scene::load::open("nested-spheres").expect("a built-in scene"));
+    let description = Arc::new(crate::formats::open("nested-spheres").expect("a built-in scene"));
     Request {
         epoch,
         camera: description.camera,
@@ -33,9 +33,9 @@ fn request(epoch: u64, modes: &[Mode]) -> Request {
 
 /// A scene that takes a while to prepare, on any machine.
 fn slow_scene(shift: f64) -> Arc<Description> {
-    let mut description = crate::scene::load::open("nested-spheres").expect("a built-in scene");
+    let mut description = crate::formats::open("nested-spheres").expect("a built-in scene");
     let ball = |x: f64| Shape::Icosphere { center: DVec3::new(x, 0.0, 0.0), radius: 1.0, subdivisions: 5 };
-    for (refractor, x) in description.refractors.iter_mut().zip([0.0, shift]) {
+    for (refractor, x) in description.objects.refractors_mut().iter_mut().zip([0.0, shift]) {
         refractor.shape = ball(x);
     }
     Arc::new(description)

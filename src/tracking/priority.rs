@@ -120,9 +120,9 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::formats;
     use crate::geometry::{Ray, SurfacePoint};
     use crate::scene::compile::compile;
-    use crate::scene::load;
 
     /// A scene of refractors `0, 1, …`, each with its own medium, a shape in the words of a scene file, and a priority.
     fn scene(refractors: &[(&str, i32)]) -> Scene {
@@ -133,7 +133,7 @@ mod tests {
             let head = format!("[[refractor]]\nname = \"r{index}\"\nmedium = \"m{index}\"\npriority = {priority}");
             write!(text, "{head}\nshape = {{ {shape} }}\n").unwrap();
         }
-        compile(&load::parse(&text, Path::new("test.toml"), false).unwrap(), None).unwrap()
+        compile(&formats::parse(&text, Path::new("test.toml"), &formats::Disk).unwrap(), None).unwrap()
     }
 
     /// The same, where only the priorities matter.

@@ -195,7 +195,9 @@ fn exr_files() -> Vec<(&'static str, &'static str, Vec<u8>)> {
 
 /// Two samples of a small scene, from `first` on.
 fn sums(first: u32) -> Vec<u8> {
-    let description = Arc::new(iorect::scene::load::parse(SHAPES, Path::new("assets/scenes/fuzz.toml"), true).unwrap());
+    let description = Arc::new(
+        iorect::formats::parse(SHAPES, Path::new("assets/scenes/fuzz.toml"), &iorect::formats::BuiltIn).unwrap(),
+    );
     let prepared = prepare(Arc::clone(&description), None).unwrap();
     let camera = Camera::new(&description.camera).unwrap();
     let settings = ImageSettings { max_depth: Some(8), ..ImageSettings::new(Mode::Rectified, 0) };

@@ -6,7 +6,7 @@ use crate::app::command::Command;
 use crate::app::state::State;
 use crate::app::theme::Palette;
 use crate::app::widgets::centered_ui;
-use crate::scene::builtin;
+use crate::formats::builtin;
 
 pub fn show(ctx: &Context, state: &State, commands: &mut Vec<Command>) {
     let mut chosen = None;

@@ -3,12 +3,12 @@ use std::mem::{align_of, offset_of, size_of};
 use bytemuck::cast_slice;
 
 use super::*;
+use crate::formats::{self, builtin};
 use crate::rectify::InterfaceTable;
 use crate::rectify::asked::answer_anew;
 use crate::rectify::random::Random;
 use crate::rectify::subjects::{is_refractor, primitives_of, subjects};
 use crate::scene::compile::compile;
-use crate::scene::{builtin, load};
 
 /// Two boxes that share a part of a face, an opaque plate on a part of another face, a ball that crosses both boxes and a lamp that crosses one.
 const COINCIDENT: &str = r#"
@@ -44,11 +44,11 @@ fn scene_of(objects: &str) -> Scene {
         "{objects}\ncamera = {{ position = [0, 0, 9], target = [0, 0, 0] }}\n\
         medium = [{{ name = \"glass\", ior = 1.5 }}, {{ name = \"water\", ior = 1.33 }}, {{ name = \"ice\", ior = 1.31 }}]\n"
     );
-    compile(&load::parse(&text, "scene.toml".as_ref(), false).unwrap(), None).unwrap()
+    compile(&formats::parse(&text, "scene.toml".as_ref(), &formats::Disk).unwrap(), None).unwrap()
 }
 
 fn built_in(name: &str) -> Scene {
-    compile(&load::open(name).unwrap(), None).unwrap()
+    compile(&formats::open(name).unwrap(), None).unwrap()
 }
 
 #[test]

@@ -14,7 +14,7 @@ use super::SceneError;
 use super::description::Shape;
 use crate::geometry::Mesh;
 
-pub use validate::{ShapeError, validate};
+pub use validate::validate;
 
 /// Largest coordinate and length: beyond, products of two would overflow in single precision.
 pub const MAX_LENGTH: f64 = 1e18;

@@ -82,7 +82,7 @@ impl Bodies {
         let mut bodies = Vec::new();
         let mut of_object = vec![None; scene.objects.len()];
         let mut part_of_primitive = Vec::new();
-        for (index, refractor) in description.refractors.iter().enumerate().filter(|(_, r)| r.visible) {
+        for (index, refractor) in description.objects.refractors().iter().enumerate().filter(|(_, r)| r.visible) {
             let object = ObjectId(index as u32);
             let matrix = refractor.transform.matrix();
             if let Shape::Sphere { center, radius } = refractor.shape {

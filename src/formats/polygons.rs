@@ -1,40 +1,13 @@
 //! Meshes from files: what is common to all formats.
 
-use std::path::Path;
-
 use glam::DVec3;
 
 use super::corners::CornerLists;
-use super::encoding::without_mark;
 use super::passed_over::{Kind, PassedOver};
 use super::polygon::{Patience, triangulate};
-use super::{obj, ply};
 use crate::geometry::Mesh;
 use crate::scene::LoadNote;
 use crate::scene::shapes::MAX_LENGTH;
-
-/// A mesh format that is read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Format {
-    Obj,
-    Ply,
-}
-
-impl Format {
-    /// The format that a file's ending names.
-    ///
-    /// # Errors
-    /// Lists the formats that are read.
-    pub fn of(path: &Path) -> Result<Self, String> {
-        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
-        match ending.as_str() {
-            "obj" => Ok(Self::Obj),
-            "ply" => Ok(Self::Ply),
-            "glb" | "gltf" => Err("glTF meshes are not yet supported; use .obj or .ply".into()),
-            _ => Err(format!("`{}` is no mesh that is read: use .obj or .ply", path.display())),
-        }
-    }
-}
 
 /// What is wrong in a mesh file.
 #[derive(Debug, PartialEq, Eq)]
@@ -142,7 +115,10 @@ impl Polygons {
     }
 
     /// The mesh, and what was passed over.
-    fn finish(mut self) -> Result<(Mesh, Vec<LoadNote>), Fault> {
+    ///
+    /// # Errors
+    /// When there is no face, a face uses what is no vertex, or takes too long to be cut.
+    pub fn finish(mut self) -> Result<(Mesh, Vec<LoadNote>), Fault> {
         self.drop_unusable()?;
         let normals = self.usable_normals();
         let Self { positions, faces, strips, mut passed_over, .. } = self;
@@ -231,15 +207,6 @@ impl Builder<'_> {
     }
 }
 
-/// Reads a mesh, and says what was passed over.
-pub(super) fn read(bytes: &[u8], format: Format) -> Result<(Mesh, Vec<LoadNote>), Fault> {
-    let bytes = without_mark(bytes);
-    match format {
-        Format::Obj => obj::read(&bytes)?.finish(),
-        Format::Ply => ply::read(&bytes)?.finish(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -258,14 +225,6 @@ mod tests {
 
     fn counts(notes: &[LoadNote]) -> Vec<(&'static str, u64)> {
         notes.iter().map(|note| (note.kind, note.count)).collect()
-    }
-
-    #[test]
-    fn formats_by_ending() {
-        assert_eq!(Format::of(Path::new("a/b.OBJ")), Ok(Format::Obj));
-        assert_eq!(Format::of(Path::new("b.ply")), Ok(Format::Ply));
-        assert!(Format::of(Path::new("b.glb")).unwrap_err().contains("not yet supported"));
-        assert!(Format::of(Path::new("b")).unwrap_err().contains("use .obj or .ply"));
     }
 
     #[test]

@@ -4,12 +4,11 @@ use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use glam::DVec3;
 use toml_edit::{Item, TableLike, Value};
 
-use super::suggest::suggestion;
+use crate::formats::suggest::suggestion;
 use crate::scene::SceneError;
-use crate::scene::description::MAX_RADIANCE;
+use crate::scene::fields::Limits;
 
 /// The text of a scene file.
 #[derive(Debug, Clone, Copy)]
@@ -45,7 +44,7 @@ pub(super) struct Table<'a> {
     table: &'a dyn TableLike,
     /// Where it begins.
     start: usize,
-    name: String,
+    pub name: String,
 }
 
 /// A value, with the name by which errors call it.
@@ -158,10 +157,13 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// A number that meets a condition, which `must` describes.
-    pub fn number_that(&self, must: &str, is_fine: impl Fn(f64) -> bool) -> Result<f64, SceneError> {
+    pub fn number_within(&self, limits: Limits) -> Result<f64, SceneError> {
         let number = self.number()?;
-        if is_fine(number) { Ok(number) } else { Err(self.error(format!("{} is {number}, must be {must}", self.name))) }
+        if (limits.is_fine)(number) {
+            Ok(number)
+        } else {
+            Err(self.error(format!("{} is {number}, must be {}", self.name, limits.must)))
+        }
     }
 
     /// A whole number in a range.
@@ -251,30 +253,15 @@ impl<'a> Node<'a> {
         Ok(numbers)
     }
 
-    pub fn vec3(&self) -> Result<DVec3, SceneError> {
-        self.numbers().map(DVec3::from_array)
-    }
-
-    /// Three numbers, each 0 or more.
-    pub fn non_negative3(&self) -> Result<[f64; 3], SceneError> {
-        self.numbers3_that("0 or more", |x| x >= 0.0)
-    }
-
-    /// Radiance in linear RGB.
-    pub fn radiance(&self) -> Result<[f64; 3], SceneError> {
-        self.numbers3_that(&format!("0 or more, and at most {MAX_RADIANCE:e}"), |x| (0.0..=MAX_RADIANCE).contains(&x))
-    }
-
-    /// Three numbers in [0, 1].
-    pub fn albedo(&self) -> Result<[f64; 3], SceneError> {
-        self.numbers3_that("between 0 and 1", |x| (0.0..=1.0).contains(&x))
-    }
-
-    fn numbers3_that(&self, must: &str, is_fine: impl Fn(f64) -> bool) -> Result<[f64; 3], SceneError> {
+    /// As many numbers as N, each within limits.
+    pub fn numbers_within<const N: usize>(&self, limits: Limits) -> Result<[f64; N], SceneError> {
         let numbers = self.numbers()?;
-        match numbers.iter().position(|&x| !is_fine(x)) {
+        match numbers.iter().position(|&x| !(limits.is_fine)(x)) {
             None => Ok(numbers),
-            Some(i) => Err(self.error(format!("element {} of {} is {}, must be {must}", i + 1, self.name, numbers[i]))),
+            Some(i) => {
+                let (number, must) = (numbers[i], limits.must);
+                Err(self.error(format!("element {} of {} is {number}, must be {must}", i + 1, self.name)))
+            }
         }
     }
 }

@@ -8,8 +8,8 @@ use std::str::SplitAsciiWhitespace;
 use glam::DVec3;
 
 use super::lines::{Lines, number, shown};
-use super::mesh::{Fault, Polygons};
 use super::passed_over::Kind;
+use super::polygons::{Fault, Polygons};
 
 /// Statements that end in a name, which may end in a backslash.
 const NAMES: [&str; 9] = ["g", "o", "s", "usemtl", "mtllib", "usemap", "maplib", "shadow_obj", "trace_obj"];

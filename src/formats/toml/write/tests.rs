@@ -1,9 +1,9 @@
-use super::*;
 use glam::DVec3;
 
-use crate::optics::catalog;
-use crate::scene::builtin;
-use crate::scene::description::Shape;
+use super::*;
+use crate::formats::{self, builtin};
+use crate::optics::{Ior, Medium, catalog};
+use crate::scene::description::{Environment, Kind, Light, Object, Paint, Shape, Transform, WorldMedium};
 
 const TEXT: &str = r#"# A scene with remarks.
 name = "Remarked"   # called so
@@ -36,7 +36,7 @@ edge_v = [4, 0, 0]
 "#;
 
 fn read(text: &str) -> Description {
-    load::parse(text, Path::new("remarked.toml"), false).unwrap()
+    formats::parse(text, Path::new("remarked.toml"), &formats::Disk).unwrap()
 }
 
 /// Reads what was written: it must say the same.
@@ -52,7 +52,7 @@ fn assert_faithful(description: &Description) -> String {
 fn what_was_not_edited_is_not_touched() {
     assert_eq!(to_text(&read(TEXT)), TEXT);
     for scene in builtin::all() {
-        assert_eq!(to_text(&builtin::description(scene).unwrap()), scene.text, "{}", scene.name);
+        assert_eq!(to_text(&formats::open(scene.name).unwrap()), scene.text, "{}", scene.name);
     }
 }
 
@@ -79,20 +79,21 @@ fn every_kind_of_edit_is_read_back() {
     scene.environment = Environment::Gradient { zenith: [0.1; 3], horizon: [1.0; 3], nadir: [1e9, 0.0, 0.0] };
     scene.media[1].absorption = [0.0, 0.5, 1.0];
     scene.media[0].ior = Ior::Sellmeier(vec![[1.0, 0.01], [0.1, 100.0]].into());
-    scene.refractors[0].priority = -3;
-    scene.refractors[0].smooth = true;
-    scene.refractors[0].medium = "water".into();
-    scene.refractors[0].transform = Transform { scale: DVec3::splat(2.0), rotate: DVec3::X, translate: -DVec3::Y };
-    scene.solids[0].paint = Paint::Checker { a: [0.0; 3], b: [1.0; 3], size: 0.25 };
-    scene.solids[0].mirror = true;
-    scene.solids[0].visible = false;
-    scene.solids[0].shape = Shape::Torus { center: DVec3::ZERO, major: 2.0, minor: 0.5, segments: 12, rings: 8 };
-    scene.lights.push(Light {
-        name: "lamp".into(),
-        shape: Shape::Lathe { profile: vec![[0.0, 0.0], [1.0, 0.5], [0.0, 1.0]], segments: 128 },
-        radiance: [3.0, 2.0, 1.0],
+    scene.objects.refractors_mut()[0].refractor_mut().unwrap().priority = -3;
+    scene.objects.refractors_mut()[0].refractor_mut().unwrap().smooth = true;
+    scene.objects.refractors_mut()[0].refractor_mut().unwrap().medium = "water".into();
+    scene.objects.refractors_mut()[0].transform =
+        Transform { scale: DVec3::splat(2.0), rotate: DVec3::X, translate: -DVec3::Y };
+    scene.objects.solids_mut()[0].solid_mut().unwrap().paint = Paint::Checker { a: [0.0; 3], b: [1.0; 3], size: 0.25 };
+    scene.objects.solids_mut()[0].solid_mut().unwrap().mirror = true;
+    scene.objects.solids_mut()[0].visible = false;
+    scene.objects.solids_mut()[0].shape =
+        Shape::Torus { center: DVec3::ZERO, major: 2.0, minor: 0.5, segments: 12, rings: 8 };
+    let shape = Shape::Lathe { profile: vec![[0.0, 0.0], [1.0, 0.5], [0.0, 1.0]], segments: 128 };
+    scene.objects.push(Object {
         visible: false,
         transform: Transform { scale: DVec3::new(1.0, -2.0, 3.0), ..Transform::IDENTITY },
+        ..Object::new("lamp", shape, Light { radiance: [3.0, 2.0, 1.0] })
     });
     let text = assert_faithful(&scene);
     assert!(text.contains("# The thing itself.") && text.contains("# called so"), "{text}");
@@ -101,12 +102,12 @@ fn every_kind_of_edit_is_read_back() {
 #[test]
 fn hidden_is_said_of_what_is_hidden_only() {
     let mut scene = read(TEXT);
-    assert!(scene.refractors[0].visible && scene.solids[0].visible);
-    scene.refractors[0].visible = false;
+    assert!(scene.objects.refractors()[0].visible && scene.objects.solids()[0].visible);
+    scene.objects.refractors_mut()[0].visible = false;
     let text = assert_faithful(&scene);
     assert_eq!(text.matches("visible").count(), 1, "{text}");
     let mut hidden = read(&text);
-    hidden.refractors[0].visible = true;
+    hidden.objects.refractors_mut()[0].visible = true;
     assert!(!to_text(&hidden).contains("visible"), "{}", to_text(&hidden));
     // What says the default says it still.
     let plain = TEXT.replace("name = \"ball\"", "name = \"ball\"\nvisible = true");
@@ -116,30 +117,32 @@ fn hidden_is_said_of_what_is_hidden_only() {
 #[test]
 fn objects_come_go_move_and_are_renamed() {
     let mut scene = read(TEXT);
-    let ball = scene.refractors[0].clone();
-    scene.refractors.insert(0, Refractor { name: "first".into(), ..ball.clone() });
-    scene.refractors.push(Refractor { name: "last".into(), ..ball });
+    let ball = scene.objects.refractors()[0].clone();
+    scene.objects.push(Object { name: "first".into(), ..ball.clone() });
+    scene.objects.refractors_mut().swap(0, 1);
+    scene.objects.push(Object { name: "last".into(), ..ball });
     assert_faithful(&scene);
-    scene.refractors.remove(1);
+    scene.objects.remove(1);
     scene.media.swap(0, 1);
-    scene.solids[0].name = "ground".into();
+    scene.objects.solids_mut()[0].name = "ground".into();
     let text = assert_faithful(&scene);
     assert!(!text.contains("\"ball\"") && !text.contains("\"floor\""), "{text}");
     // New ones around one with a subtable, and then in another order.
-    let ground = scene.solids[0].clone();
+    let ground = scene.objects.solids()[0].clone();
     let quad = |center| Shape::Quad { center, edge_u: DVec3::Z, edge_v: DVec3::X };
-    scene.solids.push(Solid { name: "after".into(), shape: quad(DVec3::X), ..ground.clone() });
-    scene.solids.insert(0, Solid { name: "before".into(), shape: quad(DVec3::Y), ..ground });
+    scene.objects.push(Object { name: "before".into(), shape: quad(DVec3::Y), ..ground.clone() });
+    scene.objects.solids_mut().swap(0, 1);
+    scene.objects.push(Object { name: "after".into(), shape: quad(DVec3::X), ..ground });
     assert_faithful(&scene);
     scene.source = Some(std::sync::Arc::new(crate::scene::description::Source {
         path: "remarked.toml".into(),
         text: to_text(&scene),
         is_builtin: false,
     }));
-    scene.solids.rotate_left(1);
+    scene.objects.solids_mut().rotate_left(1);
     assert_faithful(&scene);
-    scene.solids.clear();
-    scene.refractors.clear();
+    scene.objects.clear(Kind::Solid);
+    scene.objects.clear(Kind::Refractor);
     let text = assert_faithful(&scene);
     assert!(!text.contains("[[refractor]]") && !text.contains("[solid.shape"), "{text}");
 }
@@ -147,13 +150,13 @@ fn objects_come_go_move_and_are_renamed() {
 #[test]
 fn a_scene_without_source_is_written_whole() {
     for scene in builtin::all() {
-        let mut description = builtin::description(scene).unwrap();
+        let mut description = formats::open(scene.name).unwrap();
         description.source = None;
         let text = to_text(&description);
-        let again = load::parse_text_only(&text, Path::new("scene.toml")).unwrap();
+        let again = parse_text_only(&text, Path::new("scene.toml")).unwrap();
         assert_eq!(again.media, description.media, "{text}");
         assert_eq!((again.camera, &again.world), (description.camera, &description.world));
-        assert_eq!(again.object_names().collect::<Vec<_>>(), description.object_names().collect::<Vec<_>>());
+        assert!(again.objects.iter().map(|o| &o.name).eq(description.objects.iter().map(|o| &o.name)), "{text}");
     }
     let mut scene = read(TEXT);
     scene.media[1].ior = Ior::Catalog(catalog::find("diamond").unwrap());
@@ -176,25 +179,25 @@ fn saved_elsewhere_it_still_finds_its_files() {
         TEXT.replace("sphere = { center = [0, 0, 0], radius = 1 }", "mesh = \"meshes/m.obj\""),
     )
     .unwrap();
-    let scene = load::file(&at("a/s.toml")).unwrap();
+    let scene = formats::file(&at("a/s.toml")).unwrap();
     save(&scene, &at("b/s.toml")).unwrap();
-    let again = load::file(&at("b/s.toml")).unwrap();
-    let Shape::Mesh { path, mesh, .. } = &again.refractors[0].shape else { panic!("no mesh") };
+    let again = formats::file(&at("b/s.toml")).unwrap();
+    let Shape::Mesh { path, mesh, .. } = &again.objects.refractors()[0].shape else { panic!("no mesh") };
     assert_eq!((path.as_path(), mesh.triangles.len()), (Path::new("../a/meshes/m.obj"), 1));
     // Back again, over itself.
     save(&again, &at("a/s.toml")).unwrap();
-    assert_eq!(load::file(&at("a/s.toml")).unwrap().refractors[0].shape, scene.refractors[0].shape);
+    assert_eq!(formats::file(&at("a/s.toml")).unwrap().objects[0].shape, scene.objects.refractors()[0].shape);
 }
 
 #[test]
 fn a_saved_built_in_scene_brings_its_image() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = builtin::description(builtin::find("plain-glass").unwrap()).unwrap();
+    let scene = formats::open("plain-glass").unwrap();
     let path = folder.path().join("mine.toml");
     std::fs::write(folder.path().join("sunset.exr"), "another file of that name").unwrap();
     save(&scene, &path).unwrap();
     save(&scene, &path).unwrap();
-    let again = load::file(&path).unwrap();
+    let again = formats::file(&path).unwrap();
     let Environment::Image { path: image, .. } = &again.environment else { panic!("no image") };
     assert_eq!(image, Path::new("sunset-2.exr"));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
@@ -237,7 +240,7 @@ fn variants(text: &str) -> Vec<String> {
     let mut all = vec![text.to_owned(), crlf, mixed];
     // Those that can be read.
     let marked: Vec<String> = all.iter().map(|text| format!("\u{feff}{text}")).collect();
-    all.extend(marked.into_iter().filter(|text| load::parse(text, Path::new("odd.toml"), false).is_ok()));
+    all.extend(marked.into_iter().filter(|text| formats::parse(text, Path::new("odd.toml"), &formats::Disk).is_ok()));
     all
 }
 
@@ -248,7 +251,9 @@ fn odd_notations_are_not_touched() {
     }
     for scene in builtin::all() {
         let text = scene.text.replace('\n', "\r\n");
-        let description = load::parse(&text, Path::new(&format!("built-in/scenes/{}.toml", scene.name)), true).unwrap();
+        let description =
+            formats::parse(&text, Path::new(&format!("built-in/scenes/{}.toml", scene.name)), &formats::BuiltIn)
+                .unwrap();
         assert_eq!(to_text(&description), text, "{}", scene.name);
     }
 }
@@ -267,22 +272,27 @@ fn an_edit_of_an_odd_notation_changes_its_line_only() {
         (0, |s| s.camera.position.z = 3.5, "+4.0 ]", "3.5 ]"),
         (0, |s| s.media[0].ior = Ior::Constant(1.6), "ior=1.50 }", "ior=1.6 }"),
         (0, |s| s.media[1].name = "ice".into(), "name=\"water\"", "name=\"ice\""),
-        (0, |s| s.refractors[0].transform.translate.y = 2.0, "[ 0 , 1e0, 0]  # up", "[ 0 , 2.0, 0]  # up"),
-        (0, |s| s.refractors[0].transform.scale = DVec3::splat(3.0), "scale = 2", "scale = 3.0"),
         (
             0,
-            |s| s.refractors[0].shape = Shape::Sphere { center: DVec3::ZERO, radius: 0.5 },
+            |s| s.objects.refractors_mut()[0].transform.translate.y = 2.0,
+            "[ 0 , 1e0, 0]  # up",
+            "[ 0 , 2.0, 0]  # up",
+        ),
+        (0, |s| s.objects.refractors_mut()[0].transform.scale = DVec3::splat(3.0), "scale = 2", "scale = 3.0"),
+        (
+            0,
+            |s| s.objects.refractors_mut()[0].shape = Shape::Sphere { center: DVec3::ZERO, radius: 0.5 },
             "radius = 1",
             "radius = 0.5",
         ),
-        (1, |s| s.lights[0].radiance[1] = 7.0, "  2,", "  7.0,"),
-        (1, |s| s.solids[0].transform.scale = DVec3::splat(2.0), "scale = 1", "scale = 2.0"),
-        (1, |s| s.solids[1].visible = false, "visible = true", "visible = false"),
+        (1, |s| s.objects.lights_mut()[0].light_mut().unwrap().radiance[1] = 7.0, "  2,", "  7.0,"),
+        (1, |s| s.objects.solids_mut()[0].transform.scale = DVec3::splat(2.0), "scale = 1", "scale = 2.0"),
+        (1, |s| s.objects.solids_mut()[1].visible = false, "visible = true", "visible = false"),
         (2, |s| s.camera.position.x = 1.0, "[0,0,1]", "[1.0,0,1]"),
         (
             3,
             |s| {
-                let Shape::Lathe { profile, .. } = &mut s.refractors[0].shape else { panic!("no lathe") };
+                let Shape::Lathe { profile, .. } = &mut s.objects.refractors_mut()[0].shape else { panic!("no lathe") };
                 profile[1][0] = 0.25;
             },
             "[0.5, 0.50]",
@@ -310,7 +320,7 @@ fn inline_lists_come_go_and_move() {
     assert_eq!(text.matches("# clear").count(), 1, "{text}");
     scene.media.rotate_left(1);
     assert_faithful(&scene);
-    scene.refractors.clear();
+    scene.objects.clear(Kind::Refractor);
     scene.media.clear();
     let text = assert_faithful(&scene);
     assert!(!text.contains("medium"), "{text}");

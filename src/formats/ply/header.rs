@@ -1,8 +1,8 @@
 //! The header: which elements there are, and of which values they are made.
 
 use super::super::lines::shown;
-use super::super::mesh::Fault;
 use super::super::passed_over::{Kind, PassedOver};
+use super::super::polygons::Fault;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {

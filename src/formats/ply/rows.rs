@@ -3,8 +3,8 @@
 use std::str::SplitAsciiWhitespace;
 
 use super::super::lines::{Lines, number, shown};
-use super::super::mesh::Fault;
 use super::super::passed_over::{Kind, PassedOver};
+use super::super::polygons::Fault;
 use super::header::{Property, Scalar};
 
 pub(super) trait Rows {

@@ -11,8 +11,8 @@ use glam::DVec3;
 use self::header::{Element, Encoding, Header, Property, Scalar};
 use self::rows::{AsciiRows, BinaryRows, Rows};
 use super::corners::CornerLists;
-use super::mesh::{Fault, Polygons};
 use super::polygon::{MAX_CORNERS, too_many_corners};
+use super::polygons::{Fault, Polygons};
 use crate::geometry::topology::MAX_FACES;
 
 pub(super) fn read(bytes: &[u8]) -> Result<Polygons, Fault> {

@@ -1,10 +1,9 @@
 //! Scenes that are compiled into the program, so that they work from any folder.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use super::SceneError;
-use super::description::Description;
-use super::load;
+use super::files::{Files, normal};
 
 /// The scene that opens where none is asked for.
 pub const DEFAULT: &str = "iced-water";
@@ -74,38 +73,54 @@ pub fn find(name: &str) -> Option<&'static Builtin> {
     SCENES.iter().find(|scene| scene.name == name)
 }
 
-/// Reads a built-in scene.
-///
-/// # Errors
-/// Only if the program was built with a scene that it cannot read, which a test rules out.
-pub fn description(builtin: &Builtin) -> Result<Description, SceneError> {
-    load::parse(builtin.text, &path(builtin.name), true)
+impl Builtin {
+    /// The path by which the scene goes.
+    pub(super) fn path(&self) -> PathBuf {
+        [ROOT, "scenes", &format!("{}.toml", self.name)].iter().collect()
+    }
 }
 
-/// The path by which a built-in scene goes.
-fn path(name: &str) -> PathBuf {
-    [ROOT, "scenes", &format!("{name}.toml")].iter().collect()
-}
+/// The files that are compiled into the program, by their paths under `assets/` with [`ROOT`] in front.
+#[derive(Debug, Clone, Copy)]
+pub struct BuiltIn;
 
-/// The contents of a file that a built-in scene names, by its path with [`ROOT`] in front.
-pub(super) fn asset(path: &Path) -> Option<&'static [u8]> {
-    let path = path.strip_prefix(ROOT).ok()?;
-    ASSETS.iter().find(|(name, _)| Path::new(name) == path).map(|(_, bytes)| *bytes)
+impl Files for BuiltIn {
+    fn read(&self, path: &Path) -> Result<Cow<'_, [u8]>, String> {
+        let located = normal(path);
+        let asset = located.strip_prefix(ROOT).ok();
+        let found = asset.and_then(|asset| ASSETS.iter().find(|(name, _)| Path::new(name) == asset));
+        found.map(|(_, bytes)| Cow::Borrowed(*bytes)).ok_or_else(|| "no such file is built into the program".to_owned())
+    }
+
+    fn locate(&self, path: &Path) -> PathBuf {
+        normal(path)
+    }
+
+    fn is_builtin(&self) -> bool {
+        true
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::HashSet;
+    use crate::formats::open;
+    use std::collections::{BTreeSet, HashSet};
 
     #[test]
     fn every_scene_can_be_read() {
         for scene in all() {
-            let description = description(scene).unwrap_or_else(|error| panic!("{}: {error}", scene.name));
-            assert!(!description.refractors.is_empty(), "{} shows no dielectric", scene.name);
+            let description = open(scene.name).unwrap_or_else(|error| panic!("{}: {error}", scene.name));
+            assert!(!description.objects.refractors().is_empty(), "{} shows no dielectric", scene.name);
             assert!(description.source.is_some_and(|source| source.is_builtin));
             assert!(scene.about.ends_with('.') && scene.about.len() < 120, "{}", scene.about);
         }
+    }
+
+    #[test]
+    fn every_scene_has_its_own_fingerprint() {
+        let fingerprints: BTreeSet<_> = all().iter().map(|scene| open(scene.name).unwrap().fingerprint()).collect();
+        assert_eq!(fingerprints.len(), all().len());
     }
 
     #[test]

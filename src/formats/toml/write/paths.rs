@@ -3,11 +3,11 @@
 use std::path::{Component, Path, PathBuf};
 
 use super::write;
+use crate::formats::builtin::BuiltIn;
+use crate::formats::disk::{self, FileError};
+use crate::formats::files::{Files, normal};
 use crate::scene::SceneError;
-use crate::scene::builtin;
 use crate::scene::description::{Description, Environment, Shape};
-use crate::scene::files::{self, FileError};
-use crate::scene::load::normal;
 
 /// Makes the scene's relative paths right for a scene file at `target`.
 pub(super) fn relocate(description: &mut Description, target: &Path) -> Result<(), SceneError> {
@@ -37,11 +37,8 @@ pub(super) fn relocate(description: &mut Description, target: &Path) -> Result<(
         }
         Ok(())
     };
-    let shapes = (description.refractors.iter_mut().map(|r| &mut r.shape))
-        .chain(description.solids.iter_mut().map(|s| &mut s.shape))
-        .chain(description.lights.iter_mut().map(|l| &mut l.shape));
-    for shape in shapes {
-        if let Shape::Mesh { path, .. } = shape {
+    for object in &mut description.objects {
+        if let Shape::Mesh { path, .. } = &mut object.shape {
             moved(path)?;
         }
     }
@@ -53,18 +50,18 @@ pub(super) fn relocate(description: &mut Description, target: &Path) -> Result<(
 
 /// Writes a file that is compiled into the program into `folder`, under its own name or, where another file has that, a numbered one.
 fn copy_asset(asset: &Path, folder: &Path) -> Result<PathBuf, SceneError> {
-    let asset = normal(asset);
+    let asset = BuiltIn.locate(asset);
     let missing = || SceneError::in_file(&asset, "no such file is built into the program");
-    let bytes = builtin::asset(&asset).ok_or_else(missing)?;
+    let bytes = BuiltIn.read(&asset).map_err(|_| missing())?;
     let stem = asset.file_stem().ok_or_else(missing)?.to_string_lossy();
     let ending = asset.extension().unwrap_or_default().to_string_lossy();
     for number in 1_u32.. {
         let name = if number == 1 { format!("{stem}.{ending}") } else { format!("{stem}-{number}.{ending}") };
         let path = folder.join(&name);
-        match files::read(&path, bytes.len() as u64) {
-            Ok(there) if there == bytes => return Ok(name.into()),
+        match disk::read(&path, bytes.len() as u64) {
+            Ok(there) if *there == *bytes => return Ok(name.into()),
             Err(FileError::NotFound) => {
-                write(&path, bytes)?;
+                write(&path, &bytes)?;
                 return Ok(name.into());
             }
             _ => {}

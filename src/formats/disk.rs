@@ -3,9 +3,12 @@
 //! What is no regular file (a device, a named pipe, a socket) may have no end, or keep a reader waiting for ever, so it is refused
 //! before it is opened.
 
+use std::borrow::Cow;
 use std::fs::{File, FileType, Metadata};
 use std::io::{self, Read};
 use std::path::Path;
+
+use super::files::Files;
 
 /// Most bytes of a scene file. A scene's size is in its meshes and images; its text is for people.
 pub const MAX_SCENE_BYTES: u64 = 64 << 20;
@@ -40,6 +43,16 @@ impl From<io::Error> for FileError {
             io::ErrorKind::PermissionDenied => Self::PermissionDenied,
             _ => Self::Other(error),
         }
+    }
+}
+
+/// The file system: regular files of at most [`MAX_DATA_BYTES`].
+#[derive(Debug, Clone, Copy)]
+pub struct Disk;
+
+impl Files for Disk {
+    fn read(&self, path: &Path) -> Result<Cow<'_, [u8]>, String> {
+        read(path, MAX_DATA_BYTES).map(Cow::Owned).map_err(|error| error.to_string())
     }
 }
 

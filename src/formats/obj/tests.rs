@@ -1,12 +1,18 @@
-use super::super::mesh::{Format, read};
+use std::path::Path;
+
+use super::super::mesh::{self, format_of};
 use super::*;
 use crate::geometry::Mesh;
 use crate::scene::LoadNote;
 
+fn read_mesh(bytes: &[u8]) -> Result<(Mesh, Vec<LoadNote>), Fault> {
+    mesh::read(bytes, format_of(Path::new("m.obj")).unwrap())
+}
+
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 fn loaded(text: impl AsRef<[u8]>) -> (Mesh, Vec<LoadNote>) {
-    read(text.as_ref(), Format::Obj).unwrap()
+    read_mesh(text.as_ref()).unwrap()
 }
 
 /// Kinds, counts and first lines.
@@ -15,7 +21,7 @@ fn passed_over(text: impl AsRef<[u8]>) -> Vec<(&'static str, u64, Option<usize>)
 }
 
 fn fault(text: &str) -> (Option<usize>, String) {
-    let fault = read(text.as_bytes(), Format::Obj).unwrap_err();
+    let fault = read_mesh(text.as_bytes()).unwrap_err();
     (fault.line, fault.message)
 }
 
@@ -160,12 +166,12 @@ fn no_damage_makes_it_panic() {
     let text = "\u{feff}o x\nv 0 0 0\nv 1 0 0 1\nv 1 1 \\\n0\nv 0 1 0 1 1 1\nvn 0 0 1\nvt 0 0\nv nan 0 0\nf 1/1/1 2/1/1 3//1 -2//-1\r\nf 1 2\rzz\0\n".as_bytes();
     let mut meshes = 0;
     for place in 0..text.len() {
-        meshes += usize::from(read(&text[..place], Format::Obj).is_ok());
+        meshes += usize::from(read_mesh(&text[..place]).is_ok());
         for flip in (0..8).map(|bit| 1 << bit).chain([0xff]) {
             let mut damaged = text.to_vec();
             damaged[place] ^= flip;
             // Any answer will do that is not a panic, and that is a mesh if it is one.
-            if let Ok((mesh, _)) = read(&damaged, Format::Obj) {
+            if let Ok((mesh, _)) = read_mesh(&damaged) {
                 meshes += 1;
                 assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < mesh.positions.len()));
                 assert!(mesh.positions.iter().all(|p| p.is_finite()));

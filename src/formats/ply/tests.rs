@@ -1,7 +1,13 @@
-use super::super::mesh::{Format, read};
+use std::path::Path;
+
+use super::super::mesh::{self, format_of};
 use super::*;
 use crate::geometry::Mesh;
 use crate::scene::LoadNote;
+
+fn read_mesh(bytes: &[u8]) -> Result<(Mesh, Vec<LoadNote>), Fault> {
+    mesh::read(bytes, format_of(Path::new("m.ply")).unwrap())
+}
 
 const ASCII: &str = "ply\r\nformat ascii 1.0\ncomment a pyramid\nelement vertex 4\nproperty float x\nproperty double y\n\
     property float z\nproperty uchar red\nelement edge 1\nproperty list uchar int ends\nelement face 3\n\
@@ -32,7 +38,7 @@ fn binary(is_big: bool) -> Vec<u8> {
 }
 
 fn loaded(bytes: impl AsRef<[u8]>) -> (Mesh, Vec<LoadNote>) {
-    read(bytes.as_ref(), Format::Ply).unwrap()
+    read_mesh(bytes.as_ref()).unwrap()
 }
 
 fn mesh(bytes: &[u8]) -> Mesh {
@@ -45,7 +51,7 @@ fn passed_over(bytes: impl AsRef<[u8]>) -> Vec<(&'static str, u64, Option<usize>
 }
 
 fn fault(text: &str) -> (Option<usize>, String) {
-    let fault = read(text.as_bytes(), Format::Ply).unwrap_err();
+    let fault = read_mesh(text.as_bytes()).unwrap_err();
     (fault.line, fault.message)
 }
 
@@ -268,7 +274,7 @@ fn false_counts_fail_at_once() {
         let text = as_binary(&square("", ""), false);
         let end = text.windows(11).position(|window| window == b"end_header\n").unwrap();
         let header = std::str::from_utf8(&text[..end]).unwrap().replace("vertex 4", &format!("vertex {count}"));
-        let error = read(&[header.as_bytes(), &text[end..]].concat(), Format::Ply).unwrap_err();
+        let error = read_mesh(&[header.as_bytes(), &text[end..]].concat()).unwrap_err();
         assert!(error.message.contains("more than fit into it"), "{}", error.message);
     }
     // Rows without values take no room, however many there are said to be.
@@ -282,14 +288,14 @@ fn false_counts_fail_at_once() {
 fn no_damage_makes_it_panic() {
     for bytes in [ASCII.as_bytes().to_vec(), binary(false), binary(true)] {
         for length in 0..bytes.len() - 2 {
-            assert!(read(&bytes[..length], Format::Ply).is_err(), "cut at {length}");
+            assert!(read_mesh(&bytes[..length]).is_err(), "cut at {length}");
         }
         for place in 0..bytes.len() {
             for flip in [0x01, 0x10, 0x80, 0xff] {
                 let mut damaged = bytes.clone();
                 damaged[place] ^= flip;
                 // Any answer will do that is not a panic, and that is a mesh if it is one.
-                if let Ok((mesh, _)) = read(&damaged, Format::Ply) {
+                if let Ok((mesh, _)) = read_mesh(&damaged) {
                     assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < mesh.positions.len()));
                     assert!(mesh.positions.iter().all(|p| p.is_finite()));
                 }
