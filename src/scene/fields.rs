@@ -116,26 +116,28 @@ values! {
 
 impl dyn Visitor + '_ {
     /// A field that must be there.
-    pub fn need(&mut self, key: &'static str, value: &mut impl Value, limits: Limits) {
-        self.slot(key, value.slot(limits));
+    pub fn need(&mut self, key: &'static str, value: &mut impl Value, limits: Limits) -> &mut Self {
+        self.slot(key, value.slot(limits))
     }
 
     /// A field that must be there, given by its slot.
-    pub fn slot(&mut self, key: &'static str, slot: Slot<'_>) {
+    pub fn slot(&mut self, key: &'static str, slot: Slot<'_>) -> &mut Self {
         self.field(Field { key, slot, is_default: None });
+        self
     }
 
     /// A field that is `default` where it is left out.
-    pub fn optional<T: Value>(&mut self, key: &'static str, value: &mut T, default: T, limits: Limits) {
+    pub fn optional<T: Value>(&mut self, key: &'static str, value: &mut T, default: T, limits: Limits) -> &mut Self {
         let is_default = Some(*value == default);
         if !self.field(Field { key, slot: value.slot(limits), is_default }) {
             *value = default;
         }
+        self
     }
 
     /// A table that must be there.
-    pub fn table(&mut self, key: &'static str, mut fields: impl FnMut(&mut dyn Visitor)) {
-        self.slot(key, Slot::Table(&mut fields));
+    pub fn table(&mut self, key: &'static str, mut fields: impl FnMut(&mut dyn Visitor)) -> &mut Self {
+        self.slot(key, Slot::Table(&mut fields))
     }
 }
 

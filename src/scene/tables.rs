@@ -119,16 +119,17 @@ impl Environment {
             *self = Self::blank(form);
         }
         match self {
-            Self::Color(color) => v.need("color", color, RADIANCE),
-            Self::Gradient { zenith, horizon, nadir } => v.table("gradient", |v| {
-                v.need("zenith", zenith, RADIANCE);
-                v.need("horizon", horizon, RADIANCE);
-                v.need("nadir", nadir, RADIANCE);
-            }),
+            Self::Color(color) => _ = v.need("color", color, RADIANCE),
+            Self::Gradient { zenith, horizon, nadir } => {
+                v.table("gradient", |v| {
+                    v.need("zenith", zenith, RADIANCE)
+                        .need("horizon", horizon, RADIANCE)
+                        .need("nadir", nadir, RADIANCE);
+                });
+            }
             Self::Image { path, image, rotation, scale } => {
                 v.slot("image", Slot::Image { path, image });
-                v.optional("rotation", rotation, 0.0, ANY);
-                v.optional("scale", scale, 1.0, IMAGE_SCALE);
+                v.optional("rotation", rotation, 0.0, ANY).optional("scale", scale, 1.0, IMAGE_SCALE);
                 return;
             }
         }
@@ -172,7 +173,7 @@ impl Object {
                 v.optional("mirror", mirror, false, ANY);
                 v.optional("smooth", smooth, false, ANY);
             }
-            Role::Light(Light { radiance }) => v.need("radiance", radiance, RADIANCE),
+            Role::Light(Light { radiance }) => _ = v.need("radiance", radiance, RADIANCE),
         }
         v.table("shape", |v| shape.fields(v));
         v.optional("visible", visible, true, ANY);
@@ -201,11 +202,9 @@ impl Paint {
         match self {
             Self::Color(color) => v.optional("color", color, DEFAULT_ALBEDO, SHARE),
             Self::Checker { a, b, size } => v.table("checker", |v| {
-                v.need("a", a, SHARE);
-                v.need("b", b, SHARE);
-                v.need("size", size, POSITIVE);
+                v.need("a", a, SHARE).need("b", b, SHARE).need("size", size, POSITIVE);
             }),
-        }
+        };
     }
 }
 
@@ -281,8 +280,7 @@ impl Shape {
         }
         if let Self::Mesh { path, mesh, notes } = self {
             v.slot("mesh", Slot::Mesh { path, mesh, notes });
-            v.check(&|| shapes::validate(self).map_err(|fault| Fault { key: "mesh", ..fault }));
-            return;
+            return v.check(&|| shapes::validate(self).map_err(|fault| Fault { key: "mesh", ..fault }));
         }
         v.table(form, |v| {
             self.number_fields(v);
@@ -293,42 +291,26 @@ impl Shape {
     /// Of a shape that is given by numbers.
     fn number_fields(&mut self, v: &mut dyn Visitor) {
         match self {
-            Self::Sphere { center, radius } => {
-                v.need("center", center, ANY);
-                v.need("radius", radius, ANY);
+            Self::Sphere { center, radius } => v.need("center", center, ANY).need("radius", radius, ANY),
+            Self::Icosphere { center, radius, subdivisions: n } => {
+                v.need("center", center, ANY).need("radius", radius, ANY).need("subdivisions", n, ANY)
             }
-            Self::Icosphere { center, radius, subdivisions } => {
-                v.need("center", center, ANY);
-                v.need("radius", radius, ANY);
-                v.need("subdivisions", subdivisions, ANY);
-            }
-            Self::Box { min, max } => {
-                v.need("min", min, ANY);
-                v.need("max", max, ANY);
-            }
+            Self::Box { min, max } => v.need("min", min, ANY).need("max", max, ANY),
             Self::Cylinder { center, radius, height, segments } => {
-                v.need("center", center, ANY);
-                v.need("radius", radius, ANY);
-                v.need("height", height, ANY);
-                v.optional("segments", segments, DEFAULT_SEGMENTS, ANY);
+                v.need("center", center, ANY).need("radius", radius, ANY).need("height", height, ANY);
+                v.optional("segments", segments, DEFAULT_SEGMENTS, ANY)
             }
             Self::Torus { center, major, minor, segments, rings } => {
-                v.need("center", center, ANY);
-                v.need("major", major, ANY);
-                v.need("minor", minor, ANY);
-                v.optional("segments", segments, DEFAULT_SEGMENTS, ANY);
-                v.optional("rings", rings, DEFAULT_RINGS, ANY);
+                v.need("center", center, ANY).need("major", major, ANY).need("minor", minor, ANY);
+                v.optional("segments", segments, DEFAULT_SEGMENTS, ANY).optional("rings", rings, DEFAULT_RINGS, ANY)
             }
             Self::Lathe { profile, segments } => {
-                v.need("profile", profile, ANY);
-                v.optional("segments", segments, DEFAULT_SEGMENTS, ANY);
+                v.need("profile", profile, ANY).optional("segments", segments, DEFAULT_SEGMENTS, ANY)
             }
             Self::Quad { center, edge_u, edge_v } => {
-                v.need("center", center, ANY);
-                v.need("edge_u", edge_u, ANY);
-                v.need("edge_v", edge_v, ANY);
+                v.need("center", center, ANY).need("edge_u", edge_u, ANY).need("edge_v", edge_v, ANY)
             }
-            Self::Mesh { .. } => {}
-        }
+            Self::Mesh { .. } => v,
+        };
     }
 }

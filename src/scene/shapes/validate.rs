@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
+use super::limits::{MAX_LENGTH, MAX_SEGMENTS, MAX_SUBDIVISIONS, MAX_TRIANGLES, MIN_LENGTH};
 use super::profile::{clean, from_points, pieces_cross};
-use super::{MAX_LENGTH, MAX_SEGMENTS, MAX_SUBDIVISIONS, MAX_TRIANGLES, MIN_LENGTH};
 use crate::geometry::topology::MAX_FACES;
 use crate::scene::description::Shape;
 use crate::scene::error::Fault;

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use toml_edit::{Array, ArrayOfTables, InlineTable, Item, Table, Value};
 
-use super::update;
+use super::merge::update;
 use crate::scene::fields::{Entry, Plain};
 
 /// What one table says.

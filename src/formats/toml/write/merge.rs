@@ -2,8 +2,42 @@
 
 use toml_edit::{Item, TableLike, Value};
 
+use super::tree::to_value;
+use crate::scene::fields::{Entry, Plain};
+
+/// Makes a table, which says `old`, say `new`. Keys that are there stay, also where they say the default.
+pub(super) fn update(table: &mut dyn TableLike, old: &[Entry], new: &[Entry]) {
+    for Entry { key, value, is_default } in new {
+        let was = old.iter().find(|entry| entry.key == *key).map(|entry| &entry.value);
+        let there = table.get(key);
+        if was == Some(value) || (*is_default && there.is_none()) {
+            continue;
+        }
+        if *is_default && matches!(value, Plain::Flag(_)) {
+            // Only said of what is not so: an object that is shown again loses the key.
+            table.remove(key);
+            continue;
+        }
+        let value = to_value(value, there.and_then(Item::as_table_like));
+        set(table, key, value);
+    }
+    for entry in old.iter().filter(|entry| new.iter().all(|other| other.key != entry.key)) {
+        table.remove(entry.key);
+    }
+}
+
+/// Puts a value in the place of an old one, whose notation stays as far as it says the same.
+pub(super) fn set(table: &mut dyn TableLike, key: &str, new: Value) {
+    match table.get_mut(key) {
+        Some(old) => merge(old, new),
+        None => {
+            table.insert(key, Item::Value(new));
+        }
+    }
+}
+
 /// Makes `old` say what `new` says. Numbers that stay keep their digits, tables and arrays of the same shape their lines and comments.
-pub(super) fn merge(old: &mut Item, new: Value) {
+fn merge(old: &mut Item, new: Value) {
     match old {
         Item::Value(value) => merge_value(value, new),
         _ => match (old.as_table_like_mut(), &new) {

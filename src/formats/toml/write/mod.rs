@@ -11,16 +11,14 @@ mod tree;
 
 use std::path::Path;
 
-use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
+use toml_edit::{DocumentMut, Item, Table, TableLike};
 
 use self::lines::ends_as_in;
-use self::merge::merge;
-use self::tree::{Tree, to_value};
-use super::parse_text_only;
+use self::merge::{set, update};
+use self::tree::Tree;
+use super::read::parse_text_only;
 use crate::scene::SceneError;
 use crate::scene::description::Description;
-use crate::scene::fields::{Entry, Plain};
-use crate::writing::write_atomically;
 
 /// The scene as a file's text. Relative paths stay as they are. A scene that has not been edited is the text that was read, to the byte.
 pub fn to_text(description: &Description) -> String {
@@ -67,42 +65,7 @@ fn edit(document: &mut DocumentMut, old: &Tree, new: &Tree) {
 pub fn save(description: &Description, path: &Path) -> Result<(), SceneError> {
     let mut copy = description.clone();
     paths::relocate(&mut copy, path)?;
-    write(path, to_text(&copy).as_bytes())
-}
-
-fn write(path: &Path, bytes: &[u8]) -> Result<(), SceneError> {
-    write_atomically(path, |writer| writer.write_all(bytes)).map_err(|error| SceneError::new(error.to_string()))
-}
-
-/// Makes a table, which says `old`, say `new`. Keys that are there stay, also where they say the default.
-fn update(table: &mut dyn TableLike, old: &[Entry], new: &[Entry]) {
-    for Entry { key, value, is_default } in new {
-        let was = old.iter().find(|entry| entry.key == *key).map(|entry| &entry.value);
-        let there = table.get(key);
-        if was == Some(value) || (*is_default && there.is_none()) {
-            continue;
-        }
-        if *is_default && matches!(value, Plain::Flag(_)) {
-            // Only said of what is not so: an object that is shown again loses the key.
-            table.remove(key);
-            continue;
-        }
-        let value = to_value(value, there.and_then(Item::as_table_like));
-        set(table, key, value);
-    }
-    for entry in old.iter().filter(|entry| new.iter().all(|other| other.key != entry.key)) {
-        table.remove(entry.key);
-    }
-}
-
-/// Puts a value in the place of an old one, whose notation stays as far as it says the same.
-fn set(table: &mut dyn TableLike, key: &str, new: Value) {
-    match table.get_mut(key) {
-        Some(old) => merge(old, new),
-        None => {
-            table.insert(key, Item::Value(new));
-        }
-    }
+    paths::write(path, to_text(&copy).as_bytes())
 }
 
 /// The table of that name, made if it is not there.

@@ -2,12 +2,12 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use super::write;
 use crate::formats::builtin::BuiltIn;
 use crate::formats::disk::{self, FileError};
 use crate::formats::files::{Files, normal};
 use crate::scene::SceneError;
 use crate::scene::description::{Description, Environment, Shape};
+use crate::writing::write_atomically;
 
 /// Makes the scene's relative paths right for a scene file at `target`.
 pub(super) fn relocate(description: &mut Description, target: &Path) -> Result<(), SceneError> {
@@ -68,6 +68,11 @@ fn copy_asset(asset: &Path, folder: &Path) -> Result<PathBuf, SceneError> {
         }
     }
     Err(missing())
+}
+
+/// Writes a file, whole or not at all.
+pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), SceneError> {
+    write_atomically(path, |writer| writer.write_all(bytes)).map_err(|error| SceneError::new(error.to_string()))
 }
 
 /// With links resolved where the folder exists.
