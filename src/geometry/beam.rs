@@ -2,13 +2,14 @@
 
 use glam::DVec3;
 
-use super::bvh::{LEAF, Node, Tree, WIDTH};
+use super::box_ray::{BoxRay, END, Stack, entry};
+use super::bvh::Tree;
 use super::geometry::Geometry;
 use super::kernel::Kernel;
+use super::node::{LEAF, Node, WIDTH};
+use super::question::Question;
 use super::ray::Ray;
-use super::search::Search;
 use super::triangle::{PackTest, ShearedRay};
-use super::walk::{BoxRay, END, Stack, entry};
 
 /// Most rays of a beam.
 pub(super) const MOST: usize = 32;
@@ -206,7 +207,7 @@ struct Member<S> {
 impl Geometry {
     /// As [`Self::search_others`], for the rays of one beam.
     #[inline(always)]
-    pub(super) fn search_beam<K: Kernel, S: Search>(
+    pub(super) fn search_beam<K: Kernel, S: Question>(
         &self,
         rays: &[Ray],
         bundle: &Bundle,

@@ -13,16 +13,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 
 use super::collapse::Collapse;
-
-/// Children of a node.
-pub(super) const WIDTH: usize = 8;
-
-/// Set in references to leaves; the rest is a slot.
-pub(super) const LEAF: u32 = 1 << 31;
-
-/// Growth of boxes, relative to the largest coordinate of each: covers the rounding of distances to its sides, as
-/// [`super::walk::BoxRay`] proves.
-pub(super) const BOX_MARGIN: f32 = 1.0 / (1 << 21) as f32;
+use super::node::{BOX_MARGIN, LEAF, MANY, Node, WIDTH};
 
 /// Box of a primitive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,30 +38,6 @@ impl Bounds {
     }
 }
 
-/// Eight children. Unused ones have boxes that nothing meets.
-#[derive(Debug, Clone)]
-#[repr(C, align(64))]
-pub(super) struct Node {
-    /// Lowest coordinates along x, highest ones along x, then the same of y and z: `[row][child]`.
-    pub(super) rows: [[f32; WIDTH]; 6],
-    /// Node index, or leaf slot with [`LEAF`].
-    pub(super) children: [u32; WIDTH],
-    /// For each child the object that all primitives below it belong to; [`MANY`] if there are several.
-    objects: [u32; WIDTH],
-}
-
-impl Node {
-    /// No child.
-    const EMPTY: Self = {
-        let (above, below) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
-        Self { rows: [above, below, above, below, above, below], children: [LEAF; WIDTH], objects: [MANY; WIDTH] }
-    };
-
-    fn is_used(&self, lane: usize) -> bool {
-        self.rows[0][lane] <= self.rows[1][lane]
-    }
-}
-
 /// The tree. Each leaf is a *slot*; the builder says which primitives each slot holds.
 #[derive(Debug, Default)]
 pub struct Tree {
@@ -80,9 +47,6 @@ pub struct Tree {
     /// Of a sphere around everything.
     pub(super) radius: f64,
 }
-
-/// Primitives of more than one object.
-const MANY: u32 = u32::MAX;
 
 /// Up to `per_slot` primitives for each slot.
 pub struct Slots {

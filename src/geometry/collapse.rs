@@ -6,7 +6,7 @@
 
 use obvhs::bvh2::Bvh2;
 
-use super::bvh::WIDTH;
+use super::node::WIDTH;
 
 /// Cost of testing a leaf, relative to that of opening a node. It is the same for one primitive as for as many as are tested at once.
 const LEAF_COST: f32 = 1.0;

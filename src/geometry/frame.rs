@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::geometry::Part;
+use super::part::Part;
 
 /// Objects that are tried as the middle of the frame, at the most.
 const CANDIDATES: usize = 16;

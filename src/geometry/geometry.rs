@@ -10,23 +10,10 @@ use super::bvh::{Bounds, Tree};
 use super::frame::Frame;
 use super::kernel::KernelChoice;
 use super::mesh::Mesh;
+use super::part::Part;
 use super::ray::{Hit, NO_PRIMITIVE, PrimitiveId, Ray};
 use super::sphere::Sphere;
 use super::triangle::{self, PACK, TrianglePack};
-
-/// The surface of one object, in scene coordinates.
-#[derive(Debug, Clone)]
-pub enum Part {
-    Mesh {
-        mesh: Mesh,
-        /// Whether the mesh's normals are kept for shading.
-        smooth: bool,
-    },
-    Sphere {
-        center: DVec3,
-        radius: f64,
-    },
-}
 
 /// The primitives of one object.
 #[derive(Debug, Clone, PartialEq, Eq)]

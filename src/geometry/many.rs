@@ -6,13 +6,14 @@
 
 use std::array::from_fn;
 
-use super::bvh::{LEAF, Tree};
+use super::box_ray::{BoxRay, END, Stack, entry};
+use super::bvh::Tree;
 use super::geometry::Geometry;
 use super::kernel::Kernel;
+use super::node::LEAF;
+use super::question::Question;
 use super::ray::Ray;
-use super::search::Search;
 use super::triangle::{PackTest, ShearedRay};
-use super::walk::{BoxRay, END, Stack, entry};
 
 /// Rays in a group.
 const GROUP: usize = 16;
@@ -62,7 +63,7 @@ impl List {
 impl Geometry {
     /// Searches along those of `rays` that `members` lists, up to `t_max`, for what `start` makes; `finish` gets that back with the ray's index.
     #[inline(always)]
-    pub(super) fn search_others<K: Kernel, S: Search>(
+    pub(super) fn search_others<K: Kernel, S: Question>(
         &self,
         rays: &[Ray],
         members: &[u16],

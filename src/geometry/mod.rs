@@ -1,6 +1,7 @@
 //! Rays, primitives, and the tree over them. The only module that knows obvhs, which builds the tree; the walk is ours.
 
 mod beam;
+mod box_ray;
 mod bvh;
 mod collapse;
 mod distance;
@@ -10,6 +11,9 @@ mod hierarchy;
 mod kernel;
 mod many;
 mod mesh;
+mod node;
+mod part;
+mod question;
 pub mod ray;
 mod search;
 pub mod sphere;
@@ -20,9 +24,10 @@ mod winding;
 
 pub use distance::closest_point;
 pub use frame::Frame;
-pub use geometry::{Geometry, Mask, ObjectRange, Part, SurfacePoint, uniform_direction};
+pub use geometry::{Geometry, Mask, ObjectRange, SurfacePoint, uniform_direction};
 pub use kernel::KernelChoice;
 pub use mesh::Mesh;
+pub use part::Part;
 pub use ray::{Hit, NO_PRIMITIVE, PrimitiveId, Ray};
 pub use topology::{Enclosure, Topology};
 pub use winding::WindingTree;

@@ -1,11 +1,12 @@
 //! Questions along rays: the first hit, every hit, whether there is any; one ray at a time and many.
 
 use super::beam::{GATHERED, Gathered};
+use super::box_ray::{BoxRay, Stack};
 use super::geometry::{Geometry, Mask};
 use super::kernel::{Kernel, Task};
+use super::question::Question;
 use super::ray::{Hit, PrimitiveId, Ray};
 use super::triangle::{PackTest, ShearedRay, TriangleHit};
-use super::walk::{BoxRay, Stack};
 
 impl Geometry {
     /// The first hit in the order (distance, primitive).
@@ -85,12 +86,12 @@ impl Geometry {
     }
 
     #[inline]
-    fn search(&self, ray: &Ray, t_max: f64, search: &mut impl Search) {
+    fn search(&self, ray: &Ray, t_max: f64, search: &mut impl Question) {
         self.kernel.run(One { geometry: self, ray, t_max, search });
     }
 
     #[inline(always)]
-    fn search_with<K: Kernel>(&self, ray: &Ray, mut t_max: f64, search: &mut impl Search) {
+    fn search_with<K: Kernel>(&self, ray: &Ray, mut t_max: f64, search: &mut impl Question) {
         if !self.packs.is_empty() {
             let tree = &self.triangle_tree;
             let (boxes, sheared) = (BoxRay::new(ray, tree.center, tree.radius), ShearedRay::new(ray));
@@ -113,7 +114,7 @@ impl Geometry {
         sheared: &ShearedRay,
         t_max: &mut f64,
         test: &mut PackTest,
-        search: &mut impl Search,
+        search: &mut impl Question,
     ) -> bool {
         let pack = &self.packs[slot as usize];
         let met = K::meet_triangles(sheared, pack, ray.t_min, *t_max, test);
@@ -128,7 +129,7 @@ impl Geometry {
     }
 
     #[inline(always)]
-    pub(super) fn search_spheres<K: Kernel>(&self, ray: &Ray, mut t_max: f64, search: &mut impl Search) {
+    pub(super) fn search_spheres<K: Kernel>(&self, ray: &Ray, mut t_max: f64, search: &mut impl Question) {
         if self.spheres.is_empty() {
             return;
         }
@@ -148,7 +149,7 @@ impl Geometry {
     }
 
     #[inline]
-    fn search_many<S: Search>(
+    fn search_many<S: Question>(
         &self,
         rays: &[Ray],
         t_max: impl Fn(usize) -> f64,
@@ -159,7 +160,7 @@ impl Geometry {
     }
 
     #[inline(always)]
-    fn search_many_with<K: Kernel, S: Search>(
+    fn search_many_with<K: Kernel, S: Question>(
         &self,
         rays: &[Ray],
         t_max: impl Fn(usize) -> f64,
@@ -194,7 +195,7 @@ struct One<'a, S> {
     search: &'a mut S,
 }
 
-impl<S: Search> Task for One<'_, S> {
+impl<S: Question> Task for One<'_, S> {
     #[inline(always)]
     fn run<K: Kernel>(self) {
         self.geometry.search_with::<K>(self.ray, self.t_max, self.search);
@@ -210,7 +211,7 @@ struct Many<'a, D, B, F> {
     finish: F,
 }
 
-impl<D: Fn(usize) -> f64, B: Fn() -> S, F: FnMut(usize, &mut S), S: Search> Task for Many<'_, D, B, F> {
+impl<D: Fn(usize) -> f64, B: Fn() -> S, F: FnMut(usize, &mut S), S: Question> Task for Many<'_, D, B, F> {
     #[inline(always)]
     fn run<K: Kernel>(self) {
         self.geometry.search_many_with::<K, S>(self.rays, self.t_max, self.start, self.finish);
@@ -225,7 +226,7 @@ fn meet_sphere(
     t: Option<f64>,
     is_front: bool,
     t_max: &mut f64,
-    search: &mut impl Search,
+    search: &mut impl Question,
 ) -> bool {
     let Some(t) = t else { return false };
     is_behind(ray, t, primitive)
@@ -239,16 +240,11 @@ fn is_behind(ray: &Ray, t: f64, primitive: PrimitiveId) -> bool {
     t > ray.t_min || (t == ray.t_min && primitive > ray.after)
 }
 
-/// What to do with a hit. Returns whether the search is over.
-pub(super) trait Search {
-    fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool;
-}
-
 struct Closest {
     best: Option<Hit>,
 }
 
-impl Search for Closest {
+impl Question for Closest {
     #[inline(always)]
     fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool {
         // Hits at equal distance go to the smaller id, whatever the order of the walk.
@@ -266,7 +262,7 @@ struct But<'a, S> {
     search: S,
 }
 
-impl<S: Search> Search for But<'_, S> {
+impl<S: Question> Question for But<'_, S> {
     #[inline(always)]
     fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool {
         !self.mask.contains(hit.primitive) && self.search.found(hit, t_max)
@@ -279,7 +275,7 @@ struct ClosestOf<'a> {
     closest: Closest,
 }
 
-impl Search for ClosestOf<'_> {
+impl Question for ClosestOf<'_> {
     #[inline(always)]
     fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool {
         self.object_of_primitive[hit.primitive as usize] == self.object && self.closest.found(hit, t_max)
@@ -290,7 +286,7 @@ struct Any {
     found: bool,
 }
 
-impl Search for Any {
+impl Question for Any {
     #[inline(always)]
     fn found(&mut self, hit: Hit, t_max: &mut f64) -> bool {
         self.found |= hit.t < *t_max;
@@ -302,7 +298,7 @@ struct All<F> {
     visit: F,
 }
 
-impl<F: FnMut(Hit)> Search for All<F> {
+impl<F: FnMut(Hit)> Question for All<F> {
     #[inline(always)]
     fn found(&mut self, hit: Hit, _: &mut f64) -> bool {
         (self.visit)(hit);

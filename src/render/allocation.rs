@@ -7,62 +7,16 @@
 //! weights of the white ones, their normalisation included, depend on the pilot samples of the black ones alone, and the other way
 //! round. Given the black ones' pilot samples, the number of samples of a white pixel is a constant, and their mean is that of any fixed number.
 
-use glam::DVec3;
 use rayon::prelude::*;
 
-use super::film::Film;
+use super::pilot::{PILOT, PilotPixel};
 
-/// Samples that every pixel gets before anything is decided.
-pub const PILOT: u32 = 8;
 /// The greatest and the least weight, as powers of two.
 const LEVELS: i32 = 3;
 /// Pixels this far apart, in either direction, tell of each other.
 const REACH: i64 = 3;
 /// Relative variance of a sample that is taken for granted where the pilot saw none: what so few samples can have missed.
 const UNSEEN_VARIANCE: f64 = 5e-3;
-/// Added to squared radiance where an error is taken relative to it, as in relMSE.
-const DARK: f64 = 0.01;
-
-/// What the pilot samples of a film tell, next to their sum.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Pilot {
-    /// Sums of squares of each pixel's samples, linear RGB.
-    pub squares: Vec<[f32; 3]>,
-    /// Segments of each pixel's paths.
-    pub segments: Vec<u32>,
-}
-
-impl Pilot {
-    pub(super) fn new(pixels: usize) -> Self {
-        Self { squares: vec![[0.0; 3]; pixels], segments: vec![0; pixels] }
-    }
-
-    /// Rows of an image of that width.
-    pub(super) fn rows(&mut self, width: usize) -> impl Iterator<Item = PilotRow<'_>> {
-        let segments = self.segments.chunks_mut(width);
-        self.squares.chunks_mut(width).zip(segments).map(|(squares, segments)| PilotRow { squares, segments })
-    }
-}
-
-/// A row of an image, to be added to.
-pub(super) struct PilotRow<'a> {
-    squares: &'a mut [[f32; 3]],
-    segments: &'a mut [u32],
-}
-
-impl PilotRow<'_> {
-    /// Adds a sample of that radiance, whose path had so many segments.
-    #[inline]
-    pub(super) fn add(&mut self, column: usize, radiance: DVec3, segments: u32) {
-        self.segments[column] += segments;
-        if radiance.is_finite() {
-            for (sum, value) in self.squares[column].iter_mut().zip(radiance.as_vec3().to_array()) {
-                *sum += value * value;
-            }
-        }
-    }
-}
-
 /// The weight of each pixel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Allocation {
@@ -71,18 +25,14 @@ pub struct Allocation {
 }
 
 impl Allocation {
-    /// From films of one size that have their pilot samples; those that are compared with each other share one allocation. `None` where a film
-    /// has not recorded them.
-    pub fn new<'a>(films: impl IntoIterator<Item = &'a Film>) -> Option<Self> {
+    /// For images of that `width` that are compared with each other, from what their pilot samples tell.
+    pub fn new(width: usize, images: &[Vec<PilotPixel>]) -> Self {
         let mut pixels: Vec<(f64, f64)> = Vec::new();
-        let mut width = 0;
-        for film in films {
-            let pilot = film.pilot.as_ref()?;
-            width = film.width as usize;
-            pixels.resize(film.sums.len(), (0.0, 0.0));
-            pixels.par_iter_mut().enumerate().for_each(|(pixel, (variance, segments))| {
-                *variance = variance.max(relative_variance(film, pilot, pixel));
-                *segments += f64::from(pilot.segments[pixel]);
+        for image in images {
+            pixels.resize(image.len(), (0.0, 0.0));
+            pixels.par_iter_mut().zip(image).for_each(|((variance, segments), pixel)| {
+                *variance = variance.max(pixel.variance);
+                *segments += pixel.segments;
             });
         }
         let height = pixels.len() / width.max(1);
@@ -100,7 +50,7 @@ impl Allocation {
             normalization((0..wishes.len()).filter(of_color).map(|pixel| wishes[pixel]))
         });
         let level = |(pixel, wish): (usize, &f32)| level(*wish + shifts[usize::from(!is_white(pixel))]);
-        Some(Self { levels: wishes.par_iter().enumerate().map(level).collect() })
+        Self { levels: wishes.par_iter().enumerate().map(level).collect() }
     }
 
     /// Samples that a pixel has when the image has `samples` per pixel in the mean.
@@ -115,21 +65,6 @@ impl Allocation {
             if level >= 0 { samples.saturating_mul(1 << level) } else { samples >> u32::from(level.unsigned_abs()) };
         weighted.max(PILOT)
     }
-}
-
-/// Variance of a sample relative to the pixel's radiance, mean over the channels.
-fn relative_variance(film: &Film, pilot: &Pilot, pixel: usize) -> f64 {
-    let count = f64::from(film.counts[pixel]);
-    if count < 2.0 {
-        return 0.0;
-    }
-    let mean = film.mean(pixel).to_array();
-    let of_channel = |channel: usize| {
-        let squares = f64::from(pilot.squares[pixel][channel]) / count;
-        let variance = (squares - mean[channel] * mean[channel]).max(0.0) * count / (count - 1.0);
-        variance / (mean[channel] * mean[channel] + DARK)
-    };
-    (0..3).map(of_channel).sum::<f64>() / 3.0
 }
 
 /// Mean variance and segments of the pixels of the other colour around one.

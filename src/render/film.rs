@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::allocation::{Allocation, PILOT, Pilot, PilotRow};
+use super::allocation::Allocation;
 use super::exact::{ExactRow, ExactSums};
+use super::pilot::{PILOT, Pilot, PilotRow};
 use crate::spectrum::Spectrum;
 use crate::tracking::Events;
 
@@ -66,8 +67,10 @@ impl Film {
         if films.iter().any(|film| film.samples != PILOT) {
             return;
         }
-        let Some(allocation) = Allocation::new(films.iter().map(|film| &**film)) else { return };
-        let allocation = Arc::new(allocation);
+        let pilots: Option<Vec<_>> =
+            films.iter().map(|film| Some(film.pilot.as_ref()?.pixels(&film.sums, &film.counts))).collect();
+        let (Some(pilots), Some(first)) = (pilots, films.first()) else { return };
+        let allocation = Arc::new(Allocation::new(first.width as usize, &pilots));
         for film in films {
             film.pilot = None;
             film.allocation = Some(Arc::clone(&allocation));

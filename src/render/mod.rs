@@ -7,6 +7,7 @@ pub mod exact;
 pub mod film;
 pub mod fingerprint;
 pub mod partial;
+pub mod pilot;
 pub mod renderer;
 pub mod settings;
 pub mod surfaces;

@@ -9,9 +9,9 @@ use std::arch::x86_64::*;
 use std::mem::transmute;
 
 use super::Kernel;
-use crate::geometry::bvh::{Node, WIDTH};
+use crate::geometry::box_ray::{BoxRay, NOTHING, Stack};
+use crate::geometry::node::{Node, WIDTH};
 use crate::geometry::triangle::{PACK, PackTest, ShearedRay, TrianglePack};
-use crate::geometry::walk::{BoxRay, NOTHING, Stack};
 
 /// To be used only from code compiled for `avx2,fma`, on a processor that has them.
 pub struct Avx2;

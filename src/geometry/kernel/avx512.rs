@@ -9,9 +9,9 @@ use std::mem::transmute;
 
 use super::avx2::{Avx2, distances};
 use super::{Kernel, LONGER, SHORTER};
-use crate::geometry::bvh::{Node, WIDTH};
+use crate::geometry::box_ray::{BoxRay, Stack, entry};
+use crate::geometry::node::{Node, WIDTH};
 use crate::geometry::triangle::{PACK, PackTest, ShearedRay, TrianglePack};
-use crate::geometry::walk::{BoxRay, Stack, entry};
 
 /// To be used only from code compiled for `avx512f,avx512vl,avx512dq,avx2,fma`, on a processor that has them.
 pub struct Avx512;

@@ -22,14 +22,14 @@ use avx512::Avx512;
 use neon::Neon;
 pub(super) use portable::Portable;
 
-use super::bvh::Node;
+use super::box_ray::{BoxRay, Stack, entry};
+use super::node::Node;
 use super::triangle::{PackTest, ShearedRay, TrianglePack};
-use super::walk::{BoxRay, Stack, entry};
 
 /// An implementation of both steps.
 pub(super) trait Kernel {
     /// Which children's boxes `ray` meets, up to `far_limit` (≥ 0): puts all but the nearest on the stack, in no particular order, and
-    /// returns the nearest; [`super::walk::NOTHING`] or more if none is met. Errs only towards meeting a box. The stack has room for eight more.
+    /// returns the nearest; [`super::box_ray::NOTHING`] or more if none is met. Errs only towards meeting a box. The stack has room for eight more.
     fn open(node: &Node, ray: &BoxRay, far_limit: f32, stack: &mut Stack) -> u64;
 
     /// Asks for the 320 bytes from `start` on to be brought near, whether or not they exist.

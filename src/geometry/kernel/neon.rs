@@ -7,9 +7,9 @@
 use std::arch::aarch64::*;
 
 use super::Kernel;
-use crate::geometry::bvh::{Node, WIDTH};
+use crate::geometry::box_ray::{BoxRay, NOTHING, Stack, entry};
+use crate::geometry::node::{Node, WIDTH};
 use crate::geometry::triangle::{PACK, PackTest, ShearedRay, TrianglePack};
-use crate::geometry::walk::{BoxRay, NOTHING, Stack, entry};
 
 /// To be used only from code compiled for `neon`, on a processor that has it.
 pub struct Neon;

@@ -3,9 +3,9 @@
 use std::array::from_fn;
 
 use super::Kernel;
-use crate::geometry::bvh::{Node, WIDTH};
+use crate::geometry::box_ray::{BoxRay, NOTHING, Stack, entry};
+use crate::geometry::node::{Node, WIDTH};
 use crate::geometry::triangle::{PACK, PackTest, ShearedRay, TrianglePack};
-use crate::geometry::walk::{BoxRay, NOTHING, Stack, entry};
 
 pub struct Portable;
 

@@ -3,7 +3,8 @@
 use glam::{DQuat, DVec3};
 
 use super::KernelChoice;
-use crate::geometry::geometry::{Geometry, Part};
+use crate::geometry::geometry::Geometry;
+use crate::geometry::part::Part;
 use crate::geometry::{Hit, Mesh, Ray, uniform_direction};
 
 struct Numbers(u64);
