@@ -199,7 +199,7 @@ fn what_is_seen_is_no_copy() {
     let (long, thin) = (0.5, 0.0625);
     for (x, z) in [(long, thin), (thin, thin), (thin, long)] {
         add(&mut description, block([-x, -0.5, -z], [x, 0.5, z]), 1.5, 0.0);
-        description.objects.refractor_roles_mut().last().unwrap().medium = "object 0".into();
+        description.objects.refractor_roles_mut().next_back().unwrap().medium = "object 0".into();
     }
     assert!(!kinds(&description).contains(&"coincident"), "{:?}", problems(&description));
 }
@@ -228,7 +228,7 @@ fn what_is_said_not_to_be_seen_is_not_missed() {
             }
             add(&mut description, shape, 1.5, 0.0);
             let medium = format!("object {}", numbers.index(description.media.len()));
-            let refractor = description.objects.refractor_roles_mut().last().unwrap();
+            let refractor = description.objects.refractor_roles_mut().next_back().unwrap();
             refractor.priority = numbers.index(3) as i32;
             refractor.medium = medium;
         }

@@ -443,7 +443,8 @@ pub fn changed_objects(a: &Description, b: &Description) -> Option<Vec<ObjectId>
         (a.transform, a.is_smooth(), a.visible) == (b.transform, b.is_smooth(), b.visible)
             && is_same_shape(&a.shape, &b.shape)
     };
-    let has_same_kinds = a.objects.iter().map(|o| o.kind()).eq(b.objects.iter().map(|o| o.kind()));
+    let has_same_kinds =
+        a.objects.iter().map(description::Object::kind).eq(b.objects.iter().map(description::Object::kind));
     has_same_kinds.then(|| {
         (a.objects.iter().zip(&*b.objects).zip(0..))
             .filter(|((a, b), _)| !is_same(a, b))

@@ -217,7 +217,10 @@ impl Visitor for FieldHasher {
                 // The formula and not the entry's name: a later version may know better numbers.
                 let model = if let Ior::Catalog(entry) = ior { &entry.model } else { &*ior };
                 match model {
-                    Ior::Gas(terms) => hasher.list(terms, |term| term.map(f64::to_bits)),
+                    Ior::Gas(terms) => {
+                        hasher.text("gas");
+                        hasher.list(terms, |term| term.map(f64::to_bits));
+                    }
                     _ => hash_plain(hasher, Slot::Ior(&mut model.clone()).plain().as_ref()),
                 }
             }
@@ -243,9 +246,19 @@ impl Visitor for FieldHasher {
     }
 }
 
+/// Each kind of value begins with a letter of its own.
 fn hash_plain(hasher: &mut Hasher, plain: Option<&Plain>) {
+    hasher.bytes(match plain {
+        None => b"-",
+        Some(Plain::Flag(_)) => b"f",
+        Some(Plain::Integer(_)) => b"i",
+        Some(Plain::Number(_)) => b"n",
+        Some(Plain::Text(_)) => b"t",
+        Some(Plain::List(_)) => b"l",
+        Some(Plain::Table(_)) => b"e",
+    });
     match plain {
-        None => hasher.text("none"),
+        None => {}
         Some(Plain::Flag(value)) => hasher.flag(*value),
         Some(Plain::Integer(value)) => hasher.integer(*value as u64),
         Some(Plain::Number(value)) => hasher.number(*value),

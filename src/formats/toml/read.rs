@@ -56,7 +56,7 @@ fn parse_with(text: &str, path: &Path, files: Option<&dyn Files>) -> Result<Desc
         }
     })?;
     let root = Table::root(&place, document.as_table());
-    root.only(&["name", "camera", "world", "environment", "medium", "refractor", "solid", "light"])?;
+    root.only(&[&["name", "camera", "world", "environment", "medium"][..], &Kind::ALL.map(Kind::name)].concat())?;
 
     let stem = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
     let mut context = Context::new(files, path.parent().unwrap_or(Path::new("")));

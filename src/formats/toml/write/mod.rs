@@ -35,7 +35,7 @@ pub fn to_text(description: &Description) -> String {
         }
         None => {
             let mut document = DocumentMut::new();
-            edit(&mut document, &Tree::empty(), &new);
+            edit(&mut document, &Tree::empty(&new), &new);
             document.to_string()
         }
     }

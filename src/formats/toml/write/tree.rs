@@ -13,7 +13,7 @@ pub(super) struct Tree {
     /// By their keys.
     pub sections: [(&'static str, Vec<Entry>); 3],
     /// By the keys of their tables.
-    pub lists: [(&'static str, Vec<Vec<Entry>>); 4],
+    pub lists: Vec<(&'static str, Vec<Vec<Entry>>)>,
 }
 
 impl Tree {
@@ -23,7 +23,6 @@ impl Tree {
             let entries_of = |object: &Object| entries(|v| object.clone().fields(v));
             (kind.name(), objects.of(kind).iter().map(entries_of).collect())
         };
-        let [refractors, solids, lights] = Kind::ALL.map(objects_of);
         let media = media.iter().map(|medium| entries(|v| medium_fields(&mut medium.clone(), v))).collect();
         Self {
             name: name.clone(),
@@ -32,12 +31,12 @@ impl Tree {
                 ("world", entries(|v| world.clone().fields(v))),
                 ("environment", entries(|v| environment.clone().fields(v))),
             ],
-            lists: [("medium", media), refractors, solids, lights],
+            lists: std::iter::once(("medium", media)).chain(Kind::ALL.map(objects_of)).collect(),
         }
     }
 
-    /// What an empty file says.
-    pub fn empty() -> Self {
+    /// What a file says that is empty of all that `other` has.
+    pub fn empty(other: &Self) -> Self {
         Self {
             name: String::new(),
             sections: [
@@ -45,7 +44,7 @@ impl Tree {
                 ("world", entries(|v| { WorldMedium::DEFAULT }.fields(v))),
                 ("environment", entries(|v| { Environment::DEFAULT }.fields(v))),
             ],
-            lists: ["medium", "refractor", "solid", "light"].map(|key| (key, Vec::new())),
+            lists: other.lists.iter().map(|(key, _)| (*key, Vec::new())).collect(),
         }
     }
 }
