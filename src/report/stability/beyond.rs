@@ -4,9 +4,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::closed_forms::{absorbing_ball, lateral_shift, shares_of_ball};
-use super::definition::{CaseDefinition, Measured, Subject};
+use super::definition::{CaseDefinition, Measured, Subject, of_each};
 use super::outcome::Measurement;
-use super::scenes::{Numbers, add, empty, layers, mean, nest, ready, render, samples_of, sphere};
+use super::scenes::{Numbers, add, downwards, empty, layers, mean, nest, onto_disc, ready, render, samples_of, sphere};
 use crate::geometry::Ray;
 use crate::scene::description::Kind;
 use crate::transport::inspect::{Follow, Vertex, VertexEvent, trace};
@@ -46,9 +46,7 @@ fn reversed(subject: &Subject) -> Measured {
             Ray::new(numbers.point(DVec3::splat(-0.5), DVec3::splat(0.5)) - direction * 4.0, direction)
         })
         .collect();
-    let mut measurements = Vec::new();
-    for &mode in subject.modes {
-        subject.go_on()?;
+    subject.in_modes(|mode| {
         let (mut turned, mut reflectance, mut other): (f64, f64, usize) = (0.0, 0.0, 0);
         for ray in &rays {
             let there = trace(&scene, mode, *ray, Follow::Transmit, 0, None);
@@ -66,78 +64,63 @@ fn reversed(subject: &Subject) -> Measured {
                 reflectance = reflectance.max((a.fresnel.unwrap_or(f64::NAN) - b.fresnel.unwrap_or(f64::NAN)).abs());
             }
         }
-        measurements.push(Measurement::none_of(format!("paths that go another way back, {mode}"), other, "paths"));
-        let direction = Measurement::absolute(format!("direction, {mode}"), turned, 0.0, 1e-9);
-        measurements.push(direction.in_unit("rad"));
-        measurements.push(Measurement::absolute(format!("|ΔR| at an interface, {mode}"), reflectance, 0.0, 1e-9));
-    }
-    Ok(measurements)
+        Ok([
+            Measurement::none_of("paths that go another way back", other, "paths"),
+            Measurement::absolute("direction", turned, 0.0, 1e-9).in_unit("rad"),
+            Measurement::absolute("|ΔR| at an interface", reflectance, 0.0, 1e-9),
+        ])
+    })
 }
 
 /// Paths chosen at random as the renderer does, over the ball's disc, sorted by the number of their vertices.
 fn shares(subject: &Subject) -> Measured {
     let ball = ready(nest(1.0, &[(1.0, 1.5)]))?;
-    let expected = shares_of_ball::<5>(1.5);
-    let mut measurements = Vec::new();
-    for &mode in subject.modes {
-        subject.go_on()?;
+    subject.in_modes(|mode| {
         let count = samples_of(mode, subject.amount(40_000, 400_000));
-        let vertices = |k: u32| {
-            // Uniform over the disc.
-            let b = ((f64::from(k) + 0.5) / f64::from(count)).sqrt();
-            let ray = Ray::new(DVec3::new(-10.0, b, 0.0), DVec3::X);
-            trace(&ball, mode, ray, Follow::Sample, u64::from(k), Some(8)).vertices.len()
-        };
+        let vertices =
+            |k: u32| trace(&ball, mode, onto_disc(k, count), Follow::Sample, u64::from(k), Some(8)).vertices.len();
         let lengths: Vec<usize> = (0..count).into_par_iter().map(vertices).collect();
-        for (k, expected) in expected.into_iter().enumerate() {
+        let share = |(k, expected): (usize, f64)| {
             let measured = lengths.iter().filter(|length| **length == k + 1).count() as f64 / f64::from(count);
             // Of random paths; spreading them evenly over the disc makes it less.
             let noise = (expected * (1.0 - expected) / f64::from(count)).sqrt();
-            let what = match k {
-                0 => format!("reflected outside, {mode}"),
-                _ => format!("p = {}, {mode}", k - 1),
-            };
-            measurements.push(Measurement::absolute(what, measured, expected, 1e-5).with_noise(noise));
-        }
-    }
-    Ok(measurements)
+            let what = if k == 0 { "reflected outside".to_owned() } else { format!("p = {}", k - 1) };
+            Measurement::absolute(what, measured, expected, 1e-5).with_noise(noise)
+        };
+        Ok(shares_of_ball::<5>(1.5).into_iter().enumerate().map(share).collect::<Vec<_>>())
+    })
 }
 
 /// The ball fills a disc in the image, of the image's width; around it the room is white.
 fn matched_ball(subject: &Subject) -> Measured {
-    let mut measurements = Vec::new();
-    for s in [0.01, 1.0] {
+    of_each([0.01, 1.0], |s| {
         let mut description = empty(1.3);
         add(&mut description, sphere(DVec3::ZERO, 1.0), 1.3, s);
         description.camera.position = DVec3::new(0.0, 0.0, 1e5);
         description.camera.vertical_fov = 2.0 * (1e-5f64).atan().to_degrees();
         let scene = ready(description)?;
-        for &mode in subject.modes {
-            subject.go_on()?;
+        subject.in_modes(|mode| {
             let film = render(&scene, mode, (64, 64), subject.amount(8, 64), 1, None)?;
             let measured = 1.0 - (1.0 - mean(&film).0) / std::f64::consts::FRAC_PI_4;
             // Low-discrepancy points leave an error at the rim alone.
-            let what = format!("mean T over the disc, σR = {s}, {mode}");
-            measurements.push(Measurement::absolute(what, measured, absorbing_ball(s), 1e-3));
-        }
-    }
-    Ok(measurements)
+            let what = format!("mean T over the disc, σR = {s}");
+            Ok([Measurement::absolute(what, measured, absorbing_ball(s), 1e-3)])
+        })
+    })
 }
 
 fn shift(subject: &Subject) -> Measured {
     let mut description = layers(&[(0.0, -1.0, 1.5, 0.0)], 0.0);
     description.objects.clear(Kind::Light);
     let scene = ready(description)?;
-    let mut measurements = Vec::new();
-    for degrees in [30.0f64, 45.0, 89.0] {
-        let direction = DVec3::new(degrees.to_radians().sin(), -degrees.to_radians().cos(), 0.0);
-        for &mode in subject.modes {
-            let path = trace(&scene, mode, Ray::new(-direction, direction), Follow::Transmit, 0, None);
+    of_each([30.0, 45.0, 89.0], |degrees| {
+        subject.in_modes(|mode| {
+            let ray = downwards(degrees);
+            let path = trace(&scene, mode, ray, Follow::Transmit, 0, None);
             let exit = path.vertices.get(1).map_or(DVec3::NAN, |v| DVec3::from(v.position));
-            let measured = exit.cross(direction).length();
-            let what = format!("shift at {degrees}°, {mode}");
-            measurements.push(Measurement::absolute(what, measured, lateral_shift(1.5, degrees), 1e-9));
-        }
-    }
-    Ok(measurements)
+            let measured = exit.cross(ray.direction).length();
+            let what = format!("shift at {degrees}°");
+            Ok([Measurement::absolute(what, measured, lateral_shift(1.5, degrees), 1e-9)])
+        })
+    })
 }

@@ -38,6 +38,18 @@ impl<'a> Subject<'a> {
     pub(super) fn go_on(&self) -> Result<(), Unmeasured> {
         if self.cancel.load(Ordering::Relaxed) { Err(Unmeasured::Cancelled) } else { Ok(()) }
     }
+
+    /// What `measure` finds in each mode, whose name ends what is said of each measurement.
+    pub(super) fn in_modes<I: IntoIterator<Item = Measurement>>(
+        &self,
+        mut measure: impl FnMut(Mode) -> Result<I, Unmeasured>,
+    ) -> Measured {
+        of_each(self.modes, |&mode| {
+            self.go_on()?;
+            let of_mode = |m: Measurement| Measurement { what: format!("{}, {mode}", m.what), ..m };
+            Ok(measure(mode)?.into_iter().map(of_mode).collect())
+        })
+    }
 }
 
 /// Why there are no measurements.
@@ -66,7 +78,34 @@ impl Unmeasured {
     }
 }
 
-pub(super) type Measured = Result<Vec<Measurement>, Unmeasured>;
+pub(super) type Measured<T = Measurement> = Result<Vec<T>, Unmeasured>;
+
+/// What `measure` finds of each row, one after the other.
+pub(super) fn of_each<R, T>(rows: impl IntoIterator<Item = R>, measure: impl FnMut(R) -> Measured<T>) -> Measured<T> {
+    Ok(rows.into_iter().map(measure).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+}
+
+/// The steps of a sweep over these values.
+pub(super) fn steps(values: impl IntoIterator<Item = f64>, mut measure: impl FnMut(f64) -> Measured) -> Measured<Step> {
+    of_each(values, |x| Ok(measure(x)?.into_iter().map(|measurement| Step::at(x, measurement)).collect()))
+}
+
+/// Runs a check: what it found, what came of that, and the seconds that it took.
+fn timed<T>(
+    subject: &Subject,
+    measure: fn(&Subject) -> Measured<T>,
+    judge: fn(&[T]) -> Outcome,
+) -> (Vec<T>, Outcome, f64) {
+    let start = Instant::now();
+    let (found, outcome) = match subject.go_on().and_then(|()| measure(subject)) {
+        Ok(found) => {
+            let outcome = judge(&found);
+            (found, outcome)
+        }
+        Err(why) => (Vec::new(), why.outcome()),
+    };
+    (found, outcome, start.elapsed().as_secs_f64())
+}
 
 /// A case that can be run.
 #[derive(Debug, Clone, Copy)]
@@ -78,34 +117,21 @@ pub struct CaseDefinition {
     pub(super) measure: fn(&Subject) -> Measured,
 }
 
-impl CaseDefinition {
-    pub(super) const fn new(
-        number: u32,
-        name: &'static str,
-        source: &'static str,
-        measure: fn(&Subject) -> Measured,
-    ) -> Self {
-        Self { number: Some(number), name, source, measure }
-    }
+/// A case of the forty.
+pub(super) const fn case(
+    number: u32,
+    name: &'static str,
+    source: &'static str,
+    measure: fn(&Subject) -> Measured,
+) -> CaseDefinition {
+    CaseDefinition { number: Some(number), name, source, measure }
+}
 
+impl CaseDefinition {
     pub fn run(&self, subject: &Subject) -> Case {
-        let start = Instant::now();
-        let measured = subject.go_on().and_then(|()| (self.measure)(subject));
-        let (measurements, outcome) = match measured {
-            Ok(measurements) => {
-                let outcome = Outcome::of(&measurements);
-                (measurements, outcome)
-            }
-            Err(why) => (Vec::new(), why.outcome()),
-        };
-        Case {
-            number: self.number,
-            name: self.name.to_owned(),
-            source: self.source.to_owned(),
-            measurements,
-            outcome,
-            seconds: start.elapsed().as_secs_f64(),
-        }
+        let (measurements, outcome, seconds) = timed(subject, self.measure, |found| Outcome::of(found));
+        let (name, source) = (self.name.to_owned(), self.source.to_owned());
+        Case { number: self.number, name, source, measurements, outcome, seconds }
     }
 }
 
@@ -115,26 +141,13 @@ pub struct SweepDefinition {
     pub name: &'static str,
     pub about: &'static str,
     pub parameter: &'static str,
-    pub(super) measure: fn(&Subject) -> Result<Vec<Step>, Unmeasured>,
+    pub(super) measure: fn(&Subject) -> Measured<Step>,
 }
 
 impl SweepDefinition {
     pub fn run(&self, subject: &Subject) -> Sweep {
-        let start = Instant::now();
-        let (steps, outcome) = match subject.go_on().and_then(|()| (self.measure)(subject)) {
-            Ok(steps) => {
-                let outcome = Outcome::of_steps(&steps);
-                (steps, outcome)
-            }
-            Err(why) => (Vec::new(), why.outcome()),
-        };
-        Sweep {
-            name: self.name.to_owned(),
-            about: self.about.to_owned(),
-            parameter: self.parameter.to_owned(),
-            steps,
-            outcome,
-            seconds: start.elapsed().as_secs_f64(),
-        }
+        let (steps, outcome, seconds) = timed(subject, self.measure, Outcome::of_steps);
+        let [name, about, parameter] = [self.name, self.about, self.parameter].map(str::to_owned);
+        Sweep { name, about, parameter, steps, outcome, seconds }
     }
 }

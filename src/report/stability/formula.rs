@@ -44,14 +44,6 @@ impl Formula {
         }
     }
 
-    /// Rounds a number to what the formula can be given.
-    pub fn rounded(self, x: f64) -> f64 {
-        match self {
-            Self::Shipped => x,
-            Self::ShortShipped | Self::ShortTextbook => f64::from(x as f32),
-        }
-    }
-
     /// From a medium of index 1 + m1 into one of 1 + m2, at `c` = cos θi in (0, 1].
     pub fn evaluate(self, m1: f64, m2: f64, c: f64) -> Evaluated {
         match self {

@@ -3,22 +3,23 @@
 use glam::DVec3;
 
 use super::closed_forms::reflectance;
-use super::definition::{CaseDefinition, Measured, Subject};
+use super::definition::{CaseDefinition, Measured, Subject, case, of_each};
 use super::outcome::Measurement;
 use super::scenes::{Numbers, add, empty, icosphere, interfaces, mean, mesh_of, mesh_shape, nest, ready, render};
 use crate::geometry::{Mesh, Ray};
+use crate::render::Film;
 use crate::scene::description::Shape;
 use crate::tracking::Mode;
 use crate::transport::inspect::{Follow, trace};
 
 pub(super) const CASES: &[CaseDefinition] = &[
-    CaseDefinition::new(
+    case(
         39,
         "5 % of the triangles missing, slivers, duplicates",
         "nothing is not a number, and most answers are those of the whole meshes",
         broken,
     ),
-    CaseDefinition::new(40, "256 deep; σd from 1e-6 to 1e3", "e^(−σd); overflow is counted", deep_and_dark),
+    case(40, "256 deep; σd from 1e-6 to 1e3", "e^(−σd); overflow is counted", deep_and_dark),
 ];
 
 fn with_faults(whole: Mesh, numbers: &mut Numbers) -> Mesh {
@@ -60,9 +61,7 @@ fn broken(subject: &Subject) -> Measured {
     let rays: Vec<Ray> = (0..subject.amount(500, 5000))
         .map(|_| Ray::new(numbers.point(DVec3::splat(-0.7), DVec3::splat(0.7)), numbers.direction()))
         .collect();
-    let mut measurements = Vec::new();
-    for &mode in subject.modes {
-        subject.go_on()?;
+    subject.in_modes(|mode| {
         let (mut starts, mut right_starts, mut crossings, mut right_crossings, mut not_numbers) = (0, 0, 0, 0, 0);
         for ray in &rays {
             let path = trace(&scene, mode, *ray, Follow::Transmit, 0, Some(12));
@@ -80,20 +79,21 @@ fn broken(subject: &Subject) -> Measured {
             not_numbers += usize::from(!path.final_direction.iter().all(|x| x.is_finite()));
         }
         let share = |right: usize, all: usize| right as f64 / all as f64;
-        let what = format!("share of starts in the right medium, {mode}");
-        measurements.push(Measurement::absolute(what, share(right_starts, starts), 1.0, 0.005));
-        let what = format!("share of right crossings, {mode}");
-        measurements.push(Measurement::absolute(what, share(right_crossings, crossings), 1.0, 0.01));
         let film = render(&scene, mode, (24, 24), subject.amount(2, 16), 1, None)?;
-        not_numbers += film.events.non_finite as usize;
-        not_numbers += (0..film.sums.len()).filter(|&pixel| !film.mean(pixel).is_finite()).count();
-        measurements.push(Measurement::none_of(format!("values that are no number, {mode}"), not_numbers, ""));
-    }
-    Ok(measurements)
+        not_numbers += film.events.non_finite as usize + pixels_without_a_number(&film);
+        Ok([
+            Measurement::absolute("share of starts in the right medium", share(right_starts, starts), 1.0, 0.005),
+            Measurement::absolute("share of right crossings", share(right_crossings, crossings), 1.0, 0.01),
+            Measurement::none_of("values that are no number", not_numbers, ""),
+        ])
+    })
+}
+
+fn pixels_without_a_number(film: &Film) -> usize {
+    (0..film.sums.len()).filter(|&pixel| !film.mean(pixel).is_finite()).count()
 }
 
 fn deep_and_dark(subject: &Subject) -> Measured {
-    let mut measurements = Vec::new();
     // Spheres and, within each by less than the next one's distance, meshes.
     let shells: Vec<_> = (0..256).map(|k| (1.0 - f64::from(k) / 300.0, if k % 2 == 0 { 1.5 } else { 1.4 })).collect();
     let mut description = nest(1.0, &shells);
@@ -104,40 +104,36 @@ fn deep_and_dark(subject: &Subject) -> Measured {
     let scene = ready(description)?;
     let ray = Ray::new(DVec3::new(-3.0, 0.011, 0.023), DVec3::X);
     // Modes that carry a state must hold all of it, or say so.
-    for mode in subject.modes.iter().copied().chain([Mode::Stack, Mode::Priority]) {
-        subject.go_on()?;
+    let modes = [subject.modes, &[Mode::Stack, Mode::Priority]].concat();
+    let mut found = Subject { modes: &modes, ..*subject }.in_modes(|mode| {
         let path = trace(&scene, mode, ray, Follow::Transmit, 0, None);
-        let crossings = path.vertices.len() as f64;
-        measurements.push(Measurement::absolute(format!("interfaces, {mode}"), crossings, 512.0, 0.0));
-        let events = path.events.total() as usize;
-        measurements.push(Measurement::none_of(format!("events, {mode}"), events, "events"));
         let side = if mode == Mode::Reference { 2 } else { 6 };
-        let film = render(&scene, mode, (side, side), 1, 1, None)?;
-        let not_numbers = (0..film.sums.len()).filter(|&pixel| !film.mean(pixel).is_finite()).count();
-        measurements.push(Measurement::none_of(format!("pixels that are no number, {mode}"), not_numbers, "pixels"));
-    }
-    for exponent in -6..=3 {
+        let not_numbers = pixels_without_a_number(&render(&scene, mode, (side, side), 1, 1, None)?);
+        Ok([
+            Measurement::absolute("interfaces", path.vertices.len() as f64, 512.0, 0.0),
+            Measurement::none_of("events", path.events.total() as usize, "events"),
+            Measurement::none_of("pixels that are no number", not_numbers, "pixels"),
+        ])
+    })?;
+    found.extend(of_each(-6..=3, |exponent| {
         let sigma = 10f64.powi(exponent);
         let scene = ready(matched_absorbers(sigma))?;
-        for &mode in subject.modes {
-            subject.go_on()?;
+        subject.in_modes(|mode| {
             let (measured, _) = mean(&render(&scene, mode, (4, 4), 2, 1, None)?);
-            let what = format!("T at σd = 1e{exponent}, {mode}");
-            measurements.push(Measurement::relative(what, measured, (-sigma).exp(), 1e-8));
-        }
-    }
+            Ok([Measurement::relative(format!("T at σd = 1e{exponent}"), measured, (-sigma).exp(), 1e-8)])
+        })
+    })?);
     // A drop of water that absorbs all is black but for its surface; its middle is seen at normal incidence.
     let mut description = nest(1.0, &[(1.0, 1.333)]);
     description.media[0].absorption = [1e3; 3];
     description.camera.vertical_fov = 0.1;
     let scene = ready(description)?;
-    for &mode in subject.modes {
+    found.extend(subject.in_modes(|mode| {
         let (measured, error) = mean(&render(&scene, mode, (32, 32), subject.amount(64, 1024), 1, None)?);
         let expected = reflectance(1.0, 1.333, 1.0);
-        let what = format!("R of a black drop, {mode}");
-        measurements.push(Measurement::absolute(what, measured, expected, 1e-5).with_noise(error));
-    }
-    Ok(measurements)
+        Ok([Measurement::absolute("R of a black drop", measured, expected, 1e-5).with_noise(error)])
+    })?);
+    Ok(found)
 }
 
 /// Half a unit in each of two matched media, the inner of which overlaps the outer's far wall.

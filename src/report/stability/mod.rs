@@ -30,40 +30,6 @@ pub use definition::{CaseDefinition, Subject, SweepDefinition};
 pub use formula::{Evaluated, Formula};
 pub use outcome::{Case, Effort, ErrorKind, Map, Measurement, NOISE_ALLOWANCE, Outcome, Stability, Step, Sweep};
 
-/// How far a run has come.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
-    pub done: usize,
-    pub total: usize,
-    /// What is done next; empty at the end.
-    pub next: &'static str,
-}
-
-/// Runs everything, one check after the other. `None` when cancelled.
-pub fn run(subject: &Subject, progress: &mut dyn FnMut(Progress)) -> Option<Stability> {
-    let (case_list, sweep_list) = (cases(), sweeps());
-    let total = case_list.len() + sweep_list.len() + 1;
-    let mut done = 0;
-    let mut before = |next| {
-        progress(Progress { done, total, next });
-        done += 1;
-    };
-    let mut cases = Vec::new();
-    for definition in &case_list {
-        before(definition.name);
-        cases.push(definition.run(subject));
-    }
-    let mut sweeps = Vec::new();
-    for definition in &sweep_list {
-        before(definition.name);
-        sweeps.push(definition.run(subject));
-    }
-    before("Maps of Fresnel's equations");
-    let maps = maps(subject)?;
-    before("");
-    Some(Stability { effort: subject.effort, cases, sweeps, maps })
-}
-
 /// All sweeps.
 pub fn sweeps() -> Vec<SweepDefinition> {
     [contrasts::SWEEPS, sweeps::SWEEPS].concat()

@@ -1,7 +1,7 @@
 //! Cases 17 to 24: rays through concentric spheres, by Bouguer's invariant.
 
 use super::closed_forms::{eaton, graded, luneburg, passage, wrapped};
-use super::definition::{CaseDefinition, Measured, Subject, Unmeasured};
+use super::definition::{CaseDefinition, Measured, Subject, case, of_each};
 use super::outcome::Measurement;
 use super::scenes::{deflection_degrees, nest, ready, through};
 use crate::tracking::Prepared;
@@ -10,22 +10,20 @@ use crate::transport::inspect::VertexEvent;
 const BOUGUER: &str = "Bouguer's invariant n r sin i";
 
 pub(super) const CASES: &[CaseDefinition] = &[
-    CaseDefinition::new(17, "Ball of glass", BOUGUER, |subject| of_shells(subject, 1.0, &[(1.0, 1.5)], 1e-4)),
-    CaseDefinition::new(18, "Nest of glass, water, air and diamond, total at 0.7", BOUGUER, |subject| {
+    case(17, "Ball of glass", BOUGUER, |subject| of_shells(subject, 1.0, &[(1.0, 1.5)], 1e-4)),
+    case(18, "Nest of glass, water, air and diamond, total at 0.7", BOUGUER, |subject| {
         of_shells(subject, 1.0, &GLASS_WATER_AIR_DIAMOND, 1e-3)
     }),
-    CaseDefinition::new(19, "Nest of ever denser media", BOUGUER, |subject| {
-        of_shells(subject, 1.0, &EVER_DENSER, 1e-3)
-    }),
-    CaseDefinition::new(20, "Hollow ball, radii 1 and 0.9", BOUGUER, |subject| {
+    case(19, "Nest of ever denser media", BOUGUER, |subject| of_shells(subject, 1.0, &EVER_DENSER, 1e-3)),
+    case(20, "Hollow ball, radii 1 and 0.9", BOUGUER, |subject| {
         of_shells(subject, 1.0, &[(1.0, 1.5), (0.9, 1.0)], 1e-3)
     }),
-    CaseDefinition::new(21, "Bubble in a world of water, total at 0.9", BOUGUER, |subject| {
+    case(21, "Bubble in a world of water, total at 0.9", BOUGUER, |subject| {
         of_shells(subject, 1.333, &[(1.0, 1.0)], 1e-3)
     }),
-    CaseDefinition::new(22, "Shell of thickness 1e-6", BOUGUER, thin_shell),
-    CaseDefinition::new(23, "Luneburg lens of 10, 100 and 1000 shells", BOUGUER, luneburg_lens),
-    CaseDefinition::new(24, "Eaton lens of 1000 shells, n up to 63", BOUGUER, eaton_lens),
+    case(22, "Shell of thickness 1e-6", BOUGUER, thin_shell),
+    case(23, "Luneburg lens of 10, 100 and 1000 shells", BOUGUER, luneburg_lens),
+    case(24, "Eaton lens of 1000 shells, n up to 63", BOUGUER, eaton_lens),
 ];
 
 pub(super) const GLASS_WATER_AIR_DIAMOND: [(f64, f64); 4] = [(1.0, 1.5), (0.8, 1.333), (0.6, 1.0), (0.4, 2.417)];
@@ -40,11 +38,9 @@ pub(super) fn deflections(
     shells: &[(f64, f64)],
     b: f64,
     bound: f64,
-    measurements: &mut Vec<Measurement>,
-) -> Result<(), Unmeasured> {
+) -> Measured {
     let expected = passage(n0, shells, b);
-    for &mode in subject.modes {
-        subject.go_on()?;
+    subject.in_modes(|mode| {
         let path = through(scene, mode, b);
         let count = |event| path.vertices.iter().filter(|v| v.event == event).count();
         let is_as_foretold = count(VertexEvent::Transmit) == expected.crossings
@@ -53,51 +49,38 @@ pub(super) fn deflections(
         // The same angle, written near the expected one.
         let measured = expected.degrees + wrapped(deflection_degrees(&path) - expected.degrees);
         let measured = if is_sound { measured } else { f64::NAN };
-        let what = format!("deflection at b = {b}, {mode}");
-        measurements.push(Measurement::absolute(what, measured, expected.degrees, bound).in_unit("°"));
-    }
-    Ok(())
+        let what = format!("deflection at b = {b}");
+        Ok([Measurement::absolute(what, measured, expected.degrees, bound).in_unit("°")])
+    })
 }
 
 fn of_shells(subject: &Subject, n0: f64, shells: &[(f64, f64)], bound: f64) -> Measured {
     let scene = ready(nest(n0, shells))?;
-    let mut measurements = Vec::new();
-    for b in HEIGHTS {
-        deflections(subject, &scene, n0, shells, b, bound, &mut measurements)?;
-    }
-    Ok(measurements)
+    of_each(HEIGHTS, |b| deflections(subject, &scene, n0, shells, b, bound))
 }
 
 fn thin_shell(subject: &Subject) -> Measured {
     let shells = [(1.0, 1.5), (1.0 - 1e-6, 1.0)];
     let scene = ready(nest(1.0, &shells))?;
-    let mut measurements = Vec::new();
-    deflections(subject, &scene, 1.0, &shells, 0.5, 2e-7f64.to_degrees(), &mut measurements)?;
-    for &mode in subject.modes {
+    let mut found = deflections(subject, &scene, 1.0, &shells, 0.5, 2e-7f64.to_degrees())?;
+    found.extend(subject.in_modes(|mode| {
         let hits = through(&scene, mode, 0.5).vertices.len();
-        measurements.push(Measurement::absolute(format!("hits, {mode}"), hits as f64, 4.0, 0.0));
-    }
-    Ok(measurements)
+        Ok([Measurement::absolute("hits", hits as f64, 4.0, 0.0)])
+    })?);
+    Ok(found)
 }
 
 fn luneburg_lens(subject: &Subject) -> Measured {
-    let mut measurements = Vec::new();
-    for count in [10, 100, 1000] {
+    of_each([10, 100, 1000], |count| {
         let shells = graded(count, luneburg);
         let scene = ready(nest(1.0, &shells))?;
-        for b in [0.25, 0.5] {
-            let first = measurements.len();
-            deflections(subject, &scene, 1.0, &shells, b, 1e-3, &mut measurements)?;
-            measurements[first..].iter_mut().for_each(|m| m.what = format!("{count} shells, {}", m.what));
-        }
-    }
-    Ok(measurements)
+        let mut found = of_each([0.25, 0.5], |b| deflections(subject, &scene, 1.0, &shells, b, 1e-3))?;
+        found.iter_mut().for_each(|m| m.what = format!("{count} shells, {}", m.what));
+        Ok(found)
+    })
 }
 
 fn eaton_lens(subject: &Subject) -> Measured {
     let shells = graded(1000, eaton);
-    let scene = ready(nest(1.0, &shells))?;
-    let mut measurements = Vec::new();
-    deflections(subject, &scene, 1.0, &shells, 0.5, 1e-2, &mut measurements)?;
-    Ok(measurements)
+    deflections(subject, &ready(nest(1.0, &shells))?, 1.0, &shells, 0.5, 1e-2)
 }

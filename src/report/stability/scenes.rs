@@ -94,6 +94,20 @@ pub fn layers(boxes: &[(f64, f64, f64, f64)], degrees: f64) -> Description {
     description
 }
 
+/// A block below y = 0.
+pub fn block(world_ior: f64, ior: f64) -> Description {
+    let mut description = empty(world_ior);
+    let (min, max) = (DVec3::new(-1.0, -2.0, -1.0), DVec3::new(1.0, 0.0, 1.0));
+    add(&mut description, Shape::Box { min, max }, ior, 0.0);
+    description
+}
+
+/// A ray that meets a [`block`] at the origin at cosine `c`, from far enough away that its start is not on the surface.
+pub fn onto_block(c: f64) -> Ray {
+    let direction = DVec3::new((1.0 - c * c).sqrt(), -c, 0.0).normalize();
+    Ray::new(direction * -(1e-3 / c).max(10.0), direction)
+}
+
 /// A wide lamp of radiance 1 at this height, which shines towards height 0.
 pub fn level_lamp(height: f64) -> Object {
     let (edge_u, edge_v) = (DVec3::Z * 4e5, DVec3::X * 4e5 * -height.signum());
@@ -116,6 +130,18 @@ pub fn through(scene: &Prepared, mode: Mode, b: f64) -> TracedPath {
 pub fn deflection_degrees(path: &TracedPath) -> f64 {
     let [x, y, _] = path.final_direction;
     -y.atan2(x).to_degrees()
+}
+
+/// Of `count` rays spread evenly over the disc of a unit ball, number `k`, along +x.
+pub fn onto_disc(k: u32, count: u32) -> Ray {
+    let b = ((f64::from(k) + 0.5) / f64::from(count)).sqrt();
+    Ray::new(DVec3::new(-10.0, b, 0.0), DVec3::X)
+}
+
+/// A ray that meets the plane y = 0 at the origin, from above, at so many degrees.
+pub fn downwards(degrees: f64) -> Ray {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    Ray::new(DVec3::new(-sin, cos, 0.0), DVec3::new(sin, -cos, 0.0))
 }
 
 /// The interfaces of a path: names of the media before and after.

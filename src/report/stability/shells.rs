@@ -3,8 +3,8 @@
 
 use glam::DVec3;
 
-use super::convex::Convex;
-use super::definition::{CaseDefinition, Measured, Subject, Unmeasured};
+use super::convex::{Convex, TOGETHER, media_along};
+use super::definition::{CaseDefinition, Measured, Subject, case, of_each};
 use super::outcome::Measurement;
 use super::scenes::{Numbers, add, empty, icosphere, interfaces, mesh_of, ready, sphere};
 use crate::geometry::Ray;
@@ -17,15 +17,10 @@ use crate::transport::inspect::{Follow, TracedPath, trace};
 const STRAIGHT: &str = "straight rays: the order of the media is known";
 
 pub(super) const CASES: &[CaseDefinition] = &[
-    CaseDefinition::new(35, "Gaps between shells, 1e-2 to 1e-6", STRAIGHT, gaps),
-    CaseDefinition::new(36, "No gap; coincident planar faces of another tessellation", STRAIGHT, coincident),
-    CaseDefinition::new(
-        37,
-        "Offset 1e5 with a gap of 0.1; scales 2^±20",
-        "rigid motion and scaling change nothing",
-        moved,
-    ),
-    CaseDefinition::new(38, "Rays at vertices, edges and along axes", STRAIGHT, vertices_and_edges),
+    case(35, "Gaps between shells, 1e-2 to 1e-6", STRAIGHT, gaps),
+    case(36, "No gap; coincident planar faces of another tessellation", STRAIGHT, coincident),
+    case(37, "Offset 1e5 with a gap of 0.1; scales 2^±20", "rigid motion and scaling change nothing", moved),
+    case(38, "Rays at vertices, edges and along axes", STRAIGHT, vertices_and_edges),
 ];
 
 pub(super) const OUT_AND_IN: [(&str, &str); 4] =
@@ -94,48 +89,50 @@ pub(super) fn miscounted(
     (0..count).filter(is_wrong).count()
 }
 
+/// [`miscounted`] in every mode.
+pub(super) fn miscounts(
+    subject: &Subject,
+    what: impl std::fmt::Display,
+    scene: &Prepared,
+    center: DVec3,
+    expected: &[(&str, &str)],
+    count: usize,
+) -> Measured {
+    subject.in_modes(|mode| {
+        let wrong = miscounted(scene, mode, center, 1.0, expected, count);
+        Ok([Measurement::none_of(format!("miscounts{what}"), wrong, "rays")])
+    })
+}
+
 fn gaps(subject: &Subject) -> Measured {
-    let mut measurements = Vec::new();
-    for exponent in 2..=6 {
-        for kind in Kind::BOTH {
-            let scene = ready(shells(10f64.powi(-exponent), kind, 1.0, DVec3::ZERO))?;
-            for &mode in subject.modes {
-                subject.go_on()?;
-                let count = miscounted(&scene, mode, DVec3::ZERO, 1.0, &OUT_AND_IN, subject.amount(300, 3000));
-                let what = format!("miscounts, gap 1e-{exponent}, {}, {mode}", kind.name());
-                measurements.push(Measurement::none_of(what, count, "rays"));
-            }
-        }
-    }
-    Ok(measurements)
+    let both = |exponent| Kind::BOTH.map(|kind| (exponent, kind));
+    of_each((2..=6).flat_map(both), |(exponent, kind)| {
+        let scene = ready(shells(10f64.powi(-exponent), kind, 1.0, DVec3::ZERO))?;
+        let what = format!(", gap 1e-{exponent}, {}", kind.name());
+        miscounts(subject, what, &scene, DVec3::ZERO, &OUT_AND_IN, subject.amount(300, 3000))
+    })
 }
 
 /// The same surface twice is one, whose inside is that of the object that wins: by priority, then, of equal volumes, the later.
 fn coincident(subject: &Subject) -> Measured {
-    let mut measurements = Vec::new();
-    for kind in Kind::BOTH {
-        for (priorities, winner) in [([0, 0], "object 1"), ([1, 0], "object 0"), ([-1, 0], "object 1")] {
-            let mut description = shells(0.0, kind, 1.0, DVec3::ZERO);
-            description.objects.refractor_roles_mut().zip(priorities).for_each(|(r, p)| r.priority = p);
-            let scene = ready(description)?;
-            let once = [("world", winner), (winner, "world")];
-            for &mode in subject.modes {
-                subject.go_on()?;
-                let count = miscounted(&scene, mode, DVec3::ZERO, 1.0, &once, subject.amount(300, 3000));
-                let what = format!("miscounts, {winner} wins, {}, {mode}", kind.name());
-                measurements.push(Measurement::none_of(what, count, "rays"));
-            }
-        }
-    }
-    planar_faces(subject, &mut measurements)?;
-    Ok(measurements)
+    let winners = [([0, 0], "object 1"), ([1, 0], "object 0"), ([-1, 0], "object 1")];
+    let rows = Kind::BOTH.into_iter().flat_map(|kind| winners.map(|row| (kind, row)));
+    let mut found = of_each(rows, |(kind, (priorities, winner))| {
+        let mut description = shells(0.0, kind, 1.0, DVec3::ZERO);
+        description.objects.refractor_roles_mut().zip(priorities).for_each(|(r, p)| r.priority = p);
+        let once = [("world", winner), (winner, "world")];
+        let what = format!(", {winner} wins, {}", kind.name());
+        miscounts(subject, what, &ready(description)?, DVec3::ZERO, &once, subject.amount(300, 3000))
+    })?;
+    found.extend(planar_faces(subject)?);
+    Ok(found)
 }
 
 /// Convex bodies that share planes, cut into faces in different ways; overlapping, on each other and side by side.
-fn planar_faces(subject: &Subject, measurements: &mut Vec<Measurement>) -> Result<(), Unmeasured> {
+fn planar_faces(subject: &Subject) -> Measured {
     let cylinder = |x: f64, y: f64, segments: u32| Convex::cylinder(DVec3::new(x, y, 0.1), 0.6, 1.0, segments);
     let cuboid = |min: [f64; 3], max: [f64; 3]| Convex::cuboid(min.into(), max.into());
-    for (name, bodies) in [
+    let groups = [
         ("cylinder on a box", vec![cuboid([-1.0, -1.0, -1.0], [1.0, 0.0, 1.0]), cylinder(0.1, 0.5, 24)]),
         ("cylinder over the edge of a box", vec![cuboid([-1.0, -1.0, -1.0], [0.2, 0.0, 1.0]), cylinder(0.1, 0.5, 24)]),
         ("cylinders on each other", vec![cylinder(0.0, -0.5, 17), cylinder(0.2, 0.5, 24), cylinder(-0.3, 0.5, 9)]),
@@ -148,45 +145,40 @@ fn planar_faces(subject: &Subject, measurements: &mut Vec<Measurement>) -> Resul
                 cuboid([-0.2, -0.6, -0.4], [0.5, 0.0, 0.4]),
             ],
         ),
-    ] {
-        for rotate in [DVec3::ZERO, DVec3::new(12.0, -34.0, 56.0)] {
-            let mut description = empty(1.0);
-            for body in &bodies {
-                add(&mut description, body.shape.clone(), 1.0, 0.0);
-            }
-            description.objects.refractors_mut().iter_mut().for_each(|r| r.transform.rotate = rotate);
-            let to_object = description.objects.refractors()[0].transform.matrix().inverse();
-            let scene = ready(description)?;
-            let mut numbers = Numbers(31);
-            let mut wrong = vec![0; subject.modes.len()];
-            let mut checked = 0;
-            for _ in 0..subject.amount(300, 3000) {
-                let direction = numbers.direction();
-                let aim = numbers.point(DVec3::new(-1.0, -1.0, -1.0), DVec3::ONE);
-                let ray = Ray::new(to_object.inverse().transform_point3(aim) - direction * 6.0, direction);
-                let local =
-                    Ray::new(to_object.transform_point3(ray.origin), to_object.transform_vector3(ray.direction));
-                let Some(media) = super::convex::media_along(&bodies, &local) else { continue };
-                checked += 1;
-                for (wrong, &mode) in wrong.iter_mut().zip(subject.modes) {
-                    let path = trace(&scene, mode, ray, Follow::Transmit, 0, None);
-                    *wrong += usize::from(path.events.total() > 0 || media_of(&path) != media);
-                }
-            }
-            subject.go_on()?;
-            let turned = if rotate == DVec3::ZERO { "" } else { ", turned" };
-            for (wrong, mode) in wrong.into_iter().zip(subject.modes) {
-                let what = format!("miscounts, {name}{turned}, {mode}");
-                measurements.push(Measurement::none_of(what, wrong, "rays"));
-            }
-            // Rays that pass too close to an edge for a truth in rounded numbers are few.
-            let least = subject.amount(300, 3000) / 2;
-            let what = format!("rays checked, {name}{turned}");
-            let missing = least.max(checked) - checked;
-            measurements.push(Measurement::none_of(what + ": too few by", missing, "rays"));
+    ];
+    let turns = [("", DVec3::ZERO), (", turned", DVec3::new(12.0, -34.0, 56.0))];
+    let rows = groups.iter().flat_map(|group| turns.map(|turn| (group, turn)));
+    of_each(rows, |((name, bodies), (turned, rotate))| {
+        let mut description = empty(1.0);
+        for body in bodies {
+            add(&mut description, body.shape.clone(), 1.0, 0.0);
         }
-    }
-    Ok(())
+        description.objects.refractors_mut().iter_mut().for_each(|r| r.transform.rotate = rotate);
+        let to_object = description.objects.refractors()[0].transform.matrix().inverse();
+        let scene = ready(description)?;
+        let mut numbers = Numbers(31);
+        let count: usize = subject.amount(300, 3000);
+        let mut ray_and_media = |_| {
+            let direction = numbers.direction();
+            let aim = numbers.point(DVec3::new(-1.0, -1.0, -1.0), DVec3::ONE);
+            let ray = Ray::new(to_object.inverse().transform_point3(aim) - direction * 6.0, direction);
+            let local = Ray::new(to_object.transform_point3(ray.origin), to_object.transform_vector3(ray.direction));
+            Some((ray, media_along(bodies, &local)?))
+        };
+        let rays: Vec<(Ray, Vec<String>)> = (0..count).filter_map(&mut ray_and_media).collect();
+        let mut found = subject.in_modes(|mode| {
+            let is_wrong = |(ray, media): &&(Ray, Vec<String>)| {
+                let path = trace(&scene, mode, *ray, Follow::Transmit, 0, None);
+                path.events.total() > 0 || media_of(&path) != *media
+            };
+            let wrong = rays.iter().filter(is_wrong).count();
+            Ok([Measurement::none_of(format!("miscounts, {name}{turned}"), wrong, "rays")])
+        })?;
+        // Rays that pass too close to an edge for a truth in rounded numbers are few.
+        let missing = (count / 2).saturating_sub(rays.len());
+        found.push(Measurement::none_of(format!("rays checked, {name}{turned}: too few by"), missing, "rays"));
+        Ok(found)
+    })
 }
 
 /// The media of a path, each different from the one before; stretches between surfaces that are one do not count.
@@ -195,7 +187,7 @@ fn media_of(path: &TracedPath) -> Vec<String> {
     let mut last: Option<DVec3> = None;
     for vertex in path.vertices.iter().filter(|v| v.from != v.to) {
         let position = DVec3::from(vertex.position);
-        if last.is_some_and(|last| position.distance(last) <= super::convex::TOGETHER) {
+        if last.is_some_and(|last| position.distance(last) <= TOGETHER) {
             names.pop();
         }
         let to = vertex.to.clone().unwrap_or_default();
@@ -208,34 +200,31 @@ fn media_of(path: &TracedPath) -> Vec<String> {
 }
 
 fn moved(subject: &Subject) -> Measured {
-    let mut measurements = Vec::new();
-    for center in [DVec3::new(1e5, -1e5, 0.5e5), DVec3::X * 1e5] {
-        for kind in Kind::BOTH {
-            let scene = ready(shells(0.1, kind, 1.0, center))?;
-            for &mode in subject.modes {
-                subject.go_on()?;
-                let count = miscounted(&scene, mode, center, 1.0, &OUT_AND_IN, subject.amount(300, 3000));
-                let what = format!("miscounts at {center}, {}, {mode}", kind.name());
-                measurements.push(Measurement::none_of(what, count, "rays"));
-            }
-        }
-    }
-    let count = subject.amount(100, 1000);
-    for &mode in subject.modes {
-        let ordinary = scaled_paths(mode, 1.0, count)?;
-        for exponent in [-20, 20] {
-            subject.go_on()?;
-            let scaled = scaled_paths(mode, 2f64.powi(exponent), count)?;
-            let differing = ordinary.iter().zip(&scaled).filter(|(a, b)| a != b).count();
-            let what = format!("paths with another bit at scale 2^{exponent}, {mode}");
-            measurements.push(Measurement::none_of(what, differing, "paths"));
-        }
-    }
-    Ok(measurements)
+    let both = |center| Kind::BOTH.map(|kind| (center, kind));
+    let centers = [DVec3::new(1e5, -1e5, 0.5e5), DVec3::X * 1e5];
+    let mut found = of_each(centers.into_iter().flat_map(both), |(center, kind)| {
+        let scene = ready(shells(0.1, kind, 1.0, center))?;
+        let what = format!(" at {center}, {}", kind.name());
+        miscounts(subject, what, &scene, center, &OUT_AND_IN, subject.amount(300, 3000))
+    })?;
+    found.extend(of_each([-20, 20], |exponent| {
+        let what = format!("paths with another bit at scale 2^{exponent}");
+        scaled(subject, &what, exponent, subject.amount(100, 1000))
+    })?);
+    Ok(found)
+}
+
+/// Of so many paths, those that differ by a bit when everything is scaled by 2^`exponent`.
+pub(super) fn scaled(subject: &Subject, what: &str, exponent: i32, count: usize) -> Measured {
+    subject.in_modes(|mode| {
+        let (ordinary, scaled) = (scaled_paths(mode, 1.0, count)?, scaled_paths(mode, 2f64.powi(exponent), count)?);
+        let differing = ordinary.iter().zip(&scaled).filter(|(a, b)| a != b).count();
+        Ok([Measurement::none_of(what, differing, "paths")])
+    })
 }
 
 /// Paths through boxes and balls that contain, touch and cross each other, at this scale, scaled back.
-pub(super) fn scaled_paths(mode: Mode, scale: f64, count: usize) -> Result<Vec<TracedPath>, SceneError> {
+fn scaled_paths(mode: Mode, scale: f64, count: usize) -> Result<Vec<TracedPath>, SceneError> {
     let mut description = empty(1.0);
     let cuboid = |min: [f64; 3], max: [f64; 3]| Shape::Box { min: min.into(), max: max.into() };
     add(&mut description, cuboid([-1.0, -1.0, -1.0], [1.0, 0.2, 1.0]), 1.333, 0.0);
@@ -262,12 +251,11 @@ pub(super) fn scaled_paths(mode: Mode, scale: f64, count: usize) -> Result<Vec<T
 /// From within three nested polyhedra, every ray goes out through each once, and a line through a place within all goes in and out.
 fn vertices_and_edges(subject: &Subject) -> Measured {
     let mut description = empty(1.0);
-    let shapes = [icosphere(1.0, 2), icosphere(0.7, 1), icosphere(0.4, 0)];
     let mut aims = vec![DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z];
     let mut numbers = Numbers(41);
-    for shape in &shapes {
-        add(&mut description, shape.clone(), 1.0, 0.0);
-        let mesh = mesh_of(shape)?;
+    for shape in [icosphere(1.0, 2), icosphere(0.7, 1), icosphere(0.4, 0)] {
+        let mesh = mesh_of(&shape)?;
+        add(&mut description, shape, 1.0, 0.0);
         // As they are stored.
         let corner = |i: u32| mesh.positions[i as usize].as_vec3().as_dvec3();
         for t in &mesh.triangles {
@@ -279,10 +267,8 @@ fn vertices_and_edges(subject: &Subject) -> Measured {
     let scene = ready(description)?;
     let out = [("object 2", "object 1"), ("object 1", "object 0"), ("object 0", "world")];
     let through: Vec<(&str, &str)> = out.iter().rev().map(|&(a, b)| (b, a)).chain(out).collect();
-    let mut measurements = Vec::new();
-    for &mode in subject.modes {
-        for (name, start, expected) in [("from within", 0.0, &out[..]), ("from outside", 3.0, &through[..])] {
-            subject.go_on()?;
+    subject.in_modes(|mode| {
+        Ok([("from within", 0.0, &out[..]), ("from outside", 3.0, &through[..])].map(|(name, start, expected)| {
             let mut wrong = 0;
             for aim in &aims {
                 for origin in [DVec3::ZERO, DVec3::new(0.01, -0.02, 0.03)] {
@@ -292,9 +278,7 @@ fn vertices_and_edges(subject: &Subject) -> Measured {
                     wrong += usize::from(interfaces(&path) != expected || path.events.total() > 0);
                 }
             }
-            let what = format!("parity errors of {} rays {name}, {mode}", 2 * aims.len());
-            measurements.push(Measurement::none_of(what, wrong, "rays"));
-        }
-    }
-    Ok(measurements)
+            Measurement::none_of(format!("parity errors of {} rays {name}", 2 * aims.len()), wrong, "rays")
+        }))
+    })
 }
