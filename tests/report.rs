@@ -13,7 +13,7 @@ use iorect::formats;
 use iorect::report::csv::tables;
 use iorect::report::data::Report;
 use iorect::report::extent::Extent;
-use iorect::report::make::{Part, Request, Subject, make};
+use iorect::report::make::{Part, ReportError, Request, Subject, make};
 use iorect::report::page;
 use iorect::report::progress::Progress;
 use iorect::report::stability::{Map, Outcome};
@@ -68,7 +68,7 @@ static MADE: LazyLock<Made> = LazyLock::new(|| {
     let store = Store::open(&folder.path().join("cache")).unwrap();
     let subjects =
         vec![subject("nest", hostile_nest()), subject("camera-in-water", formats::open("camera-in-water").unwrap())];
-    let report = make(&request(subjects, &Part::ALL), &store, &quiet(&AtomicBool::new(false))).unwrap().unwrap();
+    let report = make(&request(subjects, &Part::ALL), &store, &quiet(&AtomicBool::new(false))).unwrap();
     write(&report, folder.path()).unwrap();
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     Made { folder, report, page }
@@ -514,8 +514,9 @@ fn an_interrupted_report_goes_on() {
             }
         };
         runs += 1;
-        if let Some(report) = make(&request, &store, &Progress { cancel: &cancel, tell: &tell }).unwrap() {
-            break report;
+        match make(&request, &store, &Progress { cancel: &cancel, tell: &tell }) {
+            Ok(report) => break report,
+            Err(error) => assert!(matches!(error, ReportError::Interrupted), "{error}"),
         }
         let now = std::fs::read_dir(folder.path()).unwrap().count();
         assert_eq!(now, kept + 1, "one piece more is finished");
@@ -526,7 +527,7 @@ fn an_interrupted_report_goes_on() {
     // What does not depend on time is what it is without interruptions.
     let fresh = tempfile::tempdir().unwrap();
     let never = AtomicBool::new(false);
-    let other = make(&request, &Store::open(fresh.path()).unwrap(), &quiet(&never)).unwrap().unwrap();
+    let other = make(&request, &Store::open(fresh.path()).unwrap(), &quiet(&never)).unwrap();
     assert_eq!(other.origin.pieces_reused, 0);
     for (a, b) in report.scenes.iter().zip(&other.scenes) {
         assert_eq!(a.pictures, b.pictures);
@@ -534,17 +535,17 @@ fn an_interrupted_report_goes_on() {
         assert!(a.pictures.as_ref().unwrap().rectified_events.crossings > 0);
     }
     // Times, too, are taken over to the last digit.
-    let again = make(&request, &store, &quiet(&never)).unwrap().unwrap();
+    let again = make(&request, &store, &quiet(&never)).unwrap();
     assert_eq!(again.origin.pieces_made, 0);
     assert!(again.scenes.iter().zip(&report.scenes).all(|(a, b)| a.left_out == b.left_out));
     // The twin: another seed, another scene.
     let other_seed = Request { extent: Extent::tiny(6, 2), ..request.clone() };
-    assert_eq!(make(&other_seed, &store, &quiet(&never)).unwrap().unwrap().origin.pieces_reused, 0);
+    assert_eq!(make(&other_seed, &store, &quiet(&never)).unwrap().origin.pieces_reused, 0);
     let mut edited = request.clone();
     let mut description = (*edited.subjects[0].description).clone();
     description.media[0].ior = iorect::optics::Ior::Constant(1.5000001);
     edited.subjects[0].description = Arc::new(description);
-    assert_eq!(make(&edited, &store, &quiet(&never)).unwrap().unwrap().origin.pieces_made, 2);
+    assert_eq!(make(&edited, &store, &quiet(&never)).unwrap().origin.pieces_made, 2);
 }
 
 /// Parts that were not asked for are neither measured nor shown.
@@ -553,7 +554,7 @@ fn only_what_is_asked_for_is_there() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(folder.path()).unwrap();
     let request = request(vec![subject("nest", hostile_nest())], &[Part::LeftOut]);
-    let report = make(&request, &store, &quiet(&AtomicBool::new(false))).unwrap().unwrap();
+    let report = make(&request, &store, &quiet(&AtomicBool::new(false))).unwrap();
     assert!(report.growth.is_empty() && report.stability.is_none());
     let page = page::html(&report, &[]);
     assert!(page.contains("id=\"left-out\"") && !page.contains("id=\"growth\"") && !page.contains("id=\"stability\""));

@@ -55,7 +55,6 @@ pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     let progress = Progress { cancel: &AtomicBool::new(false), tell: &tell };
     let report = pool.install(|| make(&request, &store, &progress)).map_err(failure)?;
     bar.finish_and_clear();
-    let report = report.ok_or_else(|| Failure::Failed(anyhow::anyhow!("the report was interrupted")))?;
     let written = write(&report, &arguments.output).map_err(Failure::output)?;
     print(&if arguments.json { escaped_json(&json(&report)).into_owned() } else { summary(&report, &written) })?;
     Ok(ExitCode::SUCCESS)
@@ -65,7 +64,7 @@ fn failure(error: ReportError) -> Failure {
     match error {
         ReportError::Scene(error) => error.into(),
         ReportError::Output(error) => Failure::output(error),
-        error @ (ReportError::Experiment(_) | ReportError::Editing(_)) => Failure::Failed(error.into()),
+        error => Failure::Failed(error.into()),
     }
 }
 

@@ -44,14 +44,6 @@ pub enum Edit {
 impl Edit {
     pub const ALL: [Self; 3] = [Self::Ior, Self::Transform, Self::Camera];
 
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ior => "ior",
-            Self::Transform => "transform",
-            Self::Camera => "camera",
-        }
-    }
-
     pub fn about(self) -> &'static str {
         match self {
             Self::Ior => "the IOR of a medium",

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::editing::EditingPlan;
 use super::experiment::Effort;
-use super::growth::GrowthPlan;
+use super::growth::{GrowthPlan, Timing};
 use super::left_out::LeftOutPlan;
 use super::pictures::PicturePlan;
 use super::stability;
@@ -51,6 +51,11 @@ fn half_decades(first: u64, last: u64) -> Vec<u64> {
     sizes.filter(|size| (first..=last).contains(size)).collect()
 }
 
+/// Sizes of all quantities of [`GrowthPlan`], up to so many triangles and on up to so many threads.
+fn sizes(triangles: u64, threads: usize) -> [Vec<u64>; 4] {
+    [half_decades(1000, triangles), half_decades(1, 1000), half_decades(1, 10_000), doublings(threads)]
+}
+
 impl Extent {
     /// All built-in scenes within two minutes on two cores.
     pub fn quick(seed: u64, threads: usize) -> Self {
@@ -62,15 +67,8 @@ impl Extent {
             left_out: LeftOutPlan { width: 96, height: 54, seed, pairs: 6, slice_secs: 0.02, each: false },
             editing: EditingPlan { size: PANE, edits: 3, within_secs: 0.1 },
             growth: GrowthPlan {
-                triangles: half_decades(1000, 1_000_000),
-                nesting: half_decades(1, 1000),
-                objects: half_decades(1, 10_000),
-                threads: doublings(threads),
-                width: 32,
-                height: 32,
-                seed,
-                slices: 3,
-                slice_secs: 0.03,
+                sizes: sizes(1_000_000, threads),
+                timing: Timing { side: 32, seed, slices: 3, slice_secs: 0.03 },
             },
         }
     }
@@ -85,21 +83,15 @@ impl Extent {
             left_out: LeftOutPlan { width: 192, height: 108, seed, pairs: 15, slice_secs: 0.25, each: true },
             editing: EditingPlan { size: PANE, edits: 12, within_secs: 0.7 },
             growth: GrowthPlan {
-                triangles: half_decades(1000, 10_000_000),
-                nesting: half_decades(1, 1000),
-                objects: half_decades(1, 10_000),
-                threads: doublings(threads),
-                width: 64,
-                height: 64,
-                seed,
-                slices: 9,
-                slice_secs: 0.2,
+                sizes: sizes(10_000_000, threads),
+                timing: Timing { side: 64, seed, slices: 9, slice_secs: 0.2 },
             },
         }
     }
 
     /// As little as possible of everything, for tests.
     pub fn tiny(seed: u64, threads: usize) -> Self {
+        let few: Vec<u64> = (0..6).map(|k| 1 << k).collect();
         Self {
             is_quick: true,
             // Time decides nothing here.
@@ -117,15 +109,8 @@ impl Extent {
             left_out: LeftOutPlan { width: 16, height: 9, seed, pairs: 2, slice_secs: 1e-4, each: true },
             editing: EditingPlan { size: [32, 18], edits: 1, within_secs: 0.01 },
             growth: GrowthPlan {
-                triangles: vec![500, 1000, 2000, 4000, 8000, 16_000],
-                nesting: vec![1, 2, 4, 8, 16, 32],
-                objects: vec![1, 2, 4, 8, 16, 32],
-                threads: doublings(threads.min(2)),
-                width: 8,
-                height: 8,
-                seed,
-                slices: 1,
-                slice_secs: 1e-5,
+                sizes: [(0..6).map(|k| 500 << k).collect(), few.clone(), few, doublings(threads.min(2))],
+                timing: Timing { side: 8, seed, slices: 1, slice_secs: 1e-5 },
             },
         }
     }

@@ -59,31 +59,28 @@ impl Quantity {
 }
 
 /// How far, and how long.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GrowthPlan {
-    pub triangles: Vec<u64>,
-    pub nesting: Vec<u64>,
-    pub objects: Vec<u64>,
-    pub threads: Vec<u64>,
-    /// Pixels of the images that are timed.
-    pub width: u32,
-    pub height: u32,
+    /// Of each quantity in the order of [`Quantity::ALL`], ascending.
+    pub sizes: [Vec<u64>; 4],
+    pub timing: Timing,
+}
+
+impl GrowthPlan {
+    pub fn sizes_of(&self, quantity: Quantity) -> &[u64] {
+        &self.sizes[quantity as usize]
+    }
+}
+
+/// How one size is timed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Timing {
+    /// Pixels across and down the images.
+    pub side: u32,
     pub seed: u64,
     /// Slices of which the median is taken, and seconds of each, at least.
     pub slices: usize,
     pub slice_secs: f64,
-}
-
-impl GrowthPlan {
-    /// The sizes of one quantity, ascending.
-    pub fn sizes(&self, quantity: Quantity) -> &[u64] {
-        match quantity {
-            Quantity::Triangles => &self.triangles,
-            Quantity::Nesting => &self.nesting,
-            Quantity::Objects => &self.objects,
-            Quantity::Threads => &self.threads,
-        }
-    }
 }
 
 /// One size.
@@ -117,15 +114,6 @@ pub enum Measure {
 
 impl Measure {
     pub const ALL: [Self; 4] = [Self::Build, Self::Rectify, Self::Sample, Self::Memory];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Build => "build",
-            Self::Rectify => "rectify",
-            Self::Sample => "sample",
-            Self::Memory => "memory",
-        }
-    }
 
     /// In seconds or bytes.
     pub fn of(self, point: &GrowthPoint) -> Option<f64> {
@@ -206,15 +194,15 @@ pub fn fits(quantity: Quantity, size: u64) -> bool {
 pub fn measure(
     quantity: Quantity,
     size: u64,
-    plan: &GrowthPlan,
+    timing: &Timing,
     progress: &Progress<'_>,
 ) -> Result<Option<GrowthPoint>, SceneError> {
     let (description, size) = scenes::of(quantity, size)?;
     if quantity != Quantity::Threads {
-        return of_scene(description, size, plan, progress);
+        return of_scene(description, size, timing, progress);
     }
     let description = &description;
-    let work = || of_scene(description.clone(), size, plan, progress);
+    let work = || of_scene(description.clone(), size, timing, progress);
     match rayon::ThreadPoolBuilder::new().num_threads(size as usize).build() {
         Ok(pool) => pool.install(work),
         // A system that refuses so many threads has no time to tell.
@@ -228,7 +216,7 @@ pub fn measure(
 fn of_scene(
     description: Description,
     size: u64,
-    plan: &GrowthPlan,
+    timing: &Timing,
     progress: &Progress<'_>,
 ) -> Result<Option<GrowthPoint>, SceneError> {
     let camera = Camera::new(&description.camera)?;
@@ -237,10 +225,10 @@ fn of_scene(
     let (after, peak) = (resident_bytes(), peak_bytes().filter(|_| has_forgotten));
     let rise = |to: Option<u64>| to?.checked_sub(before?).filter(|&bytes| bytes >= LEAST_MEMORY);
     let (memory_bytes, peak_bytes) = (rise(after), rise(peak));
-    let (build_secs, rectify_secs) = best_of_preparing(&prepared, plan)?;
-    let settings = ImageSettings::new(Mode::Rectified, plan.seed);
-    let mut timed = Timed::new(&prepared, &camera, settings, (plan.width, plan.height));
-    let sample_secs = timed.sample_secs(plan.slices, plan.slice_secs, progress);
+    let (build_secs, rectify_secs) = best_of_preparing(&prepared, timing)?;
+    let settings = ImageSettings::new(Mode::Rectified, timing.seed);
+    let mut timed = Timed::new(&prepared, &camera, settings, (timing.side, timing.side));
+    let sample_secs = timed.sample_secs(timing.slices, timing.slice_secs, progress);
     Ok(sample_secs.map(|sample_secs| GrowthPoint {
         size,
         build_secs,
@@ -252,11 +240,11 @@ fn of_scene(
 }
 
 /// The least times of preparing the scene, which small scenes do several times: the first time pays for pages of memory.
-fn best_of_preparing(prepared: &Prepared, plan: &GrowthPlan) -> Result<(f64, f64), SceneError> {
+fn best_of_preparing(prepared: &Prepared, timing: &Timing) -> Result<(f64, f64), SceneError> {
     let mut best = prepared.seconds;
     let mut spent = best.bvh + best.rectify;
     let mut rounds = 1;
-    while rounds < 10 && spent < plan.slice_secs {
+    while rounds < 10 && spent < timing.slice_secs {
         let seconds = prepare(Arc::clone(&prepared.description), None)?.seconds;
         best.bvh = best.bvh.min(seconds.bvh);
         best.rectify = best.rectify.min(seconds.rectify);
@@ -271,33 +259,21 @@ mod tests {
     use super::*;
     use std::sync::atomic::AtomicBool;
 
-    fn plan() -> GrowthPlan {
-        GrowthPlan {
-            triangles: vec![1000, 3000],
-            nesting: vec![1, 30],
-            objects: vec![1, 27],
-            threads: vec![1, 2],
-            width: 8,
-            height: 8,
-            seed: 1,
-            slices: 1,
-            slice_secs: 1e-5,
-        }
-    }
+    const TIMING: Timing = Timing { side: 8, seed: 1, slices: 1, slice_secs: 1e-5 };
 
     #[test]
     fn every_quantity_is_measured_at_the_size_that_was_asked_for() {
         let progress = Progress { cancel: &AtomicBool::new(false), tell: &|_, _| () };
-        for quantity in Quantity::ALL {
-            for &size in plan().sizes(quantity) {
-                let point = measure(quantity, size, &plan(), &progress).unwrap().unwrap();
+        for (quantity, sizes) in Quantity::ALL.into_iter().zip([[1000, 3000], [1, 30], [1, 27], [1, 2]]) {
+            for size in sizes {
+                let point = measure(quantity, size, &TIMING, &progress).unwrap().unwrap();
                 let part = point.size as f64 / size as f64;
                 assert!((0.9..1.1).contains(&part), "{quantity:?}: {} for {size}", point.size);
                 assert!(point.build_secs > 0.0 && point.rectify_secs > 0.0 && point.sample_secs > 0.0, "{point:?}");
             }
         }
         let cancelled = Progress { cancel: &AtomicBool::new(true), ..progress };
-        assert!(measure(Quantity::Objects, 1, &plan(), &cancelled).unwrap().is_none());
+        assert!(measure(Quantity::Objects, 1, &TIMING, &cancelled).unwrap().is_none());
     }
 
     /// A law that is known, with a constant that small sizes show.

@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 
 use super::data::{Origin, Report, SceneReport};
 use super::editing::{self, EditingError};
-use super::experiment::{ExperimentError, SceneErrors, scene_errors};
+use super::experiment::{ExperimentError, scene_errors};
 use super::extent::{Extent, StabilityPlan};
 use super::growth::{self, Growth, GrowthPlan, Quantity};
 use super::left_out;
@@ -94,13 +94,15 @@ pub enum ReportError {
     Experiment(#[from] ExperimentError),
     #[error(transparent)]
     Editing(#[from] EditingError),
+    #[error("the report was interrupted")]
+    Interrupted,
 }
 
-/// Takes the measurements that are asked for, on rayon's current pool. `None` when cancelled; what was finished by then is in `store`.
+/// Takes the measurements that are asked for, on rayon's current pool; what was finished when an error came is in `store`.
 ///
 /// # Errors
-/// When a scene is impossible, or a piece cannot be kept.
-pub fn make(request: &Request, store: &Store, progress: &Progress<'_>) -> Result<Option<Report>, ReportError> {
+/// When a scene is impossible, a piece cannot be kept, or `progress` was cancelled.
+pub fn make(request: &Request, store: &Store, progress: &Progress<'_>) -> Result<Report, ReportError> {
     let start = Instant::now();
     let load_before = machine::load_average();
     let prepared: Vec<Prepared> = (request.subjects.iter())
@@ -116,30 +118,11 @@ pub fn make(request: &Request, store: &Store, progress: &Progress<'_>) -> Result
         made: Cell::new(0),
         reused: Cell::new(0),
     };
-    let mut scenes = Vec::new();
-    for (subject, prepared) in request.subjects.iter().zip(&prepared) {
-        match scene(request, subject, prepared, &tally)? {
-            Some(scene) => scenes.push(scene),
-            None => return Ok(None),
-        }
-    }
-    let stability = if request.parts.contains(&Part::Stability) {
-        let found = all_stability(&request.extent.stability, &tally)?;
-        if found.is_none() {
-            return Ok(None);
-        }
-        found
-    } else {
-        None
-    };
-    let growth = if request.parts.contains(&Part::Growth) {
-        match all_growth(&request.extent.growth, &tally)? {
-            Some(growth) => growth,
-            None => return Ok(None),
-        }
-    } else {
-        Vec::new()
-    };
+    let scenes =
+        request.subjects.iter().zip(&prepared).map(|(subject, prepared)| scene(request, subject, prepared, &tally));
+    let scenes = scenes.collect::<Result<_, _>>()?;
+    let stability = request.asks_for(Part::Stability, || all_stability(&request.extent.stability, &tally))?;
+    let growth = request.asks_for(Part::Growth, || all_growth(&request.extent.growth, &tally))?.unwrap_or_default();
     let origin = Origin {
         program: "iorect",
         version: env!("CARGO_PKG_VERSION"),
@@ -155,19 +138,29 @@ pub fn make(request: &Request, store: &Store, progress: &Progress<'_>) -> Result
         pieces_reused: tally.reused.get(),
         pieces_made: tally.made.get(),
     };
-    Ok(Some(Report { origin, scenes, stability, growth }))
+    Ok(Report { origin, scenes, stability, growth })
+}
+
+impl Request {
+    /// What `measure` finds, where the part is asked for.
+    fn asks_for<T>(
+        &self,
+        part: Part,
+        measure: impl FnOnce() -> Result<T, ReportError>,
+    ) -> Result<Option<T>, ReportError> {
+        self.parts.contains(&part).then(measure).transpose()
+    }
 }
 
 /// Work of a request, for the progress bar, in units of about a second of a quick report.
 fn weight_of(request: &Request) -> f64 {
     let has = |part: Part| if request.parts.contains(&part) { 1.0 } else { 0.0 };
-    let sizes = Quantity::ALL.iter().flat_map(|&quantity| request.extent.growth.sizes(quantity));
     let errors = has(Part::Error) * request.extent.errors.secs.min(MOST_ERRORS);
     let scene = PICTURES + errors + has(Part::LeftOut) * LEFT_OUT + has(Part::Editing) * EDITING;
     let checks = stability::cases().len().min(request.extent.stability.cases)
         + stability::sweeps().len().min(request.extent.stability.sweeps)
         + 1;
-    let growth = sizes.map(|&size| weight_of_size(size)).sum::<f64>();
+    let growth: f64 = request.extent.growth.sizes.iter().flatten().map(|&size| weight_of_size(size)).sum();
     request.subjects.len() as f64 * scene + has(Part::Stability) * checks as f64 * CHECK + has(Part::Growth) * growth
 }
 
@@ -182,62 +175,47 @@ fn weight_of_size(size: u64) -> f64 {
     0.2 + size as f64 * 1e-6
 }
 
-/// One scene; `None` when cancelled.
 fn scene(
     request: &Request,
     subject: &Subject,
     prepared: &Prepared,
     tally: &Tally<'_>,
-) -> Result<Option<SceneReport>, ReportError> {
+) -> Result<SceneReport, ReportError> {
     let description = &*subject.description;
     let camera = Camera::new(&description.camera)?;
     let mut hasher = Hasher::new("iorect report 1");
     hasher.fingerprint(description.fingerprint());
     camera.hash_into(&mut hasher);
     let fingerprint = hasher.finish();
-    let extent = &request.extent;
-    let label = |what: &str| format!("{} · {what}", subject.name);
+    let (extent, name) = (&request.extent, &subject.name);
     let pictures =
-        tally.piece(&label("pictures"), PICTURES, "pictures", &(fingerprint, extent.pictures), |progress| {
+        tally.piece([name, "pictures"], PICTURES, "pictures", &(fingerprint, extent.pictures), |progress| {
             Ok(pictures::make(prepared, &camera, &extent.pictures, progress)?)
         })?;
-    let Some(pictures) = pictures else { return Ok(None) };
-    let mut left_out = None;
-    if request.parts.contains(&Part::LeftOut) {
-        left_out = tally.piece(
-            &label("what is left out"),
-            LEFT_OUT,
-            "left-out",
-            &(fingerprint, extent.left_out),
-            |progress| Ok(left_out::measure(prepared, &camera, &extent.left_out, progress)),
-        )?;
-        if left_out.is_none() {
-            return Ok(None);
-        }
-    }
-    let mut editing = None;
-    if request.parts.contains(&Part::Editing) {
-        let what = label("from an edit to the picture");
-        editing = tally.piece(&what, EDITING, "editing", &(fingerprint, extent.editing), |progress| {
+    let left_out = request.asks_for(Part::LeftOut, || {
+        let what = [name, "what is left out"];
+        tally.piece(what, LEFT_OUT, "left-out", &(fingerprint, extent.left_out), |progress| {
+            Ok(left_out::measure(prepared, &camera, &extent.left_out, progress))
+        })
+    })?;
+    let editing = request.asks_for(Part::Editing, || {
+        let what = [name, "from an edit to the picture"];
+        tally.piece(what, EDITING, "editing", &(fingerprint, extent.editing), |progress| {
             Ok(editing::measure(&subject.description, &extent.editing, progress)?)
-        })?;
-        if editing.is_none() {
-            return Ok(None);
-        }
-    }
-    let mut found = None;
-    if request.parts.contains(&Part::Error) {
-        found = errors(request, subject, prepared, tally)?;
-        if found.is_none() {
-            return Ok(None);
-        }
-    }
+        })
+    })?;
+    // The experiment keeps its pieces by itself.
+    let errors = request.asks_for(Part::Error, || {
+        tally.part([name, "error against time"], extent.errors.secs.min(MOST_ERRORS), |progress| {
+            Ok(scene_errors(prepared, &extent.errors, tally.store, *progress)?)
+        })
+    })?;
     let scene = &prepared.scene;
     let ray = Ray::new(camera.position - scene.geometry.origin, camera.forward);
-    Ok(Some(SceneReport {
-        name: subject.name.clone(),
+    Ok(SceneReport {
+        name: name.clone(),
         title: description.name.clone(),
-        about: builtin::find(&subject.name).map(|builtin| builtin.about.to_owned()),
+        about: builtin::find(name).map(|builtin| builtin.about.to_owned()),
         refractors: scene.refractors().count(),
         triangles: scene.geometry.triangle_count(),
         spheres: scene.geometry.sphere_count(),
@@ -245,98 +223,56 @@ fn scene(
         build_secs: prepared.seconds.bvh,
         rectify_secs: prepared.seconds.rectify,
         pictures: Some(pictures),
-        errors: found,
+        errors,
         left_out,
         editing,
-    }))
+    })
 }
 
-/// Error against run time, whose pieces the experiment keeps by itself; `None` when cancelled.
-fn errors(
-    request: &Request,
-    subject: &Subject,
-    prepared: &Prepared,
+/// Cases, sweeps and maps, each a piece.
+fn all_stability(plan: &StabilityPlan, tally: &Tally<'_>) -> Result<Stability, ReportError> {
+    let effort = plan.effort;
+    let cases = stability::cases()
+        .into_iter()
+        .take(plan.cases)
+        .map(|case| check(tally, "stability-case", case.name, effort, |subject| case.run(subject)));
+    let cases = cases.collect::<Result<_, _>>()?;
+    let sweeps = stability::sweeps()
+        .into_iter()
+        .take(plan.sweeps)
+        .map(|sweep| check(tally, "stability-sweep", sweep.name, effort, |subject| sweep.run(subject)));
+    let sweeps = sweeps.collect::<Result<_, _>>()?;
+    let maps = || check(tally, "stability-maps", "maps of Fresnel's equations", effort, stability::maps);
+    let maps = plan.has_maps.then(maps).transpose()?.flatten().unwrap_or_default();
+    Ok(Stability { effort, cases, sweeps, maps })
+}
+
+fn check<T: Serialize + DeserializeOwned>(
     tally: &Tally<'_>,
-) -> Result<Option<SceneErrors>, ReportError> {
-    let (done, all, tell) = (tally.done.get(), tally.all, tally.progress.tell);
-    let weight = request.extent.errors.secs.min(MOST_ERRORS);
-    let name = &subject.name;
-    tell(&format!("{name} · error against time"), done / all);
-    if tally.progress.is_cancelled() {
-        return Ok(None);
-    }
-    let within = |what: &str, part: f64| tell(&format!("{name} · {what}"), (done + part * weight) / all);
-    let progress = Progress { cancel: tally.progress.cancel, tell: &within };
-    let found = scene_errors(prepared, &request.extent.errors, tally.store, progress)?;
-    tally.done.set(done + weight);
-    Ok(found)
+    piece: &str,
+    name: &str,
+    effort: stability::Effort,
+    run: impl FnOnce(&stability::Subject) -> T,
+) -> Result<T, ReportError> {
+    tally.piece(["stability", name], CHECK, piece, &(effort, name), |progress| {
+        let found = run(&stability::Subject::shipped(effort, progress.cancel));
+        Ok((!progress.is_cancelled()).then_some(found))
+    })
 }
 
-/// Cases, sweeps and maps, each a piece; `None` when cancelled.
-fn all_stability(plan: &StabilityPlan, tally: &Tally<'_>) -> Result<Option<Stability>, ReportError> {
-    let (mut cases, mut sweeps) = (Vec::new(), Vec::new());
-    for definition in stability::cases().iter().take(plan.cases) {
-        let what = format!("stability · {}", definition.name);
-        let case = tally.piece(&what, CHECK, "stability-case", &(plan.effort, definition.name), |progress| {
-            let case = definition.run(&stability::Subject::shipped(plan.effort, progress.cancel));
-            Ok((!progress.is_cancelled()).then_some(case))
-        })?;
-        match case {
-            Some(case) => cases.push(case),
-            None => return Ok(None),
-        }
-    }
-    for definition in stability::sweeps().iter().take(plan.sweeps) {
-        let what = format!("stability · {}", definition.name);
-        let sweep = tally.piece(&what, CHECK, "stability-sweep", &(plan.effort, definition.name), |progress| {
-            let sweep = definition.run(&stability::Subject::shipped(plan.effort, progress.cancel));
-            Ok((!progress.is_cancelled()).then_some(sweep))
-        })?;
-        match sweep {
-            Some(sweep) => sweeps.push(sweep),
-            None => return Ok(None),
-        }
-    }
-    let mut maps = Vec::new();
-    if plan.has_maps {
-        let what = "stability · maps of Fresnel's equations";
-        let made = tally.piece(what, CHECK, "stability-maps", &plan.effort, |progress| {
-            Ok(stability::maps(&stability::Subject::shipped(plan.effort, progress.cancel)))
-        })?;
-        match made {
-            Some(made) => maps = made,
-            None => return Ok(None),
-        }
-    }
-    Ok(Some(Stability { effort: plan.effort, cases, sweeps, maps }))
-}
-
-/// Every quantity; `None` when cancelled.
-fn all_growth(plan: &GrowthPlan, tally: &Tally<'_>) -> Result<Option<Vec<Growth>>, ReportError> {
-    let mut all = Vec::new();
-    for quantity in Quantity::ALL {
-        let (mut points, mut too_large) = (Vec::new(), Vec::new());
-        for &size in plan.sizes(quantity) {
-            if !growth::fits(quantity, size) {
-                too_large.push(size);
-                continue;
-            }
-            let what = format!("growth · {} {}", grouped(size), quantity.name());
+fn all_growth(plan: &GrowthPlan, tally: &Tally<'_>) -> Result<Vec<Growth>, ReportError> {
+    let of_quantity = |quantity: Quantity| {
+        let (possible, too_large) = plan.sizes_of(quantity).iter().partition(|&&size| growth::fits(quantity, size));
+        let points = Vec::into_iter(possible).map(|size: u64| {
+            let what = format!("{} {}", grouped(size), quantity.name());
             let name = format!("growth-{}-{size}", quantity.name());
-            // The other sizes do not decide this one's result.
-            let inputs =
-                GrowthPlan { triangles: vec![], nesting: vec![], objects: vec![], threads: vec![], ..plan.clone() };
-            let point = tally.piece(&what, weight_of_size(size), &name, &inputs, |progress| {
-                Ok(growth::measure(quantity, size, plan, progress)?)
-            })?;
-            match point {
-                Some(point) => points.push(point),
-                None => return Ok(None),
-            }
-        }
-        all.push(Growth::of(quantity, points, too_large));
-    }
-    Ok(Some(all))
+            tally.piece(["growth", &what], weight_of_size(size), &name, &plan.timing, |progress| {
+                Ok(growth::measure(quantity, size, &plan.timing, progress)?)
+            })
+        });
+        Ok(Growth::of(quantity, points.collect::<Result<_, ReportError>>()?, too_large))
+    };
+    Quantity::ALL.into_iter().map(of_quantity).collect()
 }
 
 /// Progress over all pieces, and how many were made and reused.
@@ -352,29 +288,38 @@ struct Tally<'a> {
 }
 
 impl Tally<'_> {
-    /// A piece of that weight, kept or made now.
+    /// A part of that weight of the whole; what it tells of itself is told of `of`.
+    fn part<T>(
+        &self,
+        [of, what]: [&str; 2],
+        weight: f64,
+        work: impl FnOnce(&Progress<'_>) -> Result<Option<T>, ReportError>,
+    ) -> Result<T, ReportError> {
+        let (Progress { cancel, tell }, done, all) = (self.progress, self.done.get(), self.all);
+        let tell = |what: &str, part: f64| tell(&format!("{of} · {what}"), (done + part * weight) / all);
+        tell(what, 0.0);
+        let found = if self.progress.is_cancelled() { None } else { work(&Progress { cancel, tell: &tell })? };
+        self.done.set(done + weight);
+        found.ok_or(ReportError::Interrupted)
+    }
+
+    /// A part that is kept or made now.
     fn piece<T: Serialize + DeserializeOwned>(
         &self,
-        what: &str,
+        what: [&str; 2],
         weight: f64,
         name: &str,
         inputs: &impl Serialize,
         make: impl FnOnce(&Progress<'_>) -> Result<Option<T>, ReportError>,
-    ) -> Result<Option<T>, ReportError> {
-        let (done, all, tell) = (self.done.get(), self.all, self.progress.tell);
-        tell(what, done / all);
-        if self.progress.is_cancelled() {
-            return Ok(None);
-        }
-        let mut is_made = false;
-        let piece = self.store.piece(name, &(&self.machine, self.threads, inputs), || {
-            is_made = true;
-            let within = |_: &str, part: f64| tell(what, (done + part * weight) / all);
-            make(&Progress { cancel: self.progress.cancel, tell: &within })
+    ) -> Result<T, ReportError> {
+        let mut counter = &self.reused;
+        let piece = self.part(what, weight, |progress| {
+            self.store.piece(name, &(&self.machine, self.threads, inputs), || {
+                counter = &self.made;
+                make(progress)
+            })
         })?;
-        let counter = if is_made { &self.made } else { &self.reused };
-        counter.set(counter.get() + usize::from(piece.is_some()));
-        self.done.set(done + weight);
+        counter.set(counter.get() + 1);
         Ok(piece)
     }
 }
