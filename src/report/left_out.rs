@@ -139,10 +139,10 @@ fn put_back(
     };
     let mut with = Timed::new(&changed, camera, settings(!is_everything), size);
     let mut without = Timed::new(prepared, camera, settings(true), size);
-    let samples = without.samples_for(plan.slice_secs, progress);
+    let samples = without.samples_for(plan.slice_secs, progress)?;
     // Both start again, so that they end with the same samples.
     without.film = Film::new(plan.width, plan.height);
-    let times = pairs(plan.pairs, progress, || with.slice(samples, progress), || without.slice(samples, progress))?;
+    let times = pairs(plan.pairs, || with.slice(samples, progress), || without.slice(samples, progress))?;
     Some((Ratio::of(&times)?, are_equal(&with.film, &without.film), with.film.samples))
 }
 
@@ -157,9 +157,9 @@ fn pretrace(scene: &Scene, plan: &LeftOutPlan, progress: &Progress<'_>) -> Optio
             std::hint::black_box(InterfaceTable::new(scene));
             rounds += 1.0;
         }
-        start.elapsed().as_secs_f64() / rounds
+        (!progress.is_cancelled()).then(|| start.elapsed().as_secs_f64() / rounds)
     };
-    let times = pairs(plan.pairs, progress, || timed(&changed), || timed(scene))?;
+    let times = pairs(plan.pairs, || timed(&changed), || timed(scene))?;
     Some((Ratio::of(&times)?, InterfaceTable::new(scene).says_the_same(&InterfaceTable::new(&changed))))
 }
 

@@ -10,7 +10,7 @@ use super::timing::Timed;
 use crate::export::color_map::{diverging, luminance, round_up_to_125};
 use crate::export::{ExportError, Picture, png_bytes};
 use crate::measure::difference;
-use crate::render::{Cpu, Display, Film, ImageSettings, RenderTask, Renderer};
+use crate::render::{Display, Film, ImageSettings};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
@@ -98,7 +98,7 @@ pub fn make(
     progress: &Progress<'_>,
 ) -> Result<Option<Pictures>, ExportError> {
     let modes: Vec<Mode> = std::iter::once(Mode::Rectified).chain(OTHERS).collect();
-    let plan = &affordable(prepared, camera, plan, modes.len(), progress);
+    let Some(plan) = &affordable(prepared, camera, plan, modes.len(), progress) else { return Ok(None) };
     let Some(films) = render(prepared, camera, plan, &modes, progress) else { return Ok(None) };
     let pictures: Vec<Picture> = films.iter().map(Picture::from).collect();
     let right = &pictures[0];
@@ -115,12 +115,8 @@ pub fn make(
         others.push(OtherMode { mode, sameness, relmse, mean_abs, events: film.events, difference: None });
     }
     let is_different = |other: &OtherMode| other.sameness == Sameness::Different;
-    let different: Vec<&Picture> = others
-        .iter()
-        .zip(&pictures[1..])
-        .filter(|(other, _)| is_different(other))
-        .map(|(_, picture)| picture)
-        .collect();
+    let pairs = others.iter().zip(&pictures[1..]).filter(|(other, _)| is_different(other));
+    let different: Vec<&Picture> = pairs.map(|(_, picture)| picture).collect();
     let scale = round_up_to_125(beyond(&different, right));
     for (other, picture) in others.iter_mut().zip(&pictures[1..]) {
         if is_different(other) {
@@ -141,31 +137,25 @@ pub fn make(
     }))
 }
 
-/// The plan with pictures as small as they have to be.
+/// The plan with pictures as small as they have to be; `None` when cancelled.
 fn affordable(
     prepared: &Prepared,
     camera: &Camera,
     plan: &PicturePlan,
     modes: usize,
     progress: &Progress<'_>,
-) -> PicturePlan {
+) -> Option<PicturePlan> {
     let mut plan = *plan;
-    let settings = settings(Mode::Rectified, plan.seed);
-    // The first sample finds cold caches.
+    let settings = ImageSettings::new(Mode::Rectified, plan.seed);
     let mut probe = Timed::new(prepared, camera, settings, (plan.width.div_ceil(4), plan.height.div_ceil(4)));
-    probe.slice(1, progress);
-    let secs = probe.slice(1, progress) / probe.film.sums.len() as f64 * modes as f64;
+    let secs = probe.warm_secs(1, progress)? / probe.film.sums.len() as f64 * modes as f64;
     let takes = |plan: &PicturePlan| secs * f64::from(plan.width) * f64::from(plan.height) * f64::from(plan.samples);
     while takes(&plan) > plan.secs && plan.width >= 2 * LEAST_WIDTH {
         (plan.width, plan.height) = (plan.width / 2, plan.height / 2);
     }
     let share = (plan.secs / takes(&plan)).min(1.0);
     plan.samples = ((f64::from(plan.samples) * share) as u32).max(LEAST_SAMPLES.min(plan.samples));
-    plan
-}
-
-fn settings(mode: Mode, seed: u64) -> ImageSettings {
-    ImageSettings::new(mode, seed)
+    Some(plan)
 }
 
 /// Films of all modes, with samples where the most wrong of them needs them, as `compare` spreads them.
@@ -176,24 +166,22 @@ fn render(
     modes: &[Mode],
     progress: &Progress<'_>,
 ) -> Option<Vec<Film>> {
-    let mut films: Vec<Film> = modes.iter().map(|_| Film::adaptive(plan.width, plan.height)).collect();
+    let adaptive = |&mode: &Mode| {
+        let size = (plan.width, plan.height);
+        let timed = Timed::new(prepared, camera, ImageSettings::new(mode, plan.seed), size);
+        Timed { film: Film::adaptive(plan.width, plan.height), ..timed }
+    };
+    let mut all: Vec<Timed<'_>> = modes.iter().map(adaptive).collect();
     let mut left = plan.samples;
     while left > 0 {
-        let slice = left.min(films[0].samples_to_decision());
-        for (film, &mode) in films.iter_mut().zip(modes) {
-            if !Cpu.pass(
-                &RenderTask { prepared, camera, settings: &settings(mode, plan.seed) },
-                film,
-                slice,
-                progress.cancel,
-            ) {
-                return None;
-            }
+        let slice = left.min(all[0].film.samples_to_decision());
+        for timed in &mut all {
+            timed.slice(slice, progress)?;
         }
-        Film::allocate(&mut films.iter_mut().collect::<Vec<_>>());
+        Film::allocate(&mut all.iter_mut().map(|timed| &mut timed.film).collect::<Vec<_>>());
         left -= slice;
     }
-    Some(films)
+    Some(all.into_iter().map(|timed| timed.film).collect())
 }
 
 /// The difference in luminance that at most [`BEYOND_SCALE`] of the pixels of these pictures exceed.

@@ -7,15 +7,13 @@
 //! build of this program, since another build may sample differently. The number of samples is not in it: a kept reference with too few
 //! is added to, whichever run left it behind, and one with more is used as it is.
 
-use std::time::Instant;
-
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 
 use super::progress::Progress;
 use super::store::Store;
+use super::timing::Timed;
 use crate::export::ExportError;
-use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer, fingerprint};
+use crate::render::{Film, ImageSettings, fingerprint};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
@@ -69,79 +67,57 @@ pub fn references(
     store: &Store,
     progress: Progress<'_>,
 ) -> Result<Option<References>, ExportError> {
-    let mut kept = Vec::with_capacity(SEEDS.len());
+    let mut made = Vec::with_capacity(SEEDS.len());
     for (index, seed) in SEEDS.into_iter().enumerate() {
-        let tell = |done: f64| (progress.tell)("reference", (index as f64 + done) / SEEDS.len() as f64);
-        let Some(one) = reference(wanted, seed, store, Progress { tell: &|_, done| tell(done), ..progress })? else {
-            return Ok(None);
-        };
-        kept.push(one);
+        let tell = |_: &str, done: f64| (progress.tell)("reference", (index as f64 + done) / SEEDS.len() as f64);
+        let Some(one) = reference(wanted, seed, store, Progress { tell: &tell, ..progress })? else { return Ok(None) };
+        made.push(one);
     }
-    let mut events = kept[0].film.events;
-    events += kept[1].film.events;
+    let [(first, first_secs), (second, second_secs)] = &made[..] else { return Ok(None) };
+    let mut events = first.events;
+    events += second.events;
     Ok(Some(References {
-        images: [kept[0].film.to_rgb(), kept[1].film.to_rgb()],
-        spp: [kept[0].film.samples, kept[1].film.samples],
-        render_secs: kept[0].render_secs + kept[1].render_secs,
+        images: [first.to_rgb(), second.to_rgb()],
+        spp: [first.samples, second.samples],
+        render_secs: first_secs + second_secs,
         events,
     }))
 }
 
-/// What is kept of a film: its fields of these names.
-#[derive(Serialize, Deserialize)]
-struct Kept {
-    samples: u32,
-    events: Events,
-    render_secs: f64,
-    sums: Vec<DVec3>,
-    counts: Vec<u32>,
-}
+/// What is kept of a film: samples, events, seconds, sums and counts.
+type Kept = (u32, Events, f64, Vec<DVec3>, Vec<u32>);
 
 /// A film and the seconds that it took.
-struct Reference {
-    film: Film,
-    render_secs: f64,
-}
-
 fn reference(
     wanted: &Wanted<'_>,
     seed: u64,
     store: &Store,
     progress: Progress<'_>,
-) -> Result<Option<Reference>, ExportError> {
-    let settings = ImageSettings { max_depth: wanted.max_depth, ..ImageSettings::new(Mode::Reference, seed) };
-    let image = fingerprint(&wanted.prepared.description, wanted.camera, wanted.size, &settings);
-    let [width, height] = wanted.size;
-    let (mut film, mut render_secs) = (Film::new(width, height), 0.0);
-    if let Some(kept) = store.find::<Kept>("reference", &image) {
-        render_secs = kept.render_secs;
-        film = Film { samples: kept.samples, events: kept.events, sums: kept.sums, counts: kept.counts, ..film };
+) -> Result<Option<(Film, f64)>, ExportError> {
+    let Wanted { prepared, camera, size, max_depth, spp } = *wanted;
+    let settings = ImageSettings { max_depth, ..ImageSettings::new(Mode::Reference, seed) };
+    let image = fingerprint(&prepared.description, camera, size, &settings);
+    let mut timed = Timed::new(prepared, camera, settings, size.into());
+    let mut render_secs = 0.0;
+    if let Some((samples, events, secs, sums, counts)) = store.find::<Kept>("reference", &image) {
+        render_secs = secs;
+        timed.film = Film { samples, events, sums, counts, ..timed.film };
     }
     let mut unkept_secs = 0.0;
     let mut slice = 1;
-    while film.samples < wanted.spp {
-        let samples = slice.min(wanted.spp - film.samples);
-        let start = Instant::now();
-        if !Cpu.pass(
-            &RenderTask { prepared: wanted.prepared, camera: wanted.camera, settings: &settings },
-            &mut film,
-            samples,
-            progress.cancel,
-        ) {
-            // The half-done slice is lost; what was kept before it stays.
-            return Ok(None);
-        }
-        let secs = start.elapsed().as_secs_f64();
+    while timed.film.samples < spp {
+        let samples = slice.min(spp - timed.film.samples);
+        // The half-done slice is lost; what was kept before it stays.
+        let Some(secs) = timed.slice(samples, &progress) else { return Ok(None) };
         render_secs += secs;
         unkept_secs += secs;
         slice = ((SLICE_SECS / secs.max(1e-9) * f64::from(samples)) as u32).max(1);
-        if unkept_secs >= KEPT_EVERY_SECS || film.samples >= wanted.spp {
-            let (sums, counts) = (film.sums.clone(), film.counts.clone());
-            let kept = Kept { samples: film.samples, events: film.events, render_secs, sums, counts };
-            store.keep("reference", &image, &kept)?;
+        let film = &timed.film;
+        if unkept_secs >= KEPT_EVERY_SECS || film.samples >= spp {
+            store.keep("reference", &image, &(film.samples, film.events, render_secs, &film.sums, &film.counts))?;
             unkept_secs = 0.0;
         }
-        (progress.tell)("reference", f64::from(film.samples) / f64::from(wanted.spp));
+        (progress.tell)("reference", f64::from(film.samples) / f64::from(spp));
     }
-    Ok(Some(Reference { film, render_secs }))
+    Ok(Some((timed.film, render_secs)))
 }

@@ -49,26 +49,15 @@ impl Ratio {
 /// machine that slows down or speeds up favours neither. `None` when cancelled.
 pub fn pairs(
     count: usize,
-    progress: &Progress<'_>,
-    mut above: impl FnMut() -> f64,
-    mut below: impl FnMut() -> f64,
+    mut above: impl FnMut() -> Option<f64>,
+    mut below: impl FnMut() -> Option<f64>,
 ) -> Option<Vec<(f64, f64)>> {
-    let mut times = Vec::with_capacity(count);
-    for index in 0..=count {
-        let pair = if index % 2 == 0 {
-            let first = above();
-            (first, below())
-        } else {
-            let first = below();
-            (above(), first)
-        };
-        if progress.is_cancelled() {
-            return None;
-        }
-        times.push(pair);
-    }
-    times.remove(0);
-    Some(times)
+    let pair = |index: usize| {
+        let early = if index.is_multiple_of(2) { Some(above()?) } else { None };
+        let below = below()?;
+        Some((early.or_else(&mut above)?, below))
+    };
+    (0..=count).map(pair).skip(1).collect()
 }
 
 /// Rank, from both ends, of the ordered values between which the median lies with a probability of at least 95 % where so many values can
@@ -104,37 +93,37 @@ impl<'a> Timed<'a> {
         Self { prepared, camera, settings, film: Film::new(size.0, size.1) }
     }
 
-    /// Takes so many samples more of every pixel; returns the seconds that they took. The film stays as it is when cancelled.
-    pub fn slice(&mut self, samples: u32, progress: &Progress<'_>) -> f64 {
+    /// Takes so many samples more of every pixel; returns the seconds that they took. `None` when cancelled: the film stays as it is.
+    pub fn slice(&mut self, samples: u32, progress: &Progress<'_>) -> Option<f64> {
         let start = Instant::now();
-        Cpu.pass(
-            &RenderTask { prepared: self.prepared, camera: self.camera, settings: &self.settings },
-            &mut self.film,
-            samples,
-            progress.cancel,
-        );
-        start.elapsed().as_secs_f64()
+        let task = RenderTask { prepared: self.prepared, camera: self.camera, settings: &self.settings };
+        Cpu.pass(&task, &mut self.film, samples, progress.cancel).then(|| start.elapsed().as_secs_f64())
+    }
+
+    /// Seconds of a sample of every pixel, after one that finds cold caches.
+    pub fn warm_secs(&mut self, samples: u32, progress: &Progress<'_>) -> Option<f64> {
+        self.slice(1, progress)?;
+        Some(self.slice(samples, progress)? / f64::from(samples))
     }
 
     /// Samples per pixel whose slice takes at least `seconds`, as found by taking more and more of them; at most 4096.
-    pub fn samples_for(&mut self, seconds: f64, progress: &Progress<'_>) -> u32 {
+    pub fn samples_for(&mut self, seconds: f64, progress: &Progress<'_>) -> Option<u32> {
         let mut samples = 1;
-        while samples < 4096 && !progress.is_cancelled() {
-            let took = self.slice(samples, progress);
+        while samples < 4096 {
+            let took = self.slice(samples, progress)?;
             if took >= seconds {
                 break;
             }
             samples *= if took < 0.2 * seconds { 4 } else { 2 };
         }
-        samples
+        Some(samples)
     }
 
     /// Median seconds of a sample of a pixel over `slices` slices of about `slice_secs`; `None` when cancelled.
     pub fn sample_secs(&mut self, slices: usize, slice_secs: f64, progress: &Progress<'_>) -> Option<f64> {
-        let samples = self.samples_for(slice_secs, progress);
-        let times: Vec<f64> = (0..slices).map(|_| self.slice(samples, progress)).collect();
-        let pixels = self.film.sums.len() as f64;
-        median(&times).filter(|_| !progress.is_cancelled()).map(|secs| secs / (f64::from(samples) * pixels))
+        let samples = self.samples_for(slice_secs, progress)?;
+        let times: Vec<f64> = (0..slices).map(|_| self.slice(samples, progress)).collect::<Option<_>>()?;
+        Some(median(&times)? / (f64::from(samples) * self.film.sums.len() as f64))
     }
 }
 

@@ -83,9 +83,8 @@ pub fn scene_errors(
     let settings = Technique::independent().settings(Mode::Rectified, effort.first_seed, effort.max_depth);
     let image = fingerprint(&prepared.description, &camera, effort.size, &settings);
     let inputs = (image, effort, rayon::current_num_threads());
-    let plan: Option<Plan> =
-        store.piece("plan", &inputs, || Ok::<_, ExperimentError>(Some(Plan::new(prepared, &camera, effort))))?;
-    let Some(plan) = plan else { return Ok(None) };
+    let plan = || Ok::<_, ExperimentError>(Plan::new(prepared, &camera, effort, &progress));
+    let Some(plan) = store.piece("plan", &inputs, plan)? else { return Ok(None) };
     let maker = Maker { prepared, camera: &camera, plan: &plan, store };
     let errors = store.piece("errors", &(image, &plan, rayon::current_num_threads()), || measure(&maker, progress))?;
     if errors.is_some() {

@@ -1,13 +1,11 @@
 //! How much is measured of a scene: decided once, from how fast it renders, and kept, so that an interrupted measurement goes on with
 //! the same plan.
 
-use std::sync::atomic::AtomicBool;
-use std::time::Instant;
-
 use serde::{Deserialize, Serialize};
 
 use super::technique::Technique;
-use crate::render::{Cpu, Film, RenderTask, Renderer};
+use crate::report::progress::Progress;
+use crate::report::timing::Timed;
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::Prepared;
@@ -69,12 +67,15 @@ const LEAST_PIXELS: u32 = 1500;
 const FURTHER_CURVES: f64 = 3.0;
 
 impl Plan {
-    /// The plan that `effort` buys on this machine: renders a few samples to see how long they take.
-    pub fn new(prepared: &Prepared, camera: &Camera, effort: &Effort) -> Self {
-        let secs_per_spp = |mode| probe(prepared, camera, effort, mode);
+    /// The plan that `effort` buys on this machine: renders a few samples to see how long they take. `None` when cancelled.
+    pub fn new(prepared: &Prepared, camera: &Camera, effort: &Effort, progress: &Progress<'_>) -> Option<Self> {
+        let secs_per_spp = |mode| {
+            let settings = Technique::independent().settings(mode, effort.first_seed, effort.max_depth);
+            Timed::new(prepared, camera, settings, effort.size.into()).warm_secs(2, progress)
+        };
         let seeds = effort.seeds.max(3);
-        let curves = f64::from(seeds) * (1.0 + FURTHER_CURVES) * secs_per_spp(Mode::Rectified);
-        let references = 2.0 * f64::from(effort.reference_factor) * secs_per_spp(Mode::Reference);
+        let curves = f64::from(seeds) * (1.0 + FURTHER_CURVES) * secs_per_spp(Mode::Rectified)?;
+        let references = 2.0 * f64::from(effort.reference_factor) * secs_per_spp(Mode::Reference)?;
         let affordable = |size: [u32; 2]| {
             let share = f64::from(size[0] * size[1]) / f64::from(effort.size[0] * effort.size[1]);
             (effort.secs / ((curves + references) * share).max(1e-9)).min(f64::from(effort.largest_spp))
@@ -84,30 +85,16 @@ impl Plan {
             size = size.map(|side| side / 2);
         }
         let doublings = (affordable(size).log2().floor() as u32).max(LEAST_DOUBLINGS);
-        Self {
+        Some(Self {
             size,
             seeds: (0..u64::from(seeds)).map(|run| effort.first_seed.wrapping_add(run)).collect(),
             max_depth: effort.max_depth,
             spp: (0..=doublings).map(|doubling| 1 << doubling).collect(),
             reference_spp: effort.reference_factor << doublings,
-        }
+        })
     }
 
     pub fn largest_spp(&self) -> u32 {
         self.spp.last().copied().unwrap_or(0)
     }
-}
-
-/// Seconds that one sample of every pixel takes.
-fn probe(prepared: &Prepared, camera: &Camera, effort: &Effort, mode: Mode) -> f64 {
-    let settings = Technique::independent().settings(mode, effort.first_seed, effort.max_depth);
-    let mut film = Film::new(effort.size[0], effort.size[1]);
-    let mut add = |samples| {
-        let start = Instant::now();
-        Cpu.pass(&RenderTask { prepared, camera, settings: &settings }, &mut film, samples, &AtomicBool::new(false));
-        start.elapsed().as_secs_f64() / f64::from(samples)
-    };
-    // The first sample finds cold caches.
-    add(1);
-    add(2)
 }

@@ -8,9 +8,10 @@ use super::plan::Plan;
 use super::sums::Image;
 use super::technique::Technique;
 use crate::export::ExportError;
-use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer, fingerprint};
+use crate::render::{Film, ImageSettings, fingerprint};
 use crate::report::progress::Progress;
 use crate::report::store::Store;
+use crate::report::timing::Timed;
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
@@ -97,33 +98,28 @@ impl Maker<'_> {
     }
 
     fn render(&self, settings: &ImageSettings, adaptive: bool, progress: Progress<'_>) -> Option<Run> {
-        let [width, height] = self.plan.size;
-        let mut film = if adaptive { Film::adaptive(width, height) } else { Film::new(width, height) };
+        let mut timed = Timed::new(self.prepared, self.camera, settings.clone(), self.plan.size.into());
+        if adaptive {
+            timed.film = Film::adaptive(timed.film.width, timed.film.height);
+        }
         let mut render_secs = 0.0;
         let mut levels = Vec::with_capacity(self.plan.spp.len());
         let three_quarters = self.plan.largest_spp() / 4 * 3;
         let mut at_three_quarters = Vec::new();
         for &spp in &self.plan.spp {
-            while film.samples < spp {
-                let stop = if film.samples < three_quarters { spp.min(three_quarters) } else { spp };
-                let samples = (stop - film.samples).min(film.samples_to_decision());
+            while timed.film.samples < spp {
+                let done = timed.film.samples;
+                let stop = if done < three_quarters { spp.min(three_quarters) } else { spp };
                 let start = Instant::now();
-                if !Cpu.pass(
-                    &RenderTask { prepared: self.prepared, camera: self.camera, settings },
-                    &mut film,
-                    samples,
-                    progress.cancel,
-                ) {
-                    return None;
-                }
-                Film::allocate(&mut [&mut film]);
+                timed.slice((stop - done).min(timed.film.samples_to_decision()), &progress)?;
+                Film::allocate(&mut [&mut timed.film]);
                 render_secs += start.elapsed().as_secs_f64();
-                if film.samples == three_quarters {
-                    at_three_quarters = film.to_rgb();
+                if timed.film.samples == three_quarters {
+                    at_three_quarters = timed.film.to_rgb();
                 }
             }
-            levels.push(Level { render_secs, image: film.to_rgb() });
+            levels.push(Level { render_secs, image: timed.film.to_rgb() });
         }
-        Some(Run { seed: settings.seed, levels, at_three_quarters, events: film.events })
+        Some(Run { seed: settings.seed, levels, at_three_quarters, events: timed.film.events })
     }
 }
