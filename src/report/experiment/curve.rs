@@ -38,10 +38,10 @@ pub fn curve(subject: &Subject, runs: &[Run], plan: &Plan, truth: &Truth) -> Res
     let mut points = Vec::with_capacity(plan.spp.len());
     for (level, &spp) in plan.spp.iter().enumerate() {
         let images = images(runs, level);
-        let spread = Spread::new(truth, &images);
+        let spread = Spread::new(&truth.pixels, &images);
         points.push(point(subject, spp, level, runs, &left_out, truth, spread.parts())?);
     }
-    let bias = Spread::new(truth, &last).bias();
+    let bias = Spread::new(&truth.pixels, &last).bias();
     let mut events = Events::default();
     runs.iter().for_each(|run| events += run.events);
     let plateau = bias.is_biased.then(|| plateau(subject, &points, &bias, runs, plan, truth)).flatten();
@@ -167,7 +167,7 @@ fn measured_over_predicted(subject: &Subject, runs: &[Run], plan: &Plan, truth: 
     let high = plan.spp.len().checked_sub(1)?;
     let low = high.checked_sub(2)?;
     let (high_images, low_images) = (images(runs, high), images(runs, low));
-    let (of_high, of_low) = (Spread::new(truth, &high_images), Spread::new(truth, &low_images));
+    let (of_high, of_low) = (Spread::new(&truth.pixels, &high_images), Spread::new(&truth.pixels, &low_images));
     let falls = f64::from(plan.spp[low]) / f64::from(plan.spp[high]);
     let ratio =
         |high: Parts, low: Parts| (high.bias_squared + high.variance) / (low.bias_squared + low.variance * falls);

@@ -8,7 +8,7 @@
 //! runs that happen to agree are no proof of a mean that is known well.
 
 use super::sums::{Image, Sums};
-use super::truth::Truth;
+use super::truth::TruePixel;
 use crate::measure::statistics::median;
 
 /// How many times its standard error b must be for a pixel to count for half.
@@ -18,12 +18,12 @@ const FLOOR: f64 = 1e-4;
 
 /// The sum of a · g(b) and b · g(a) over all pixels, which share no random numbers, in units of the scatter that it has without a bias.
 /// 0 of fewer than three runs: g needs two to know what noise is.
-pub fn significance(truth: &Truth, images: &[&Image]) -> f64 {
+pub fn significance(truth: &[TruePixel], images: &[&Image]) -> f64 {
     let half = |which: usize| images.iter().skip(which).step_by(2).copied().collect::<Vec<&Image>>();
     let halves = [half(0), half(1)];
     let usual = halves.each_ref().map(|half| usual_noise(truth, half));
     let (mut sum, mut squares) = (0.0, 0.0);
-    for (pixel, truth) in truth.pixels.iter().enumerate() {
+    for (pixel, truth) in truth.iter().enumerate() {
         let mut of_pixel = 0.0;
         for c in 0..3 {
             let references = [truth.mean[c] + truth.half_gap[c], truth.mean[c] - truth.half_gap[c]];
@@ -38,18 +38,16 @@ pub fn significance(truth: &Truth, images: &[&Image]) -> f64 {
 
 /// Squared standard error of a component of the mean image, relative to its squared radiance: the median over all, which a few bright
 /// paths do not decide. 0 of fewer than two images.
-fn usual_noise(truth: &Truth, images: &[&Image]) -> f64 {
+fn usual_noise(truth: &[TruePixel], images: &[&Image]) -> f64 {
     if images.len() < 2 {
         return 0.0;
     }
     let of_component = |pixel: usize, c: usize| {
-        let mean = truth.pixels[pixel].mean[c];
+        let mean = truth[pixel].mean[c];
         squared_error(Sums::of(images, pixel, c, mean), images.len() as f64) / squared_radiance(mean)
     };
-    let all: Vec<f64> = (0..truth.pixels.len())
-        .flat_map(|pixel| (0..3).map(move |c| (pixel, c)))
-        .map(|(p, c)| of_component(p, c))
-        .collect();
+    let all: Vec<f64> =
+        (0..truth.len()).flat_map(|pixel| (0..3).map(move |c| (pixel, c))).map(|(p, c)| of_component(p, c)).collect();
     median(&all).unwrap_or(f64::NAN)
 }
 
@@ -93,6 +91,7 @@ impl Half {
 #[cfg(test)]
 mod tests {
     use super::super::BIAS_SIGNIFICANCE;
+    use super::super::truth::Truth;
     use super::super::truth::tests::{SIZE, image, noise, references};
     use super::*;
 
@@ -101,7 +100,7 @@ mod tests {
         let images: Vec<Image> = (first..first + count)
             .map(|seed| image(|pixel, c| off(pixel) + noisy(noise(seed, pixel, c) + 0.5)))
             .collect();
-        significance(&truth, &images.iter().collect::<Vec<_>>())
+        significance(&truth.pixels, &images.iter().collect::<Vec<_>>())
     }
 
     fn even(u: f64) -> f64 {

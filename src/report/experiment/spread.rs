@@ -2,14 +2,14 @@
 
 use super::significance::significance;
 use super::sums::{Image, Sums};
-use super::truth::{Relative, TruePixel, Truth, mean_without, worst};
+use super::truth::{Relative, TruePixel, mean_without, worst};
 use super::{BIAS_SIGNIFICANCE, Bias};
 use crate::measure::Interval;
 use crate::measure::statistics::{CONFIDENCE, jackknife, t_quantile};
 
 /// Sums over runs of x − r and of its square, per pixel and channel.
 pub struct Spread<'a> {
-    truth: &'a Truth,
+    truth: &'a [TruePixel],
     images: &'a [&'a Image],
     sums: Vec<[Sums; 3]>,
 }
@@ -24,16 +24,20 @@ pub struct Parts {
 
 impl<'a> Spread<'a> {
     /// Of two images or more, each of the truth's size.
-    pub fn new(truth: &'a Truth, images: &'a [&'a Image]) -> Self {
-        let mut sums = vec![[Sums::default(); 3]; truth.pixels.len()];
+    pub fn new(truth: &'a [TruePixel], images: &'a [&'a Image]) -> Self {
+        let mut sums = vec![[Sums::default(); 3]; truth.len()];
         for image in images {
-            for ((sums, x), truth) in sums.iter_mut().zip(*image).zip(&truth.pixels) {
+            for ((sums, x), truth) in sums.iter_mut().zip(*image).zip(truth) {
                 for (c, sums) in sums.iter_mut().enumerate() {
                     sums.add(f64::from(x[c]) - truth.mean[c]);
                 }
             }
         }
         Self { truth, images, sums }
+    }
+
+    fn components(&self) -> f64 {
+        3.0 * self.truth.len() as f64
     }
 
     fn count(&self) -> f64 {
@@ -48,7 +52,7 @@ impl<'a> Spread<'a> {
     /// The same of all runs but one, for each.
     pub fn parts_without_one(&self) -> Vec<Parts> {
         let without = |image: &&Image| {
-            let sums = self.sums.iter().zip(*image).zip(&self.truth.pixels);
+            let sums = self.sums.iter().zip(*image).zip(self.truth);
             let sums = sums
                 .map(|((sums, x), truth)| std::array::from_fn(|c| sums[c].without(f64::from(x[c]) - truth.mean[c])));
             self.parts_of(sums, self.count() - 1.0)
@@ -58,14 +62,13 @@ impl<'a> Spread<'a> {
 
     fn parts_of(&self, sums: impl Iterator<Item = [Sums; 3]>, count: f64) -> Parts {
         let (mut variance, mut bias_squared) = (0.0, 0.0);
-        for (sums, truth) in sums.zip(&self.truth.pixels) {
+        for (sums, truth) in sums.zip(self.truth) {
             for (c, sums) in sums.iter().enumerate() {
                 variance += truth.weight[c] * sums.variance(count);
                 bias_squared += truth.weight[c] * (sums.squared_mean(count) - truth.half_gap[c].powi(2));
             }
         }
-        let components = self.truth.components();
-        Parts { variance: variance / components, bias_squared: bias_squared / components }
+        Parts { variance: variance / self.components(), bias_squared: bias_squared / self.components() }
     }
 
     /// bias² of each pixel, relative, mean over its channels. As bad as its mean image is, noise included.
@@ -79,7 +82,7 @@ impl<'a> Spread<'a> {
             }
             relative
         };
-        self.sums.iter().zip(&self.truth.pixels).map(of_pixel).collect()
+        self.sums.iter().zip(self.truth).map(of_pixel).collect()
     }
 
     /// What the runs share, with all that is said about it; of three runs or more.
@@ -88,20 +91,20 @@ impl<'a> Spread<'a> {
         let left_out: Vec<f64> = self.parts_without_one().iter().map(|parts| parts.bias_squared).collect();
         let of_runs = jackknife(whole, &left_out).map_or(0.0, |interval| interval.high - whole);
         // Moving r by its noise n moves bias² by −2 b n; half_gap is distributed as n is.
-        let of_references = (self.sums.iter().zip(&self.truth.pixels))
+        let of_references = (self.sums.iter().zip(self.truth))
             .map(|(sums, truth)| {
                 let moved = |c: usize| truth.weight[c] * 2.0 * sums[c].values / self.count() * truth.half_gap[c];
                 (0..3).map(moved).sum::<f64>().powi(2)
             })
             .sum::<f64>()
             .sqrt()
-            / self.truth.components();
+            / self.components();
         let half_width = of_runs.hypot(t_quantile(CONFIDENCE, 1_000_000) * of_references);
 
         let of_pixels = self.bias_squared_of_pixels();
         let significance = significance(self.truth, self.images);
         let (mut squared_mse, mut difference, mut brightness) = (0.0, 0.0, 0.0);
-        for (sums, truth) in self.sums.iter().zip(&self.truth.pixels) {
+        for (sums, truth) in self.sums.iter().zip(self.truth) {
             for (c, sums) in sums.iter().enumerate() {
                 squared_mse += sums.squared_mean(self.count()) - truth.half_gap[c].powi(2);
                 difference += sums.values / self.count();
@@ -110,7 +113,7 @@ impl<'a> Spread<'a> {
         }
         Bias {
             squared: Interval::around(whole, half_width),
-            squared_mse: squared_mse / self.truth.components(),
+            squared_mse: squared_mse / self.components(),
             squared_trimmed: mean_without(&of_pixels, &worst(&of_pixels)),
             significance,
             is_biased: significance > BIAS_SIGNIFICANCE,
@@ -119,53 +122,9 @@ impl<'a> Spread<'a> {
     }
 }
 
-/// Relative variances of two modes and of their difference, seed by seed, over the seeds: of all, and of all but one for each.
-pub fn paired_variances(truth: &Truth, mode: &[&Image], against: &[&Image]) -> (PairedVariances, Vec<PairedVariances>) {
-    let (count, components) = (mode.len() as f64, truth.components());
-    let mut all = PairedVariances::default();
-    let mut without = vec![PairedVariances::default(); mode.len()];
-    for (pixel, truth) in truth.pixels.iter().enumerate() {
-        for c in 0..3 {
-            let values = |run: usize| {
-                let (a, b) = (f64::from(mode[run][pixel][c]), f64::from(against[run][pixel][c]));
-                [a - truth.mean[c], b - truth.mean[c], a - b]
-            };
-            let mut sums = [Sums::default(); 3];
-            for run in 0..mode.len() {
-                for (sums, value) in sums.iter_mut().zip(values(run)) {
-                    sums.add(value);
-                }
-            }
-            let weight = truth.weight[c] / components;
-            all.add(weight, sums.map(|sums| sums.variance(count)));
-            for (run, without) in without.iter_mut().enumerate() {
-                let values = values(run);
-                let variance = |which: usize| sums[which].without(values[which]).variance(count - 1.0);
-                without.add(weight, std::array::from_fn(variance));
-            }
-        }
-    }
-    (all, without)
-}
-
-/// See [`paired_variances`].
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct PairedVariances {
-    pub of_mode: f64,
-    pub of_against: f64,
-    pub of_difference: f64,
-}
-
-impl PairedVariances {
-    fn add(&mut self, weight: f64, [mode, against, difference]: [f64; 3]) {
-        self.of_mode += weight * mode;
-        self.of_against += weight * against;
-        self.of_difference += weight * difference;
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::truth::Truth;
     use super::super::truth::tests::{SIZE, image, noise, references};
     use super::*;
 
@@ -178,7 +137,7 @@ mod tests {
     fn of<T>(images: &[Image], look: impl FnOnce(Spread<'_>, &Truth) -> T) -> T {
         let truth = Truth::new(&references(0.05), SIZE).unwrap();
         let images: Vec<&Image> = images.iter().collect();
-        look(Spread::new(&truth, &images), &truth)
+        look(Spread::new(&truth.pixels, &images), &truth)
     }
 
     #[test]
@@ -222,28 +181,5 @@ mod tests {
         let direct = of(&images[1..], |spread, _| spread.parts());
         assert!((left_out[0].variance - direct.variance).abs() < 1e-12);
         assert!((left_out[0].bias_squared - direct.bias_squared).abs() < 1e-12);
-    }
-
-    /// A mode that adds a tenth of fresh noise to what it shares with the other: its difference has 1 % of the variance.
-    #[test]
-    fn what_pairs_share_drops_out() {
-        let shared = runs(5, 0.0, 0.5);
-        let mode: Vec<Image> = (0..5)
-            .map(|seed| image(|pixel, c| 0.5 * noise(seed, pixel, c) + 0.05 * noise(900 + seed, pixel, c)))
-            .collect();
-        let unrelated: Vec<Image> = (0..5).map(|seed| image(|pixel, c| 0.5 * noise(700 + seed, pixel, c))).collect();
-        let truth = Truth::new(&references(0.0), SIZE).unwrap();
-        let variances = |mode: &[Image]| {
-            let (mode, shared): (Vec<&Image>, Vec<&Image>) = (mode.iter().collect(), shared.iter().collect());
-            paired_variances(&truth, &mode, &shared)
-        };
-        let (all, without_one) = variances(&mode);
-        assert!((all.of_against / all.of_difference / 100.0 - 1.0).abs() < 0.05, "{all:?}");
-        assert!((all.of_mode / all.of_difference / 101.0 - 1.0).abs() < 0.05, "{all:?}");
-        assert_eq!(without_one.len(), 5);
-        assert!(without_one.iter().all(|one| (one.of_mode / all.of_mode - 1.0).abs() < 0.1), "{without_one:?}");
-        // The twin: modes that share nothing have a difference that is noisier than either.
-        let (unpaired, _) = variances(&unrelated);
-        assert!((unpaired.of_difference / unpaired.of_against / 2.0 - 1.0).abs() < 0.05, "{unpaired:?}");
     }
 }
