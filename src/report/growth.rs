@@ -13,8 +13,7 @@ use crate::measure::statistics::power_law;
 use crate::render::ImageSettings;
 use crate::scene::camera::Camera;
 use crate::scene::{Description, SceneError};
-use crate::tracking::Mode;
-use crate::tracking::{Prepared, prepare};
+use crate::tracking::{Mode, Prepared, prepare};
 
 /// Least memory that can be measured: below it the allocator's reserves hide it.
 const LEAST_MEMORY: u64 = 16 << 20;

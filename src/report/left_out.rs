@@ -12,8 +12,7 @@ use crate::render::{Film, ImageSettings};
 use crate::scene::Scene;
 use crate::scene::camera::Camera;
 use crate::scene::needs::SceneNeeds;
-use crate::tracking::Mode;
-use crate::tracking::Prepared;
+use crate::tracking::{Mode, Prepared};
 
 /// What is measured, and how long.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

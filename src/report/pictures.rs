@@ -12,8 +12,7 @@ use crate::export::{ExportError, Picture, png_bytes};
 use crate::measure::difference;
 use crate::render::{Display, Film, ImageSettings};
 use crate::scene::camera::Camera;
-use crate::tracking::Mode;
-use crate::tracking::{Events, Prepared};
+use crate::tracking::{Events, Mode, Prepared};
 
 /// The modes that are held against `rectified`.
 const OTHERS: [Mode; 4] = [Mode::Naive, Mode::Stack, Mode::Priority, Mode::RectifiedObject];

@@ -15,8 +15,7 @@ use super::timing::Timed;
 use crate::export::ExportError;
 use crate::render::{Film, ImageSettings, fingerprint};
 use crate::scene::camera::Camera;
-use crate::tracking::Mode;
-use crate::tracking::{Events, Prepared};
+use crate::tracking::{Events, Mode, Prepared};
 
 /// Seeds of the two references; those of runs count up from [`super::experiment::Effort::first_seed`].
 pub const SEEDS: [u64; 2] = [u64::MAX - 1, u64::MAX];

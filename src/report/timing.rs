@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
+use statrs::distribution::{Binomial, DiscreteCDF};
 
 use super::progress::Progress;
 use crate::measure::statistics::median;
@@ -64,20 +65,12 @@ pub fn pairs(
 /// give that, and the probability. The median lies below the k-th smallest of n with the probability that a fair coin shows heads fewer
 /// than k times in n throws (David and Nagaraja, *Order Statistics*, 7.1).
 fn median_interval(count: usize) -> (usize, f64) {
-    let all = (count as f64).exp2();
-    // Probability of at most `rank` heads, and of one side of the interval.
-    let (mut ways, mut outside) = (1.0, 1.0);
-    let mut best = (0, 1.0 - 2.0 * outside / all);
-    for rank in 1..count.div_ceil(2) {
-        ways *= (count - rank + 1) as f64 / rank as f64;
-        outside += ways;
-        let inside = 1.0 - 2.0 * outside / all;
-        if inside < 0.95 {
-            break;
-        }
-        best = (rank, inside);
-    }
-    (best.0, best.1.max(0.0))
+    let inside = |rank: usize| match Binomial::new(0.5, count as u64) {
+        Ok(heads) => 1.0 - 2.0 * heads.cdf(rank as u64),
+        Err(_) => f64::NAN,
+    };
+    let rank = (1..count.div_ceil(2)).take_while(|&rank| inside(rank) >= 0.95).last().unwrap_or(0);
+    (rank, inside(rank).max(0.0))
 }
 
 /// One image that is rendered in slices, each of them timed.
@@ -93,7 +86,7 @@ impl<'a> Timed<'a> {
         Self { prepared, camera, settings, film: Film::new(size.0, size.1) }
     }
 
-    /// Takes so many samples more of every pixel; returns the seconds that they took. `None` when cancelled: the film stays as it is.
+    /// Takes so many samples more of every pixel; returns the seconds that they took. `None` when cancelled: the film is incomplete then.
     pub fn slice(&mut self, samples: u32, progress: &Progress<'_>) -> Option<f64> {
         let start = Instant::now();
         let task = RenderTask { prepared: self.prepared, camera: self.camera, settings: &self.settings };

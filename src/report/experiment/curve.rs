@@ -1,5 +1,6 @@
 //! From runs to a curve: intervals over seeds, slope, bias and plateau.
 
+use super::Measured;
 use super::data::{Bias, Curve, Plateau, Point, RunPoint, Slope};
 use super::plan::Plan;
 use super::run::{Level, Run};
@@ -7,11 +8,9 @@ use super::spread::{Parts, Spread};
 use super::sums::Image;
 use super::technique::Technique;
 use super::truth::{Relative, Truth, worst};
-use crate::measure::Interval;
-use crate::measure::MetricError;
 use crate::measure::statistics::{geometric_mean, jackknife, mean, median, slope_over_runs};
+use crate::measure::{Interval, MetricError};
 use crate::tracking::Events;
-use crate::tracking::Mode;
 use crate::transport::sampler::Sequence;
 
 /// A slope is fitted to no fewer points.
@@ -19,37 +18,28 @@ const LEAST_POINTS: usize = 3;
 /// Variance over squared bias from which on a biased mode's error falls like an unbiased one's, to a tenth.
 const ABOVE_PLATEAU: f64 = 10.0;
 
-/// What a curve is of.
-#[derive(Clone, Copy)]
-pub struct Subject {
-    pub mode: Mode,
-    pub technique: Technique,
-    pub equal_to: Option<Mode>,
-    pub secs_before: f64,
-}
-
 /// The curve of `runs`, three or more, each with every sample count of the plan.
 ///
 /// # Errors
 /// When an image does not fit the references or holds a component that is not finite.
-pub fn curve(subject: &Subject, runs: &[Run], plan: &Plan, truth: &Truth) -> Result<Curve, MetricError> {
+pub fn curve(of: &Measured, runs: &[Run], plan: &Plan, truth: &Truth) -> Result<Curve, MetricError> {
     let last = images(runs, plan.spp.len() - 1);
     let left_out: Vec<Vec<usize>> = runs.iter().map(|run| unsteady(run, truth)).collect();
     let mut points = Vec::with_capacity(plan.spp.len());
     for (level, &spp) in plan.spp.iter().enumerate() {
         let images = images(runs, level);
         let spread = Spread::new(&truth.pixels, &images);
-        points.push(point(subject, spp, level, runs, &left_out, truth, spread.parts())?);
+        points.push(point(of.secs_before, spp, level, runs, &left_out, truth, spread.parts())?);
     }
     let bias = Spread::new(&truth.pixels, &last).bias();
     let mut events = Events::default();
     runs.iter().for_each(|run| events += run.events);
-    let plateau = bias.is_biased.then(|| plateau(subject, &points, &bias, runs, plan, truth)).flatten();
+    let plateau = bias.is_biased.then(|| plateau(of, &points, &bias, runs, plan, truth)).flatten();
     Ok(Curve {
-        mode: subject.mode,
-        technique: subject.technique,
-        equal_to: subject.equal_to,
-        secs_before: subject.secs_before,
+        mode: of.mode,
+        technique: of.technique,
+        equal_to: of.equal_to,
+        secs_before: of.secs_before,
         slope: slope(&points, &bias, truth.noise()),
         points,
         bias,
@@ -78,7 +68,7 @@ pub fn images(runs: &[Run], level: usize) -> Vec<&Image> {
 }
 
 fn point(
-    subject: &Subject,
+    secs_before: f64,
     spp: u32,
     level: usize,
     runs: &[Run],
@@ -94,10 +84,10 @@ fn point(
         })
         .collect::<Result<Vec<RunPoint>, _>>()?;
     let over_runs = |figure: &dyn Fn(&RunPoint) -> f64| geometric_mean(&runs.iter().map(figure).collect::<Vec<f64>>());
-    let secs = over_runs(&|run| run.render_secs + subject.secs_before);
+    let secs = over_runs(&|run| run.render_secs + secs_before);
     Ok(Point {
         spp,
-        secs: secs.map_or(subject.secs_before, |secs| secs.value),
+        secs: secs.map_or(secs_before, |secs| secs.value),
         relmse: over_runs(&|run| run.relmse),
         relmse_trimmed: over_runs(&|run| run.relmse_trimmed),
         mse: over_runs(&|run| run.mse),
@@ -137,14 +127,7 @@ fn slope(points: &[Point], bias: &Bias, reference_noise: f64) -> Option<Slope> {
     })
 }
 
-fn plateau(
-    subject: &Subject,
-    points: &[Point],
-    bias: &Bias,
-    runs: &[Run],
-    plan: &Plan,
-    truth: &Truth,
-) -> Option<Plateau> {
+fn plateau(of: &Measured, points: &[Point], bias: &Bias, runs: &[Run], plan: &Plan, truth: &Truth) -> Option<Plateau> {
     let last = points.last()?;
     let of_one_sample = points.iter().map(|point| point.variance * f64::from(point.spp)).collect::<Vec<_>>();
     let spp = median(&of_one_sample)? / bias.squared.value;
@@ -153,15 +136,15 @@ fn plateau(
         relmse: bias.squared,
         relmse_trimmed: bias.squared_trimmed,
         spp,
-        secs: subject.secs_before + render_secs * spp / f64::from(last.spp),
-        measured_over_predicted: measured_over_predicted(subject, runs, plan, truth),
+        secs: of.secs_before + render_secs * spp / f64::from(last.spp),
+        measured_over_predicted: measured_over_predicted(of.technique, runs, plan, truth),
     })
 }
 
 /// The error at the last sample count, over what bias and variance at a quarter of the samples predict of it: the bias is to stay, the
 /// variance to fall to a quarter, as it does of independent samples. The references' noise is much the same in both and cancels.
-fn measured_over_predicted(subject: &Subject, runs: &[Run], plan: &Plan, truth: &Truth) -> Option<Interval> {
-    if subject.technique.sampler != Sequence::Independent || subject.technique.adaptive {
+fn measured_over_predicted(technique: Technique, runs: &[Run], plan: &Plan, truth: &Truth) -> Option<Interval> {
+    if technique.sampler != Sequence::Independent || technique.adaptive {
         return None;
     }
     let high = plan.spp.len().checked_sub(1)?;
@@ -180,6 +163,7 @@ fn measured_over_predicted(subject: &Subject, runs: &[Run], plan: &Plan, truth: 
 mod tests {
     use super::super::truth::tests::{SIZE, image, references};
     use super::*;
+    use crate::tracking::Mode;
     use crate::transport::sampler::Sampler;
 
     const SPP: u32 = 64;
@@ -205,11 +189,11 @@ mod tests {
     }
 
     fn curve_of(seeds: u64, bias: f64) -> Curve {
-        let subject =
-            Subject { mode: Mode::Rectified, technique: Technique::independent(), equal_to: None, secs_before: 0.5 };
-        let runs: Vec<Run> = (0..seeds).map(|seed| run(seed, bias)).collect();
-        let truth = Truth::new(&references(0.02), SIZE).unwrap();
-        curve(&subject, &runs, &plan(seeds), &truth).unwrap()
+        let (mode, technique) = (Mode::Rectified, Technique::independent());
+        let runs = (0..seeds).map(|seed| run(seed, bias)).collect();
+        let of = Measured { mode, technique, equal_to: None, secs_before: 0.5, runs };
+        let truth = Truth::new(references(0.02), SIZE).unwrap();
+        curve(&of, &of.runs, &plan(seeds), &truth).unwrap()
     }
 
     /// Fireflies bend the line of an error whose worst pixels are left out anew each time; of the same pixels it is straight.
@@ -233,7 +217,7 @@ mod tests {
     #[test]
     fn a_biased_run_stays_at_its_bias() {
         let curve = curve_of(6, 0.3);
-        let truth = Truth::new(&references(0.0), SIZE).unwrap();
+        let truth = Truth::new(references(0.0), SIZE).unwrap();
         let weight = truth.pixels.iter().flat_map(|pixel| pixel.weight).sum::<f64>() / truth.components();
         let plateau = curve.plateau.unwrap();
         assert!(plateau.relmse.contains(0.09 * weight), "{plateau:?} {}", 0.09 * weight);

@@ -7,8 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::plan::Plan;
 use super::technique::Technique;
 use crate::measure::Interval;
-use crate::tracking::Events;
-use crate::tracking::Mode;
+use crate::tracking::{Events, Mode};
 
 /// Error against run time of one scene, in all modes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -27,7 +27,6 @@ pub use data::{Bias, Curve, Pair, PairPoint, Plateau, Point, ReferenceAbout, Run
 pub use plan::{Effort, Plan};
 pub use technique::Technique;
 
-use self::curve::Subject;
 use self::run::{Maker, Run};
 use self::truth::Truth;
 use super::progress::Progress;
@@ -38,8 +37,7 @@ use crate::measure::MetricError;
 use crate::render::fingerprint;
 use crate::scene::SceneError;
 use crate::scene::camera::Camera;
-use crate::tracking::Mode;
-use crate::tracking::Prepared;
+use crate::tracking::{Mode, Prepared};
 
 /// A mode is called biased beyond this many standard deviations; by chance, one in thirty thousand is.
 pub const BIAS_SIGNIFICANCE: f64 = 4.0;
@@ -116,18 +114,12 @@ fn measure(maker: &Maker<'_>, progress: Progress<'_>) -> Result<Option<SceneErro
     let Some(measured) = run_all(maker, progress)? else { return Ok(None) };
 
     let analysed = || -> Result<_, MetricError> {
-        let truth = Truth::new(&references, plan.size)?;
+        let truth = Truth::new(references, plan.size)?;
         let mut curves = Vec::with_capacity(measured.len());
         let mut pairs = Vec::new();
         for variant in &measured {
             let twin = variant.equal_to.and_then(|mode| find(&measured, mode)).unwrap_or(variant);
-            let subject = Subject {
-                mode: variant.mode,
-                technique: variant.technique,
-                equal_to: variant.equal_to,
-                secs_before: if uses_rectification(variant.mode) { prepared.seconds.rectify } else { 0.0 },
-            };
-            curves.push(curve::curve(&subject, &twin.runs, plan, &truth)?);
+            curves.push(curve::curve(variant, &twin.runs, plan, &truth)?);
             if let Some(rectified) = find(&measured, Mode::Rectified)
                 && variant.mode != Mode::Rectified
                 && variant.equal_to.is_none()
@@ -138,9 +130,11 @@ fn measure(maker: &Maker<'_>, progress: Progress<'_>) -> Result<Option<SceneErro
         // Stable: the shipped technique stays behind its mode's independent samples.
         curves.sort_by_key(|curve| (curve.technique != Technique::independent(), curve.mode));
         pairs.sort_by_key(|pair| pair.mode);
-        Ok((curves, pairs, truth.noise()))
+        let reference::References { spp, render_secs, events, .. } = truth.references;
+        let (spp, seeds) = (spp[0].min(spp[1]), reference::SEEDS);
+        Ok((curves, pairs, ReferenceAbout { spp, seeds, render_secs, relmse: truth.noise(), events }))
     };
-    let (curves, pairs, relmse) =
+    let (curves, pairs, reference) =
         analysed().map_err(|error| ExperimentError::Metric { scene: scene.clone(), error })?;
     Ok(Some(SceneErrors {
         scene: scene.clone(),
@@ -148,27 +142,19 @@ fn measure(maker: &Maker<'_>, progress: Progress<'_>) -> Result<Option<SceneErro
         threads: rayon::current_num_threads(),
         bvh_secs: prepared.seconds.bvh,
         rectify_secs: prepared.seconds.rectify,
-        reference: ReferenceAbout {
-            spp: references.spp[0].min(references.spp[1]),
-            seeds: reference::SEEDS,
-            render_secs: references.render_secs,
-            relmse,
-            events: references.events,
-        },
+        reference,
         curves,
         pairs,
     }))
 }
 
-/// Whether the mode looks up what rectification found.
-fn uses_rectification(mode: Mode) -> bool {
-    matches!(mode, Mode::Rectified | Mode::RectifiedObject)
-}
-
+/// A mode with a technique, and its runs.
 struct Measured {
     mode: Mode,
     technique: Technique,
     equal_to: Option<Mode>,
+    /// Of rectification, in modes that look up what it found.
+    secs_before: f64,
     /// With the plan's seeds, or the first of them only where equal to another mode's.
     runs: Vec<Run>,
 }
@@ -181,9 +167,12 @@ fn find(measured: &[Measured], mode: Mode) -> Option<&Measured> {
 /// Seed by seed, all modes in turn, so that what disturbs the machine disturbs all of them. `None` where cancelled.
 fn run_all(maker: &Maker<'_>, progress: Progress<'_>) -> Result<Option<Vec<Measured>>, ExportError> {
     let seeds = &maker.plan.seeds;
-    let mut measured: Vec<Measured> = variants()
-        .map(|(mode, technique)| Measured { mode, technique, equal_to: None, runs: Vec::with_capacity(seeds.len()) })
-        .collect();
+    let new = |(mode, technique)| {
+        let is_rectified = matches!(mode, Mode::Rectified | Mode::RectifiedObject);
+        let secs_before = if is_rectified { maker.prepared.seconds.rectify } else { 0.0 };
+        Measured { mode, technique, equal_to: None, secs_before, runs: Vec::with_capacity(seeds.len()) }
+    };
+    let mut measured: Vec<Measured> = variants().map(new).collect();
     for (index, &seed) in seeds.iter().enumerate() {
         for variant in 0..measured.len() {
             let Measured { mode, technique, equal_to, .. } = measured[variant];

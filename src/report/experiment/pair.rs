@@ -68,7 +68,7 @@ mod tests {
             .map(|seed| image(|pixel, c| 0.5 * noise(seed, pixel, c) + 0.05 * noise(900 + seed, pixel, c)))
             .collect();
         let unrelated: Vec<Image> = (0..5).map(|seed| image(|pixel, c| 0.5 * noise(700 + seed, pixel, c))).collect();
-        let truth = Truth::new(&references(0.0), SIZE).unwrap();
+        let truth = Truth::new(references(0.0), SIZE).unwrap();
         let of =
             |mode: &[Image]| variances(&truth, &mode.iter().collect::<Vec<_>>(), &shared.iter().collect::<Vec<_>>());
         let ([of_mode, of_against, of_difference], without_one) = of(&mode);

@@ -7,8 +7,7 @@ use super::technique::Technique;
 use crate::report::progress::Progress;
 use crate::report::timing::Timed;
 use crate::scene::camera::Camera;
-use crate::tracking::Mode;
-use crate::tracking::Prepared;
+use crate::tracking::{Mode, Prepared};
 
 /// The work allowed for a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -13,8 +13,7 @@ use crate::report::progress::Progress;
 use crate::report::store::Store;
 use crate::report::timing::Timed;
 use crate::scene::camera::Camera;
-use crate::tracking::Mode;
-use crate::tracking::{Events, Prepared};
+use crate::tracking::{Events, Mode, Prepared};
 
 /// A film at each of the plan's sample counts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -98,7 +97,7 @@ impl Maker<'_> {
     }
 
     fn render(&self, settings: &ImageSettings, adaptive: bool, progress: Progress<'_>) -> Option<Run> {
-        let mut timed = Timed::new(self.prepared, self.camera, settings.clone(), self.plan.size.into());
+        let mut timed = Timed::new(self.prepared, self.camera, *settings, self.plan.size.into());
         if adaptive {
             timed.film = Film::adaptive(timed.film.width, timed.film.height);
         }

@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     fn of(count: u64, first: u64, off: impl Fn(usize) -> f64, noisy: impl Fn(f64) -> f64) -> f64 {
-        let truth = Truth::new(&references(0.1), SIZE).unwrap();
+        let truth = Truth::new(references(0.1), SIZE).unwrap();
         let images: Vec<Image> = (first..first + count)
             .map(|seed| image(|pixel, c| off(pixel) + noisy(noise(seed, pixel, c) + 0.5)))
             .collect();

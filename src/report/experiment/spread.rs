@@ -135,7 +135,7 @@ mod tests {
     }
 
     fn of<T>(images: &[Image], look: impl FnOnce(Spread<'_>, &Truth) -> T) -> T {
-        let truth = Truth::new(&references(0.05), SIZE).unwrap();
+        let truth = Truth::new(references(0.05), SIZE).unwrap();
         let images: Vec<&Image> = images.iter().collect();
         look(Spread::new(&truth.pixels, &images), &truth)
     }

@@ -125,35 +125,25 @@ pub fn eaton(r: f64) -> f64 {
     (2.0 / r - 1.0).sqrt()
 }
 
-/// Share of the light, averaged over the disc of a ball of index `n` in vacuum in a white room, that needs more than `vertices`
-/// interface vertices: T R^(vertices − 1), because each internal reflection reflects R.
-pub fn furnace_deficit(n: f64, vertices: u32) -> f64 {
-    let steps = 20_000;
-    // b² is uniform over the disc; the midpoint rule in the cosine, db² = −2c dc, leaves out no grazing ray.
-    (0..steps)
-        .map(|k| {
-            let c = (f64::from(k) + 0.5) / f64::from(steps);
-            let r = reflectance(1.0, n, c);
-            2.0 * c * (1.0 - r) * r.powi(vertices as i32 - 1)
-        })
-        .sum::<f64>()
-        / f64::from(steps)
+/// Mean over the disc of a ball of index `n` in vacuum of what follows from the reflectance. b² is uniform over the disc; the midpoint rule
+/// in the cosine, db² = −2c dc, leaves out no grazing ray.
+fn mean_over_disc(n: f64, of: impl Fn(f64) -> f64) -> f64 {
+    const STEPS: u32 = 20_000;
+    let cosines = (0..STEPS).map(|k| (f64::from(k) + 0.5) / f64::from(STEPS));
+    cosines.map(|c| 2.0 * c * of(reflectance(1.0, n, c))).sum::<f64>() / f64::from(STEPS)
 }
 
-/// Shares of the light that meets a ball of index `n` in vacuum, averaged over its disc, that are reflected outside (first) or leave
-/// after 0, 1, 2, … internal reflections: R, then T² R^p.
+/// Share of the light of a white room that needs more than `vertices` interface vertices in a ball of index `n` in vacuum, over its disc:
+/// T R^(vertices − 1), because each internal reflection reflects R.
+pub fn furnace_deficit(n: f64, vertices: u32) -> f64 {
+    mean_over_disc(n, |r| (1.0 - r) * r.powi(vertices as i32 - 1))
+}
+
+/// Shares of the light that meets such a ball that are reflected outside (first) or leave after 0, 1, 2, … internal reflections: R, then
+/// T² R^p.
 pub fn shares_of_ball<const COUNT: usize>(n: f64) -> [f64; COUNT] {
-    let steps = 20_000;
-    let mut shares = [0.0; COUNT];
-    for k in 0..steps {
-        let c = (f64::from(k) + 0.5) / f64::from(steps);
-        let r = reflectance(1.0, n, c);
-        let weight = 2.0 * c / f64::from(steps);
-        for (p, share) in shares.iter_mut().enumerate() {
-            *share += weight * if p == 0 { r } else { (1.0 - r).powi(2) * r.powi(p as i32 - 1) };
-        }
-    }
-    shares
+    let share = |k: usize, r: f64| if k == 0 { r } else { (1.0 - r).powi(2) * r.powi(k as i32 - 1) };
+    std::array::from_fn(|k| mean_over_disc(n, |r| share(k, r)))
 }
 
 /// Mean transmittance over the disc of a matched ball of radius R that absorbs σ: with s = σR, [1 − (1 + 2s) e^(−2s)]/(2s²).

@@ -121,8 +121,6 @@ pub struct Truth {
     /// 0 where reflection is total.
     pub transmittance: f64,
     pub is_total: bool,
-    /// cos θt; 0 where reflection is total.
-    pub cos_t: f64,
     /// c²/b² with b = η cos θt: by how much a relative error of the cosine is amplified near the critical angle. Infinite where
     /// reflection is total.
     pub condition: f64,
@@ -134,7 +132,7 @@ pub fn fresnel(m1: f64, m2: f64, c: f64) -> Truth {
     let ratio = n1 / n2;
     let cos_t_squared = Extended::ONE - ratio * ratio * (Extended::ONE - c * c);
     if !cos_t_squared.is_positive() {
-        return Truth { reflectance: 1.0, transmittance: 0.0, is_total: true, cos_t: 0.0, condition: f64::INFINITY };
+        return Truth { reflectance: 1.0, transmittance: 0.0, is_total: true, condition: f64::INFINITY };
     }
     let t = cos_t_squared.sqrt();
     let two = Extended::from(2.0);
@@ -147,7 +145,6 @@ pub fn fresnel(m1: f64, m2: f64, c: f64) -> Truth {
         reflectance: (half * (rs * rs + rp * rp)).to_f64(),
         transmittance: (half * (ts * ts + tp * tp) * (n2 * t) / (n1 * c)).to_f64(),
         is_total: false,
-        cos_t: t.to_f64(),
         condition: (c * c / (b * b)).to_f64(),
     }
 }

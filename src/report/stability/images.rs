@@ -9,8 +9,7 @@ use super::outcome::Measurement;
 use super::scenes::{add, empty, mean, mean_and_error, nest, onto_disc, ready, render, samples_of, sphere};
 use crate::scene::SceneError;
 use crate::scene::description::{Environment, Object, Paint, Shape, Solid};
-use crate::tracking::Mode;
-use crate::tracking::Prepared;
+use crate::tracking::{Mode, Prepared};
 use crate::transport::inspect::{Follow, VertexEvent, trace};
 
 pub(super) const CASES: &[CaseDefinition] = &[

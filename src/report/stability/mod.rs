@@ -9,7 +9,7 @@
 //! capability that the program does not have is *not run*, which is never a pass; what is missed is a failure with its reason.
 
 mod beyond;
-mod closed_forms;
+pub(super) mod closed_forms;
 mod contrasts;
 mod convex;
 mod definition;

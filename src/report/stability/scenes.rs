@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 use glam::DVec3;
 
 use crate::geometry::{Mesh, Ray, uniform_direction};
+use crate::measure::statistics::{self, variance};
 use crate::optics::{Ior, Medium};
 use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
 use crate::scene::SceneError;
@@ -14,8 +15,7 @@ use crate::scene::description::{
     CameraDescription, Description, Environment, Light, Object, Objects, Refractor, Shape, WorldMedium,
 };
 use crate::scene::shapes::tessellate;
-use crate::tracking::Mode;
-use crate::tracking::{Prepared, prepare};
+use crate::tracking::{Mode, Prepared, prepare};
 use crate::transport::inspect::{Follow, TracedPath, trace};
 
 /// A scene in a white environment, with nothing in it.
@@ -184,10 +184,8 @@ pub fn samples_of(mode: Mode, samples: u32) -> u32 {
 
 /// Mean and its standard error of values that are independent.
 pub fn mean_and_error(values: &[f64]) -> (f64, f64) {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    (mean, (variance / count).sqrt())
+    let variance = variance(values).unwrap_or(f64::NAN);
+    (statistics::mean(values).unwrap_or(f64::NAN), (variance / values.len() as f64).sqrt())
 }
 
 /// Mean over all pixels and its standard error, of the green component. For images whose pixels show the same: any structure counts as

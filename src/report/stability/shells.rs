@@ -10,8 +10,7 @@ use super::scenes::{Numbers, add, empty, icosphere, interfaces, mesh_of, ready, 
 use crate::geometry::Ray;
 use crate::scene::SceneError;
 use crate::scene::description::{Description, Shape, Transform};
-use crate::tracking::Mode;
-use crate::tracking::Prepared;
+use crate::tracking::{Mode, Prepared};
 use crate::transport::inspect::{Follow, TracedPath, trace};
 
 const STRAIGHT: &str = "straight rays: the order of the media is known";
@@ -42,20 +41,14 @@ impl Kind {
             Self::Triangles => "triangles",
         }
     }
-
-    pub(super) fn ball(self, radius: f64, subdivisions: u32) -> Shape {
-        match self {
-            Self::Analytic => sphere(DVec3::ZERO, radius),
-            Self::Triangles => icosphere(radius, subdivisions),
-        }
-    }
 }
 
 /// Two shells a gap apart, turned, scaled and moved.
 pub(super) fn shells(gap: f64, kind: Kind, scale: f64, center: DVec3) -> Description {
     let mut description = empty(1.0);
     for radius in [1.0, 1.0 - gap] {
-        add(&mut description, kind.ball(radius, 3), 1.0, 0.0);
+        let shape = if kind == Kind::Analytic { sphere(DVec3::ZERO, radius) } else { icosphere(radius, 3) };
+        add(&mut description, shape, 1.0, 0.0);
     }
     for refractor in description.objects.refractors_mut() {
         refractor.transform =

@@ -12,8 +12,7 @@ use crate::formats::{self, builtin};
 use crate::geometry::Ray;
 use crate::scene::camera::Camera;
 use crate::scene::description::{Description, Shape, Transform};
-use crate::tracking::Mode;
-use crate::tracking::Prepared;
+use crate::tracking::{Mode, Prepared};
 use crate::transport::inspect::{Follow, TracedPath, Vertex, VertexEvent, trace};
 
 pub(super) const SWEEPS: &[SweepDefinition] = &[
