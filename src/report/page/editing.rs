@@ -6,39 +6,37 @@ use super::words::time;
 use crate::report::data::Report;
 use crate::report::editing::{Edit, EditTimes, Editing};
 
-pub fn section(report: &Report) -> Markup {
+/// `None` where it was not measured.
+pub fn section(report: &Report) -> Option<Markup> {
     let measured = || report.scenes.iter().filter_map(|scene| Some((scene, scene.editing.as_ref()?)));
-    let Some((_, first)) = measured().next() else { return html! {} };
-    html! {
-        section id="editing" {
-            h2 { "From an edit to the picture" }
-            p {
-                "The threads behind the window render each scene in four panes of " (first.size[0]) "×" (first.size[1]) " pixels ("
-                @for (index, mode) in first.panes.iter().enumerate() { @if index > 0 { ", " } code { (mode) } }
-                ") while it is edited: the IOR of one medium after the other, the place of one dielectric after the other, the camera, each time at an irregular moment. "
-                "Rectification is done again as far as an edit reaches. A first image is as fine as can be rendered in an instant, and is refined from there: "
-                "its width stands beside the time."
-            }
-            div class="scroll" {
-                table class="editing" {
-                    caption { "Median time from an edit to the first new image of every pane, and the longest" }
-                    thead {
-                        tr {
-                            th rowspan="2" { "scene" }
-                            @for edit in Edit::ALL { th colspan=(if rectifies(edit) { 3 } else { 2 }) { (edit.about()) } }
-                        }
-                        tr {
-                            @for edit in Edit::ALL {
-                                @if rectifies(edit) { th class="n" { "rectified in" } }
-                                th class="n" { "median" } th class="n" { "longest" }
-                            }
+    let (_, first) = measured().next()?;
+    Some(html! {
+        p {
+            "The threads behind the window render each scene in four panes of " (first.size[0]) "×" (first.size[1]) " pixels ("
+            @for (index, mode) in first.panes.iter().enumerate() { @if index > 0 { ", " } code { (mode) } }
+            ") while it is edited: the IOR of one medium after the other, the place of one dielectric after the other, the camera, each time at an irregular moment. "
+            "Rectification is done again as far as an edit reaches. A first image is as fine as can be rendered in an instant, and is refined from there: "
+            "its width stands beside the time."
+        }
+        div class="scroll" {
+            table class="editing" {
+                caption { "Median time from an edit to the first new image of every pane, and the longest" }
+                thead {
+                    tr {
+                        th rowspan="2" { "scene" }
+                        @for edit in Edit::ALL { th colspan=(if rectifies(edit) { 3 } else { 2 }) { (edit.about()) } }
+                    }
+                    tr {
+                        @for edit in Edit::ALL {
+                            @if rectifies(edit) { th class="n" { "rectified in" } }
+                            th class="n" { "median" } th class="n" { "longest" }
                         }
                     }
-                    tbody { @for (scene, found) in measured() { (row(&scene.name, found)) } }
                 }
+                tbody { @for (scene, found) in measured() { (row(&scene.name, found)) } }
             }
         }
-    }
+    })
 }
 
 fn row(name: &str, found: &Editing) -> Markup {

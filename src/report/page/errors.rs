@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::plot::{Axis, Curve as Line, DataPoint, Level, Plot, key};
-use super::words::{fixed, interval, number, time, verdict};
+use super::words::{fixed, interval, number, table, time, verdict};
 use crate::measure::Interval;
 use crate::report::data::{Report, SceneReport};
 use crate::report::experiment::{Curve, Pair, SceneErrors, Technique};
@@ -150,19 +150,23 @@ fn maybe(value: Option<&Interval>, show: impl Fn(f64) -> String) -> Markup {
 }
 
 fn curves_table(found: &SceneErrors) -> Markup {
-    html! {
-        div class="scroll" {
-            table class="curves" {
-                caption { "What the curves come to. The last error is that at the greatest number of samples; of a biased mode it is also given over what bias and variance of other seeds predict." }
-                thead { tr {
-                    th { "mode" } th class="n" { "slope" } th class="n" { "last error" } th class="n" { "after" }
-                    th class="n" { "FLIP" } th { "bias" } th class="n" { "bias², relMSE" } th class="n" { "plateau from" } th class="n" { "over predicted" }
-                    th class="n" { "efficiency, 1/s" }
-                } }
-                tbody { @for curve in &found.curves { (curve_row(curve)) } }
-            }
-        }
-    }
+    table(
+        Some("curves"),
+        "What the curves come to. The last error is that at the greatest number of samples; of a biased mode it is also given over what bias and variance of other seeds predict.",
+        &[
+            ("mode", ""),
+            ("slope", "n"),
+            ("last error", "n"),
+            ("after", "n"),
+            ("FLIP", "n"),
+            ("bias", ""),
+            ("bias², relMSE", "n"),
+            ("plateau from", "n"),
+            ("over predicted", "n"),
+            ("efficiency, 1/s", "n"),
+        ],
+        &html! { @for curve in &found.curves { (curve_row(curve)) } },
+    )
 }
 
 fn curve_row(curve: &Curve) -> Markup {
@@ -197,25 +201,18 @@ fn pairs_table(pairs: &[Pair]) -> Markup {
     if pairs.is_empty() {
         return html! {};
     }
-    html! {
-        div class="scroll" {
-            table {
-                caption {
-                    "Differences of modes, rendered with the same random numbers: how many times sooner the image of the difference is as exact as each image, "
-                    "and as the difference of images with unrelated numbers."
-                }
-                thead { tr { th { "difference" } th class="n" { "than the first" } th class="n" { "than the second" } th class="n" { "than unrelated" } } }
-                tbody {
-                    @for pair in pairs {
-                        tr {
-                            th scope="row" { (pair.mode) " − " (pair.against) }
-                            td class="n" { (maybe(pair.sooner_than_mode.as_ref(), number)) }
-                            td class="n" { (maybe(pair.sooner_than_against.as_ref(), number)) }
-                            td class="n" { (maybe(pair.sooner_than_unpaired.as_ref(), number)) }
-                        }
-                    }
+    table(
+        None,
+        "Differences of modes, rendered with the same random numbers: how many times sooner the image of the difference is as exact as each image, \
+         and as the difference of images with unrelated numbers.",
+        &[("difference", ""), ("than the first", "n"), ("than the second", "n"), ("than unrelated", "n")],
+        &html! { @for pair in pairs {
+            tr {
+                th scope="row" { (pair.mode) " − " (pair.against) }
+                @for sooner in [pair.sooner_than_mode, pair.sooner_than_against, pair.sooner_than_unpaired] {
+                    td class="n" { (maybe(sooner.as_ref(), number)) }
                 }
             }
-        }
-    }
+        } },
+    )
 }

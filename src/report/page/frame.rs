@@ -11,6 +11,18 @@ const STYLE: &str = include_str!("style.css");
 
 /// The page of a report whose tables lie beside it.
 pub fn html(report: &Report, tables: &[Table]) -> String {
+    let has_errors = report.scenes.iter().any(|scene| scene.errors.is_some());
+    let scenes_title = if has_errors { "Scenes: error against time" } else { "Scenes" };
+    let sections = [
+        ("glance", "At a glance", Some(summary::section(report))),
+        ("scenes", scenes_title, Some(scenes::section(report))),
+        ("stability", "Stability", report.stability.as_ref().map(stability::section)),
+        ("left-out", "What was left out", left_out::section(report)),
+        ("editing", "From an edit to the picture", editing::section(report)),
+        ("growth", "Growth", (!report.growth.is_empty()).then(|| growth::section(report))),
+        ("files", "Files, and how to make them again", Some(files::section(report, tables))),
+    ];
+    let sections = || sections.iter().filter_map(|(id, title, section)| Some((id, title, section.as_ref()?)));
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -22,15 +34,22 @@ pub fn html(report: &Report, tables: &[Table]) -> String {
                 style { (PreEscaped(STYLE)) }
             }
             body {
-                header { (beginning(report)) }
+                header {
+                    h1 { "iorect: measured" }
+                    p class="lead" {
+                        "iorect renders scenes in which dielectrics sit inside dielectrics. This page says how fast its images converge and to what, "
+                        "how it fares where numbers get stiff, what it leaves out of the work, how soon pictures follow edits, and how time and memory grow."
+                    }
+                    (origin(&report.origin))
+                    nav aria-label="Contents" { ul { @for (id, title, _) in sections() { li { a href={ "#" (id) } { (title) } } } } }
+                }
                 main {
-                    (summary::section(report))
-                    (scenes::section(report))
-                    @if let Some(found) = &report.stability { (stability::section(found)) }
-                    @if report.scenes.iter().any(|scene| scene.left_out.is_some()) { (left_out::section(report)) }
-                    @if report.scenes.iter().any(|scene| scene.editing.is_some()) { (editing::section(report)) }
-                    @if !report.growth.is_empty() { (growth::section(report)) }
-                    (files::section(report, tables))
+                    @for (id, title, section) in sections() {
+                        section id=(id) {
+                            h2 { @if *id == "stability" { "Numerical stability" } @else { (title) } }
+                            (section)
+                        }
+                    }
                 }
                 footer {
                     p { "Made by " (report.origin.program) " " (report.origin.version) " on " (report.origin.date) "." }
@@ -39,32 +58,6 @@ pub fn html(report: &Report, tables: &[Table]) -> String {
         }
     };
     page.into_string()
-}
-
-fn beginning(report: &Report) -> Markup {
-    let has_errors = report.scenes.iter().any(|scene| scene.errors.is_some());
-    let links = [
-        ("glance", "At a glance", true),
-        ("scenes", if has_errors { "Scenes: error against time" } else { "Scenes" }, true),
-        ("stability", "Stability", report.stability.is_some()),
-        ("left-out", "What was left out", report.scenes.iter().any(|scene| scene.left_out.is_some())),
-        ("editing", "From an edit to the picture", report.scenes.iter().any(|scene| scene.editing.is_some())),
-        ("growth", "Growth", !report.growth.is_empty()),
-        ("files", "Files, and how to make them again", true),
-    ];
-    html! {
-        h1 { "iorect: measured" }
-        p class="lead" {
-            "iorect renders scenes in which dielectrics sit inside dielectrics. This page says how fast its images converge and to what, "
-            "how it fares where numbers get stiff, what it leaves out of the work, how soon pictures follow edits, and how time and memory grow."
-        }
-        (origin(&report.origin))
-        nav aria-label="Contents" {
-            ul {
-                @for (id, text, _) in links.into_iter().filter(|link| link.2) { li { a href={ "#" (id) } { (text) } } }
-            }
-        }
-    }
 }
 
 fn origin(origin: &Origin) -> Markup {

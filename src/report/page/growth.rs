@@ -10,17 +10,14 @@ use crate::report::growth::{Exponent, Growth, GrowthPoint, Measure, Quantity};
 
 pub fn section(report: &Report) -> Markup {
     html! {
-        section id="growth" {
-            h2 { "Growth" }
-            p {
-                "Time to build the tree and to rectify, time of a sample and memory, for scenes of rising size. An exponent of 1 says twice the size, twice the time; 0 says that size does "
-                "not matter. Exponents are slopes of straight lines through the logarithms of the larger half of the sizes, counted in decades, because "
-                "small scenes are decided by what does not grow; their 95 % intervals suppose that points scatter independently about the line, so that a "
-                "curve that bends shows as a wide interval. Memory is by how much that of the process rose; what earlier, smaller scenes left behind is used again and not counted, "
-                "so that it comes out too low, by up to half at a million triangles and by a few hundredths at ten million."
-            }
-            @for growth in &report.growth { (of_quantity(growth)) }
+        p {
+            "Time to build the tree and to rectify, time of a sample and memory, for scenes of rising size. An exponent of 1 says twice the size, twice the time; 0 says that size does "
+            "not matter. Exponents are slopes of straight lines through the logarithms of the larger half of the sizes, counted in decades, because "
+            "small scenes are decided by what does not grow; their 95 % intervals suppose that points scatter independently about the line, so that a "
+            "curve that bends shows as a wide interval. Memory is by how much that of the process rose; what earlier, smaller scenes left behind is used again and not counted, "
+            "so that it comes out too low, by up to half at a million triangles and by a few hundredths at ten million."
         }
+        @for growth in &report.growth { (of_quantity(growth)) }
     }
 }
 
@@ -105,14 +102,8 @@ fn exponents(growth: &Growth) -> Markup {
 }
 
 fn plot(growth: &Growth, measures: &[Measure]) -> Plot {
-    let name = |measure: &Measure| match measure {
-        Measure::Build => "build",
-        Measure::Rectify => "rectify",
-        Measure::Sample => "sample",
-        Measure::Memory => "memory",
-    };
     let curves = measures.iter().enumerate().map(|(index, measure)| Curve {
-        name: name(measure).to_owned(),
+        name: format!("{measure:?}").to_lowercase(),
         style: if *measure == Measure::Sample { 2 } else { index },
         data: (growth.points.iter())
             .filter_map(|point| Some(DataPoint::exact(point.size as f64, measure.of(point)?)))

@@ -4,57 +4,50 @@ use std::collections::BTreeSet;
 
 use maud::{Markup, html};
 
-use super::words::{fixed, time, verdict};
+use super::words::{fixed, table, time, verdict};
 use crate::report::data::Report;
 use crate::report::left_out::{LeftOut, how};
 use crate::report::timing::Ratio;
 use crate::scene::needs::SceneNeeds;
 
-pub fn section(report: &Report) -> Markup {
+/// `None` where it was not measured.
+pub fn section(report: &Report) -> Option<Markup> {
     let measured = || report.scenes.iter().filter_map(|scene| Some((scene, scene.left_out.as_ref()?)));
     let each: Vec<_> = measured().flat_map(|(scene, found)| found.each.iter().map(move |one| (scene, one))).collect();
-    html! {
-        section id="left-out" {
-            h2 { "What was left out" }
-            p {
-                "Before it renders, the program works out what a scene needs and does nothing else. To see what that saves, the same samples are rendered both ways, by turns: "
-                "with everything put back (" code { "--leave-out off" } ") and as shipped. The ratio is the median of the pairs' ratios; 1.10 says that a sample would take 10 % longer. "
-                "The interval holds the true median with the probability shown, whatever the distribution of times; one that holds 1 says that no saving was seen. Where nothing is left out, both ways are the same work, and the ratio shows how well times can be told apart. "
-                "Both images must be the same to the last bit."
-            }
-            p {
-                "Memory is the same both ways: what a scene does not have takes none in either. There are no normals without smooth objects, "
-                "no nodes in a tree without primitives, no tables for an image that is not there."
-            }
-            div class="scroll" {
-                table class="left-out" {
-                    caption { "Time of a sample with everything put back over that as shipped" }
-                    thead { tr {
-                        th { "scene" } th class="n" { "ratio" } th class="n" { "interval" } th class="n" { "as shipped" } th { "images" } th class="wide" { "left out" }
-                    } }
-                    tbody { @for (scene, found) in measured() { (row(&scene.name, found)) } }
-                }
-            }
-            (rectification(report))
-            @if !each.is_empty() {
-                div class="scroll" {
-                    table {
-                        caption { "One piece put back at a time, where tracing has a switch for it" }
-                        thead { tr { th { "scene" } th { "put back" } th class="n" { "ratio" } th class="n" { "interval" } th { "images" } } }
-                        tbody {
-                            @for (scene, one) in each {
-                                tr {
-                                    th scope="row" { (scene.name) } td { code { (one.need) } }
-                                    td class="n" { (fixed(one.ratio.median, 3)) } td class="n" { (range(&one.ratio)) } td { (equality(one.images_are_equal)) }
-                                }
-                            }
-                        }
-                    }
-                }
-            }
-            (pieces(report))
+    measured().next()?;
+    Some(html! {
+        p {
+            "Before it renders, the program works out what a scene needs and does nothing else. To see what that saves, the same samples are rendered both ways, by turns: "
+            "with everything put back (" code { "--leave-out off" } ") and as shipped. The ratio is the median of the pairs' ratios; 1.10 says that a sample would take 10 % longer. "
+            "The interval holds the true median with the probability shown, whatever the distribution of times; one that holds 1 says that no saving was seen. Where nothing is left out, both ways are the same work, and the ratio shows how well times can be told apart. "
+            "Both images must be the same to the last bit."
         }
-    }
+        p {
+            "Memory is the same both ways: what a scene does not have takes none in either. There are no normals without smooth objects, "
+            "no nodes in a tree without primitives, no tables for an image that is not there."
+        }
+        (table(
+            Some("left-out"),
+            "Time of a sample with everything put back over that as shipped",
+            &[("scene", ""), ("ratio", "n"), ("interval", "n"), ("as shipped", "n"), ("images", ""), ("left out", "wide")],
+            &html! { @for (scene, found) in measured() { (row(&scene.name, found)) } },
+        ))
+        (rectification(report))
+        @if !each.is_empty() {
+            (table(
+                None,
+                "One piece put back at a time, where tracing has a switch for it",
+                &[("scene", ""), ("put back", ""), ("ratio", "n"), ("interval", "n"), ("images", "")],
+                &html! { @for (scene, one) in each {
+                    tr {
+                        th scope="row" { (scene.name) } td { code { (one.need) } }
+                        td class="n" { (fixed(one.ratio.median, 3)) } td class="n" { (range(&one.ratio)) } td { (equality(one.images_are_equal)) }
+                    }
+                } },
+            ))
+        }
+        (pieces(report))
+    })
 }
 
 fn row(name: &str, found: &LeftOut) -> Markup {
@@ -86,22 +79,17 @@ fn rectification(report: &Report) -> Markup {
     if rows.is_empty() {
         return html! {};
     }
-    html! {
-        div class="scroll" {
-            table {
-                caption { "Time of rectification with the pre-trace that scenes without nesting do without" }
-                thead { tr { th { "scene" } th class="n" { "ratio" } th class="n" { "interval" } th class="n" { "without" } th { "answers" } } }
-                tbody {
-                    @for (scene, ratio, is_equal) in rows {
-                        tr {
-                            th scope="row" { (scene.name) } td class="n" { (fixed(ratio.median, 2)) } td class="n" { (range(ratio)) }
-                            td class="n" { (time(ratio.below_secs)) } td { (equality(is_equal)) }
-                        }
-                    }
-                }
+    table(
+        None,
+        "Time of rectification with the pre-trace that scenes without nesting do without",
+        &[("scene", ""), ("ratio", "n"), ("interval", "n"), ("without", "n"), ("answers", "")],
+        &html! { @for (scene, ratio, is_equal) in rows {
+            tr {
+                th scope="row" { (scene.name) } td class="n" { (fixed(ratio.median, 2)) } td class="n" { (range(ratio)) }
+                td class="n" { (time(ratio.below_secs)) } td { (equality(is_equal)) }
             }
-        }
-    }
+        } },
+    )
 }
 
 /// What each piece is; in these scenes at least.
@@ -109,23 +97,18 @@ fn pieces(report: &Report) -> Markup {
     let found = || report.scenes.iter().filter_map(|scene| scene.left_out.as_ref());
     let names: BTreeSet<&str> = found().flat_map(|found| found.left_out.iter().map(String::as_str)).collect();
     let in_order = SceneNeeds::EVERYTHING.named().into_iter().map(|(name, _)| name).filter(|name| names.contains(name));
-    html! {
-        div class="scroll" {
-            table {
-                caption { "How each piece is left out" }
-                thead { tr { th { "not needed" } th class="n" { "scenes" } th { "so that" } } }
-                tbody {
-                    @for name in in_order {
-                        tr {
-                            th scope="row" { code { (name) } }
-                            td class="n" { (found().filter(|found| found.left_out.iter().any(|need| need == name)).count()) }
-                            td class="wide" { (how(name).unwrap_or_default()) }
-                        }
-                    }
-                }
+    table(
+        None,
+        "How each piece is left out",
+        &[("not needed", ""), ("scenes", "n"), ("so that", "")],
+        &html! { @for name in in_order {
+            tr {
+                th scope="row" { code { (name) } }
+                td class="n" { (found().filter(|found| found.left_out.iter().any(|need| need == name)).count()) }
+                td class="wide" { (how(name).unwrap_or_default()) }
             }
-        }
-    }
+        } },
+    )
 }
 
 fn range(ratio: &Ratio) -> Markup {

@@ -6,7 +6,7 @@ use base64::prelude::{BASE64_STANDARD, Engine as _};
 use maud::{Markup, html};
 
 use super::plot::superscript;
-use super::words::number;
+use super::words::{image, number, ramp};
 use crate::color::along;
 use crate::export::png_bytes;
 use crate::report::stability::Map;
@@ -53,7 +53,7 @@ pub fn figure(map: &Map) -> Markup {
         figure class="map" {
             figcaption { (map.quantity) ", " (map.formula) }
             div class="map-axes" { span { "↑ " (map.row_parameter) ", " (ends(&map.rows)) } }
-            img src={ "data:image/png;base64," (png) } width=(map.etas.len()) height=(map.rows.len()) alt=(about);
+            (image(&png, [map.etas.len(), map.rows.len()], &about))
             div class="map-axes" { @for eta in places(&map.etas) { span { (number(eta)) } } }
             figcaption {
                 "→ relative index η. Largest error " (number(map.worst)) "; where the problem is well conditioned " (number(map.worst_well_conditioned))
@@ -78,20 +78,12 @@ fn ends(values: &[f64]) -> String {
 
 /// The colours with their errors, for all maps.
 pub fn scale() -> Markup {
-    let stops: Vec<String> = (0..=16)
-        .map(|k| {
-            let [r, g, b] = color(10_f64.powf(LOW + (HIGH - LOW) * f64::from(k) / 16.0));
-            format!("rgb({r} {g} {b})")
-        })
-        .collect();
+    let colors = (0..=16).map(|k| color(10_f64.powf(LOW + (HIGH - LOW) * f64::from(k) / 16.0)));
+    let lowest = format!("10{} or exact", superscript(LOW as i32));
+    let words = [&lowest, "10⁻¹³", "10⁻⁹", "10⁻⁴", "1 or more"].map(str::to_owned);
     html! {
-        div style="max-width: 34rem" {
-            div class="ramp" style={ "background: linear-gradient(to right, " (stops.join(", ")) ")" } role="img" aria-label="Scale of the relative errors" {}
-            div class="ramp-ends" {
-                span { "10" (superscript(LOW as i32)) " or exact" } span { "10⁻¹³" } span { "10⁻⁹" } span { "10⁻⁴" } span { "1 or more" }
-            }
-            p class="muted" { "Grey: reflection is total, or there is no such angle." }
-        }
+        (ramp(34, "Scale of the relative errors", colors, &words))
+        p class="muted" { "Grey: reflection is total, or there is no such angle." }
     }
 }
 

@@ -26,6 +26,13 @@ pub enum Scale {
     Log,
 }
 
+impl Scale {
+    /// The value, or its decimal logarithm; not finite for what the scale cannot show.
+    fn of(self, value: f64) -> f64 {
+        if self == Self::Log { value.max(0.0).log10() } else { value }
+    }
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     pub label: String,
@@ -97,10 +104,8 @@ struct Ruler {
 impl Ruler {
     /// An axis that holds all `values` that it can show; `None` if there is none.
     fn new(scale: Scale, values: impl Iterator<Item = f64>, from: f64, to: f64) -> Option<Self> {
-        let shown = values.filter(|x| x.is_finite() && (scale == Scale::Linear || *x > 0.0));
-        let (low, high) = shown
-            .map(|x| if scale == Scale::Log { x.log10() } else { x })
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        let shown = values.map(|x| scale.of(x)).filter(|x| x.is_finite());
+        let (low, high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         if low > high {
             return None;
         }
@@ -116,12 +121,7 @@ impl Ruler {
 
     /// Where a value lies; values beyond an end, and those that a logarithmic axis has no place for, at the end.
     fn at(&self, value: f64) -> f64 {
-        let value = match self.scale {
-            Scale::Linear => value,
-            Scale::Log if value > 0.0 => value.log10(),
-            Scale::Log => f64::NEG_INFINITY,
-        };
-        let part = ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0);
+        let part = ((self.scale.of(value) - self.low) / (self.high - self.low)).clamp(0.0, 1.0);
         self.from + (self.to - self.from) * part
     }
 
@@ -274,7 +274,7 @@ impl Plot {
     fn names(&self, y: &Ruler, right: f64) -> Markup {
         let mut ends: Vec<(f64, usize)> = (self.curves.iter().enumerate())
             .filter_map(|(index, curve)| {
-                let end = curve.data.iter().rev().find(|p| self.y.scale == Scale::Linear || p.y > 0.0)?;
+                let end = curve.data.iter().rev().find(|point| y.scale.of(point.y).is_finite())?;
                 Some((y.at(end.y), index))
             })
             .collect();
@@ -314,10 +314,7 @@ fn draw_level(level: &Level, y: &Ruler, right: f64) -> Markup {
 }
 
 fn draw_curve(curve: &Curve, x: &Ruler, y: &Ruler) -> Markup {
-    let is_shown = |point: &&DataPoint| {
-        let fits = |ruler: &Ruler, value: f64| value.is_finite() && (ruler.scale == Scale::Linear || value > 0.0);
-        fits(x, point.x) && fits(y, point.y)
-    };
+    let is_shown = |point: &&DataPoint| x.scale.of(point.x).is_finite() && y.scale.of(point.y).is_finite();
     let data: Vec<&DataPoint> = curve.data.iter().filter(is_shown).collect();
     let pixels: Vec<(f64, f64)> = data.iter().map(|point| (x.at(point.x), y.at(point.y))).collect();
     let has_band = data.iter().any(|point| point.low < point.y || point.high > point.y);

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::errors;
-use super::words::{number, time};
+use super::words::{image, number, ramp, time};
 use crate::export::words::{events_in_words, grouped};
 use crate::report::data::{Report, SceneReport};
 use crate::report::pictures::{OtherMode, Pictures, Sameness};
@@ -11,12 +11,9 @@ use crate::report::pictures::{OtherMode, Pictures, Sameness};
 pub fn section(report: &Report) -> Markup {
     let has_errors = report.scenes.iter().any(|scene| scene.errors.is_some());
     html! {
-        section id="scenes" {
-            h2 { @if has_errors { "Scenes: error against time" } @else { "Scenes" } }
-            (modes())
-            @if has_errors { (errors::method(report)) }
-            @for scene in &report.scenes { (article(scene)) }
-        }
+        (modes())
+        @if has_errors { (errors::method(report)) }
+        @for scene in &report.scenes { (article(scene)) }
     }
 }
 
@@ -58,14 +55,12 @@ fn article(scene: &SceneReport) -> Markup {
 }
 
 fn gallery(scene: &SceneReport, pictures: &Pictures) -> Markup {
-    let image = |png: &str, alt: String| {
-        html! { img src={ "data:image/png;base64," (png) } width=(pictures.width) height=(pictures.height) alt=(alt); }
-    };
+    let image = |png: &str, about: &str| image(png, [pictures.width, pictures.height].map(|side| side as usize), about);
     let same: Vec<&OtherMode> = pictures.others.iter().filter(|other| other.difference.is_none()).collect();
     html! {
         div class="pictures" {
             figure {
-                (image(&pictures.rectified, format!("{} in mode rectified", scene.title)))
+                (image(&pictures.rectified, &format!("{} in mode rectified", scene.title)))
                 figcaption {
                     strong { "rectified" } " · " (pictures.samples) " samples per pixel · " (events_in_words(&pictures.rectified_events))
                 }
@@ -73,7 +68,7 @@ fn gallery(scene: &SceneReport, pictures: &Pictures) -> Markup {
             @for other in &pictures.others {
                 @if let Some(difference) = &other.difference {
                     figure {
-                        (image(difference, format!("{}: {} minus rectified", scene.title, other.mode)))
+                        (image(difference, &format!("{}: {} minus rectified", scene.title, other.mode)))
                         figcaption {
                             strong { (other.mode) " − rectified" } " · relMSE " (number(other.relmse)) " · " (events_in_words(&other.events))
                         }
@@ -100,20 +95,9 @@ fn gallery(scene: &SceneReport, pictures: &Pictures) -> Markup {
     }
 }
 
-/// The colours of differences with their values.
+/// The colours of differences with their values; `end` is 1, 2 or 5 times a power of ten.
 fn scale(end: f32) -> Markup {
-    let stops: Vec<String> = (-10..=10)
-        .map(|k| {
-            let [r, g, b] = crate::export::color_map::diverging(k as f32 / 10.0);
-            format!("rgb({r} {g} {b})")
-        })
-        .collect();
-    // 1, 2 or 5 times a power of ten.
-    let end = format!("{end}");
-    html! {
-        div style="max-width: 26rem" {
-            div class="ramp" style={ "background: linear-gradient(to right, " (stops.join(", ")) ")" } role="img" aria-label="Scale of the differences" {}
-            div class="ramp-ends" { span { "−" (end) " darker" } span { "0" } span { "brighter +" (end) } }
-        }
-    }
+    let colors = (-10..=10).map(|k| crate::export::color_map::diverging(k as f32 / 10.0));
+    let words = [format!("−{end} darker"), "0".to_owned(), format!("brighter +{end}")];
+    ramp(26, "Scale of the differences", colors, &words)
 }

@@ -6,40 +6,34 @@ use maud::{Markup, html};
 
 use super::map;
 use super::plot::{Axis, Curve, DataPoint, Plot, STYLES, Scale, key};
-use super::words::{number, time, verdict};
+use super::words::{number, table, time, verdict};
 use crate::report::stability::{Case, ErrorKind, Measurement, Outcome, Stability, Step, Sweep};
 
 pub fn section(found: &Stability) -> Markup {
     let [passed, failed, not_run] = found.counts();
     html! {
-        section id="stability" {
-            h2 { "Numerical stability" }
-            p {
-                "Stiff and extreme cases go through the code that renders, not through a model of it. Expected values are closed forms or published numbers; none comes from this program. A "
-                "case passes if every one of its measurements is within its bound, and, where it is random, four standard errors. What needs a capability that "
-                "the program does not have is not run, which is no pass. "
-                (passed) " passed, " (failed) " failed, " (not_run) " not run."
-            }
-            div class="scroll" {
-                table class="cases" {
-                    caption { "Of several measurements, the one nearest to its bound" }
-                    thead { tr {
-                        th class="n" { "case" } th { "what" } th { "outcome" } th class="n" { "expected" } th class="n" { "measured" } th class="n" { "error" } th class="n" { "bound" }
-                    } }
-                    tbody { @for case in &found.cases { (row(case)) } }
-                }
-            }
-            (faults(found))
-            @if !found.sweeps.is_empty() {
-                h3 { "From harmless to extreme" }
-                div class="plots" { @for sweep in &found.sweeps { (of_sweep(sweep)) } }
-            }
-            @if !found.maps.is_empty() {
-                h3 { "Errors of Fresnel’s equations" }
-                p { "Relative errors against an evaluation with twice the digits, over the ratio of indices and the angle." }
-                (map::scale())
-                div class="plots" { @for one in &found.maps { (map::figure(one)) } }
-            }
+        p {
+            "Stiff and extreme cases go through the code that renders, not through a model of it. Expected values are closed forms or published numbers; none comes from this program. A "
+            "case passes if every one of its measurements is within its bound, and, where it is random, four standard errors. What needs a capability that "
+            "the program does not have is not run, which is no pass. "
+            (passed) " passed, " (failed) " failed, " (not_run) " not run."
+        }
+        (table(
+            Some("cases"),
+            "Of several measurements, the one nearest to its bound",
+            &[("case", "n"), ("what", ""), ("outcome", ""), ("expected", "n"), ("measured", "n"), ("error", "n"), ("bound", "n")],
+            &html! { @for case in &found.cases { (row(case)) } },
+        ))
+        (faults(found))
+        @if !found.sweeps.is_empty() {
+            h3 { "From harmless to extreme" }
+            div class="plots" { @for sweep in &found.sweeps { (of_sweep(sweep)) } }
+        }
+        @if !found.maps.is_empty() {
+            h3 { "Errors of Fresnel’s equations" }
+            p { "Relative errors against an evaluation with twice the digits, over the ratio of indices and the angle." }
+            (map::scale())
+            div class="plots" { @for one in &found.maps { (map::figure(one)) } }
         }
     }
 }

@@ -8,19 +8,12 @@ use crate::report::summary::findings;
 
 pub fn section(report: &Report) -> Markup {
     html! {
-        section id="glance" {
-            h2 { "At a glance" }
-            ul class="glance" {
-                @for finding in findings(report) {
-                    li {
-                        @match finding.is_good {
-                            Some(true) => (verdict(Some(true), "yes")),
-                            Some(false) => (verdict(Some(false), "no")),
-                            None => {},
-                        }
-                        strong { (finding.what) }
-                        span class="muted" { (finding.details) }
-                    }
+        ul class="glance" {
+            @for finding in findings(report) {
+                li {
+                    @if let Some(is_good) = finding.is_good { (verdict(Some(is_good), if is_good { "yes" } else { "no" })) }
+                    strong { (finding.what) }
+                    span class="muted" { (finding.details) }
                 }
             }
         }

@@ -70,6 +70,36 @@ pub fn verdict(is_good: Option<bool>, word: &str) -> Markup {
     html! { span class={ "verdict " (class) } { span aria-hidden="true" { (sign) } " " (word) } }
 }
 
+/// A table that scrolls where it is too wide, of columns with these headings and classes: `n` for numbers.
+pub fn table(class: Option<&str>, caption: &str, columns: &[(&str, &str)], rows: &Markup) -> Markup {
+    let columns = columns.iter().map(|(heading, class)| (heading, Some(class).filter(|class| !class.is_empty())));
+    html! {
+        div class="scroll" {
+            table class=[class] {
+                caption { (caption) }
+                thead { tr { @for (heading, class) in columns { th class=[class] { (heading) } } } }
+                tbody { (rows) }
+            }
+        }
+    }
+}
+
+/// Colours from left to right as a scale so many rem wide, with words below.
+pub fn ramp(rem: u32, about: &str, colors: impl IntoIterator<Item = [u8; 3]>, words: &[String]) -> Markup {
+    let stops: Vec<String> = colors.into_iter().map(|[r, g, b]| format!("rgb({r} {g} {b})")).collect();
+    html! {
+        div style={ "max-width: " (rem) "rem" } {
+            div class="ramp" style={ "background: linear-gradient(to right, " (stops.join(", ")) ")" } role="img" aria-label=(about) {}
+            div class="ramp-ends" { @for words in words { span { (words) } } }
+        }
+    }
+}
+
+/// A PNG in base64 as an image.
+pub fn image(png: &str, [width, height]: [usize; 2], about: &str) -> Markup {
+    html! { img src={ "data:image/png;base64," (png) } width=(width) height=(height) alt=(about); }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
