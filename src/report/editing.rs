@@ -108,18 +108,7 @@ pub fn measure(
 ) -> Result<Option<Editing>, EditingError> {
     let panes = vec![Mode::Naive, Mode::Stack, Mode::Rectified, Mode::Reference];
     let kinds: Vec<Edit> = Edit::ALL.into_iter().filter(|edit| edit.is_possible(description)).collect();
-    let mut request = Request {
-        epoch: 1,
-        description: Arc::clone(description),
-        camera: description.camera,
-        modes: panes.clone(),
-        surfaces: Vec::new(),
-        size: plan.size,
-        settings: ImageSettings::new(Mode::Rectified, 0),
-        sample_limit: Some(4096),
-        is_paused: false,
-        ground_truth: GroundTruthDemand::Off,
-    };
+    let mut request = first_request(description, panes.clone(), plan.size);
     let window = Window::open()?;
     if window.answer(&request, progress)?.is_none() {
         return Ok(None);
@@ -138,6 +127,21 @@ pub fn measure(
     }
     let times = kinds.into_iter().zip(&answers).filter_map(|(edit, answers)| of_kind(edit, answers)).collect();
     Ok(Some(Editing { panes, size: plan.size, times }))
+}
+
+fn first_request(description: &Arc<Description>, modes: Vec<Mode>, size: [u32; 2]) -> Request {
+    Request {
+        epoch: 1,
+        description: Arc::clone(description),
+        camera: description.camera,
+        modes,
+        surfaces: Vec::new(),
+        size,
+        settings: ImageSettings::new(Mode::Rectified, 0),
+        sample_limit: Some(4096),
+        is_paused: false,
+        ground_truth: GroundTruthDemand::Off,
+    }
 }
 
 /// `None` without times.
@@ -274,20 +278,8 @@ mod tests {
     #[test]
     fn edits_come_back_to_where_they_began() {
         let description = Arc::new(formats::open("nested-spheres").unwrap());
-        let request = |camera| Request {
-            epoch: 1,
-            description: Arc::clone(&description),
-            camera,
-            modes: vec![],
-            surfaces: vec![],
-            size: [1, 1],
-            settings: ImageSettings::new(Mode::Rectified, 0),
-            sample_limit: None,
-            is_paused: false,
-            ground_truth: GroundTruthDemand::Off,
-        };
         for edit in Edit::ALL {
-            let before = request(description.camera);
+            let before = first_request(&description, Vec::new(), [1, 1]);
             let there = edited(&before, edit, 0);
             let back = edited(&there, edit, 1);
             let place = |request: &Request| {

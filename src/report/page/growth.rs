@@ -33,8 +33,8 @@ fn of_quantity(growth: &Growth) -> Markup {
         }
         div class="plots" {
             @if is_threads { (figure("Samples a second over threads", &speed_plot(growth))) } @else {
-                (figure("Time to prepare", &plot(growth, &[Measure::Build, Measure::Rectify])))
-                (figure("Time of a sample of a pixel", &plot(growth, &[Measure::Sample])))
+                (figure("Time to prepare", &plot(growth, &[("build", Measure::Build), ("rectify", Measure::Rectify)])))
+                (figure("Time of a sample of a pixel", &plot(growth, &[("sample", Measure::Sample)])))
             }
         }
         div class="scroll" {
@@ -101,9 +101,9 @@ fn exponents(growth: &Growth) -> Markup {
     }
 }
 
-fn plot(growth: &Growth, measures: &[Measure]) -> Plot {
-    let curves = measures.iter().enumerate().map(|(index, measure)| Curve {
-        name: format!("{measure:?}").to_lowercase(),
+fn plot(growth: &Growth, measures: &[(&str, Measure)]) -> Plot {
+    let curves = measures.iter().enumerate().map(|(index, (name, measure))| Curve {
+        name: (*name).to_owned(),
         style: if *measure == Measure::Sample { 2 } else { index },
         data: (growth.points.iter())
             .filter_map(|point| Some(DataPoint::exact(point.size as f64, measure.of(point)?)))
