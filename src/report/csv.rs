@@ -10,7 +10,6 @@ use crate::export::csv::text;
 
 mod errors;
 
-/// A file of comma-separated values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// Name of the file, beside the page.
@@ -18,7 +17,6 @@ pub struct Table {
     pub about: &'static str,
     /// Each column's name and what it holds.
     pub columns: Vec<(&'static str, &'static str)>,
-    /// The file's contents.
     pub text: String,
 }
 
@@ -38,7 +36,6 @@ impl Table {
     }
 }
 
-/// Every table that the report has something for.
 pub fn tables(report: &Report) -> Vec<Table> {
     let all = [
         errors::runs(report),

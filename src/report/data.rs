@@ -29,12 +29,10 @@ pub struct Origin {
     pub load_before: Option<f64>,
     /// Seconds that this run took; pieces that an earlier run had finished are not in it.
     pub seconds: f64,
-    /// Pieces that an earlier run had finished.
     pub pieces_reused: usize,
     pub pieces_made: usize,
 }
 
-/// One scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SceneReport {
     /// The built-in scene's name, or the file's stem.

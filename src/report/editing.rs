@@ -24,13 +24,11 @@ const PATIENCE: Duration = Duration::from_secs(60);
 pub struct EditingPlan {
     /// Pixels of each of the four panes.
     pub size: [u32; 2],
-    /// Edits of each kind.
     pub edits: usize,
     /// An edit comes at an irregular moment within so many seconds after the last one was answered.
     pub within_secs: f64,
 }
 
-/// What is edited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Edit {
@@ -52,7 +50,6 @@ impl Edit {
         }
     }
 
-    /// Whether there is anything to edit.
     fn is_possible(self, description: &Description) -> bool {
         match self {
             Self::Ior => !description.media.is_empty(),
@@ -72,7 +69,6 @@ pub struct Editing {
     pub times: Vec<EditTimes>,
 }
 
-/// One kind of edit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EditTimes {
     pub edit: Edit,
@@ -86,7 +82,6 @@ pub struct EditTimes {
     pub width: u32,
 }
 
-/// Why a scene could not be edited.
 #[derive(Debug, thiserror::Error)]
 pub enum EditingError {
     #[error(transparent)]
@@ -182,7 +177,6 @@ fn edited(before: &Request, edit: Edit, index: usize) -> Request {
     request
 }
 
-/// How an edit was answered.
 #[derive(Debug, Clone, Copy)]
 struct Answer {
     /// `None` where nothing was rectified.

@@ -20,7 +20,6 @@ const LEAST_MEMORY: u64 = 16 << 20;
 /// Bytes that a triangle takes at most while a scene is prepared, with room to spare.
 const BYTES_PER_TRIANGLE: u64 = 450;
 
-/// What grows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Quantity {
@@ -71,7 +70,6 @@ impl GrowthPlan {
     }
 }
 
-/// How one size is timed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Timing {
     /// Pixels across and down the images.
@@ -82,14 +80,12 @@ pub struct Timing {
     pub slice_secs: f64,
 }
 
-/// One size.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GrowthPoint {
     /// As asked for; what the scene comes to where that is not quite possible.
     pub size: u64,
     /// Seconds of tessellating, analysing meshes and building the tree.
     pub build_secs: f64,
-    /// Seconds of rectification.
     pub rectify_secs: f64,
     /// Seconds of one sample of one pixel, on all threads together.
     pub sample_secs: f64,
@@ -101,7 +97,6 @@ pub struct GrowthPoint {
     pub peak_bytes: Option<u64>,
 }
 
-/// What is measured at a size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Measure {
@@ -138,7 +133,6 @@ pub struct Exponent {
     pub points: usize,
 }
 
-/// One quantity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Growth {
     pub quantity: Quantity,
@@ -180,7 +174,6 @@ pub fn exponent(quantity: Quantity, measure: Measure, points: &[GrowthPoint]) ->
     })
 }
 
-/// Whether a size can be measured on this machine.
 pub fn fits(quantity: Quantity, size: u64) -> bool {
     quantity != Quantity::Triangles
         || available_bytes().is_none_or(|available| size.saturating_mul(BYTES_PER_TRIANGLE) < available)

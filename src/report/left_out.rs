@@ -28,7 +28,6 @@ pub struct LeftOutPlan {
     pub each: bool,
 }
 
-/// One scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LeftOut {
     /// Needs that the scene has not, by name.

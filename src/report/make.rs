@@ -28,7 +28,6 @@ use crate::scene::fingerprint::Hasher;
 use crate::scene::{Description, SceneError};
 use crate::tracking::{Prepared, prepare};
 
-/// What a report can be about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
     Error,
@@ -64,7 +63,6 @@ impl std::str::FromStr for Part {
     }
 }
 
-/// A scene to be measured.
 #[derive(Debug, Clone)]
 pub struct Subject {
     /// The built-in scene's name, or the file's stem: short, for headings, tables and names of files.
@@ -72,7 +70,6 @@ pub struct Subject {
     pub description: Arc<Description>,
 }
 
-/// What is asked for.
 #[derive(Debug, Clone)]
 pub struct Request {
     pub subjects: Vec<Subject>,
@@ -83,7 +80,6 @@ pub struct Request {
     pub command: String,
 }
 
-/// A report that could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     #[error(transparent)]
@@ -229,7 +225,6 @@ fn scene(
     })
 }
 
-/// Cases, sweeps and maps, each a piece.
 fn all_stability(plan: &StabilityPlan, tally: &Tally<'_>) -> Result<Stability, ReportError> {
     let effort = plan.effort;
     let cases = stability::cases()

@@ -21,7 +21,6 @@ const BEYOND_SCALE: f64 = 0.01;
 /// Pictures nearer to each other than this, in relMSE, differ by roundings alone.
 const ROUNDING: f64 = 1e-12;
 
-/// What is rendered.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PicturePlan {
     /// Halved with `height` where a scene is slow.
@@ -38,7 +37,6 @@ pub struct PicturePlan {
 const LEAST_WIDTH: u32 = 96;
 const LEAST_SAMPLES: u32 = 9;
 
-/// The pictures of one scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Pictures {
     pub width: u32,

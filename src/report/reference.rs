@@ -24,16 +24,13 @@ const KEPT_EVERY_SECS: f64 = 5.0;
 /// Seconds between reports of progress and checks for cancellation, about.
 const SLICE_SECS: f64 = 0.25;
 
-/// Images of which references are wanted.
 #[derive(Debug, Clone, Copy)]
 pub struct Wanted<'a> {
     pub prepared: &'a Prepared,
     /// In scene coordinates.
     pub camera: &'a Camera,
-    /// Width and height in pixels.
     pub size: [u32; 2],
     pub max_depth: Option<u32>,
-    /// Samples per pixel of each.
     pub spp: u32,
 }
 

@@ -16,22 +16,13 @@ use crate::formats::disk::{self, FileError, MAX_DATA_BYTES};
 use crate::scene::Fingerprint;
 use crate::writing::{WriteError, require_writable, write_atomically};
 
-/// Bytes of a SHA-256.
 const CHECKSUM: usize = 32;
 
-/// A folder of finished pieces.
 #[derive(Debug, Clone)]
 pub struct Store {
     folder: PathBuf,
     /// Part of every key: the build that measures.
     build: String,
-}
-
-/// Where a piece is kept, and what decided it.
-struct Key {
-    path: PathBuf,
-    /// JSON.
-    made_from: String,
 }
 
 impl Store {
@@ -46,10 +37,11 @@ impl Store {
         Ok(Self { folder: folder.to_path_buf(), build: build() })
     }
 
-    fn key(&self, name: &str, inputs: &impl Serialize) -> Key {
+    /// Where a piece is kept, and what decided it, as JSON.
+    fn key(&self, name: &str, inputs: &impl Serialize) -> (PathBuf, String) {
         let made_from = serde_json::json!({ "name": name, "build": self.build, "inputs": inputs }).to_string();
         let path = self.folder.join(format!("{name}-{}", Fingerprint::of_bytes(made_from.as_bytes()).short()));
-        Key { path, made_from }
+        (path, made_from)
     }
 
     /// The piece called `name` that follows from `inputs`: as it was kept, else made now and kept. `None` where `make` gives up, as it
@@ -75,16 +67,16 @@ impl Store {
 
     /// The piece as it was kept; `None` where there is none, or one that cannot be used, which is logged.
     pub fn find<T: DeserializeOwned>(&self, name: &str, inputs: &impl Serialize) -> Option<T> {
-        let key = self.key(name, inputs);
-        let problem = match disk::read(&key.path, MAX_DATA_BYTES) {
-            Ok(bytes) => match parse(&bytes, &key.made_from) {
+        let (path, made_from) = self.key(name, inputs);
+        let problem = match disk::read(&path, MAX_DATA_BYTES) {
+            Ok(bytes) => match parse(&bytes, &made_from) {
                 Ok(piece) => return Some(piece),
                 Err(problem) => problem,
             },
             Err(FileError::NotFound) => return None,
             Err(error) => error.to_string(),
         };
-        log::warn!("{}: {problem}; it is made again", key.path.display());
+        log::warn!("{}: {problem}; it is made again", path.display());
         None
     }
 
@@ -93,7 +85,7 @@ impl Store {
     /// # Errors
     /// When the file cannot be written.
     pub fn keep(&self, name: &str, inputs: &impl Serialize, piece: &impl Serialize) -> Result<(), ExportError> {
-        let Key { path, made_from } = self.key(name, inputs);
+        let (path, made_from) = self.key(name, inputs);
         let mut bytes = Vec::new();
         ciborium::into_writer(&(made_from, piece), &mut bytes)
             .map_err(|error| WriteError::System { path: path.clone(), reason: std::io::Error::other(error) })?;
@@ -106,7 +98,7 @@ impl Store {
 
     /// Removes a piece, if it is kept.
     pub fn forget(&self, name: &str, inputs: &impl Serialize) {
-        let path = self.key(name, inputs).path;
+        let path = self.key(name, inputs).0;
         if let Err(error) = fs::remove_file(&path)
             && error.kind() != ErrorKind::NotFound
         {
@@ -184,10 +176,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let store = Store::open(folder.path()).unwrap();
         assert_eq!(make(&store, "x", 1.25), 1.25);
-        let path = store.key("piece", &"x").path;
+        let path = store.key("piece", &"x").0;
         let whole = fs::read(&path).unwrap();
         assert_eq!(make(&store, "y", 2.5), 2.5);
-        let another = fs::read(store.key("piece", &"y").path).unwrap();
+        let another = fs::read(store.key("piece", &"y").0).unwrap();
         let flipped = |bit: usize| {
             let mut bytes = whole.clone();
             bytes[bit / 8] ^= 1 << (bit % 8);

@@ -9,7 +9,6 @@ use crate::export::words::grouped;
 use crate::measure::statistics::median;
 use crate::tracking::Mode;
 
-/// One sentence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     /// `None`: there is nothing that could be good or bad.
@@ -25,7 +24,6 @@ impl Finding {
     }
 }
 
-/// What the report has something to say of.
 pub fn findings(report: &Report) -> Vec<Finding> {
     let all = [
         rectified(report),

@@ -39,7 +39,6 @@ fn bounds(interval: Option<Interval>) -> [Option<f64>; 3] {
     [interval.map(|i| i.value), interval.map(|i| i.low), interval.map(|i| i.high)]
 }
 
-/// Every run at every number of samples.
 pub fn runs(report: &Report) -> Option<Table> {
     let points = all(report).flat_map(|(scene, curve)| curve.points.iter().map(move |point| (scene, curve, point)));
     let rows = points.flat_map(|(scene, curve, point)| {
@@ -72,7 +71,6 @@ pub fn runs(report: &Report) -> Option<Table> {
     )
 }
 
-/// Means over the runs.
 pub fn points(report: &Report) -> Option<Table> {
     let points = all(report).flat_map(|(scene, curve)| curve.points.iter().map(move |point| (scene, curve, point)));
     let rows = points.map(|(scene, curve, point)| {
@@ -111,7 +109,6 @@ pub fn points(report: &Report) -> Option<Table> {
     )
 }
 
-/// What the curves come to.
 pub fn curves(report: &Report) -> Option<Table> {
     let rows = all(report).map(|(scene, curve)| {
         let (slope, bias, plateau) = (curve.slope, curve.bias, curve.plateau);
@@ -153,7 +150,6 @@ pub fn curves(report: &Report) -> Option<Table> {
     Table::new("error-curves.csv", "Slope, bias and plateau of each mode", START.into_iter().chain(columns), rows)
 }
 
-/// Differences of modes.
 pub fn pairs(report: &Report) -> Option<Table> {
     let scenes = report.scenes.iter().filter_map(|scene| Some((&scene.name, scene.errors.as_ref()?)));
     let pairs = scenes.flat_map(|(scene, found)| found.pairs.iter().map(move |pair| (scene, pair)));

@@ -51,14 +51,12 @@ pub struct Curve {
     pub equal_to: Option<Mode>,
     /// Seconds that the mode needs before its first sample, counted in all its times: rectification where it is used, else 0.
     pub secs_before: f64,
-    /// By rising sample count.
     pub points: Vec<Point>,
     /// How the trimmed relMSE falls, where it does.
     pub slope: Option<Slope>,
     pub bias: Bias,
     /// Where a biased mode stops to improve.
     pub plateau: Option<Plateau>,
-    /// Of all runs together.
     pub events: Events,
 }
 
@@ -74,7 +72,6 @@ pub struct Point {
     pub relmse_trimmed: Option<Interval>,
     pub mse: Option<Interval>,
     pub smape: Option<Interval>,
-    /// Mean HDR-FLIP.
     pub flip: Option<Interval>,
     /// Of one run: expected relMSE that other seeds would not share.
     pub variance: f64,

@@ -48,13 +48,10 @@ const MODES: [Mode; 5] = [Mode::Rectified, Mode::RectifiedObject, Mode::Priority
 /// Fraction of the whole time that the references take, about.
 const SHARE_OF_REFERENCES: f64 = 0.4;
 
-/// A scene that could not be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum ExperimentError {
-    /// The scene cannot be rendered.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A piece cannot be kept.
     #[error(transparent)]
     Keep(#[from] ExportError),
     /// Images that cannot be held against each other, because a component is not finite.
@@ -99,7 +96,6 @@ fn variants() -> impl Iterator<Item = (Mode, Technique)> {
     independent.chain([(Mode::Rectified, Technique::shipped())])
 }
 
-/// Renders what the plan says and works it out.
 fn measure(maker: &Maker<'_>, progress: Progress<'_>) -> Result<Option<SceneErrors>, ExperimentError> {
     let Maker { prepared, camera, plan, store } = *maker;
     let scene = &prepared.description.name;

@@ -25,7 +25,6 @@ pub struct Run {
     pub events: Events,
 }
 
-/// A film at one sample count.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Level {
     /// Seconds of rendering up to here.
@@ -84,7 +83,6 @@ impl Maker<'_> {
         self.store.piece("run", &inputs, || Ok(self.render(&settings, technique.adaptive, progress)))
     }
 
-    /// Removes what is kept of a run, if anything is.
     pub fn forget(&self, mode: Mode, technique: Technique, seed: u64) {
         let settings = technique.settings(mode, seed, self.plan.max_depth);
         self.store.forget("run", &self.inputs(&settings, technique.adaptive));

@@ -17,7 +17,6 @@ pub struct Spread<'a> {
 /// Mean over all components, relative as in relMSE.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parts {
-    /// Of one run.
     pub variance: f64,
     pub bias_squared: f64,
 }
@@ -44,7 +43,6 @@ impl<'a> Spread<'a> {
         self.images.len() as f64
     }
 
-    /// Bias and variance of all runs.
     pub fn parts(&self) -> Parts {
         self.parts_of(self.sums.iter().copied(), self.count())
     }

@@ -18,7 +18,6 @@ pub struct Truth {
     flip: flip::Reference,
 }
 
-/// A pixel of both references.
 #[derive(Debug, Clone, Copy)]
 pub struct TruePixel {
     /// Of the two, r.

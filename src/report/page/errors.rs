@@ -62,7 +62,6 @@ pub fn method(report: &Report) -> Markup {
     }
 }
 
-/// Plot and tables.
 pub fn of_scene(scene: &SceneReport, found: &SceneErrors) -> Markup {
     let [width, height] = found.plan.size;
     html! {

@@ -45,7 +45,6 @@ fn picture(map: &Map) -> Option<String> {
     Some(BASE64_STANDARD.encode(png_bytes(&image, &[], Path::new(&map.formula)).ok()?))
 }
 
-/// The picture with its axes.
 pub fn figure(map: &Map) -> Markup {
     let Some(png) = picture(map) else { return html! {} };
     let about = format!("Relative error of the {} by {}, over index and angle", map.quantity, map.formula);

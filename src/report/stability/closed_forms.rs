@@ -115,12 +115,10 @@ pub fn graded(count: usize, index: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
     (0..count).map(|k| ((n - k as f64) / n, index((n - k as f64 - 0.5) / n))).collect()
 }
 
-/// Luneburg's lens.
 pub fn luneburg(r: f64) -> f64 {
     (2.0 - r * r).sqrt()
 }
 
-/// Eaton's lens.
 pub fn eaton(r: f64) -> f64 {
     (2.0 / r - 1.0).sqrt()
 }

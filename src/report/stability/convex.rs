@@ -60,7 +60,6 @@ impl Convex {
         (stretch[0] < stretch[1]).then_some(stretch)
     }
 
-    /// The body with every side moved outward by `distance`.
     fn grown(&self, distance: f64) -> Self {
         let sides = self.sides.iter().map(|(normal, offset)| (*normal, offset + distance)).collect();
         Self { sides, ..self.clone() }

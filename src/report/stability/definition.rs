@@ -20,7 +20,6 @@ pub struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    /// The code that renders.
     pub fn shipped(effort: Effort, cancel: &'a AtomicBool) -> Self {
         Self { effort, modes: &[Mode::Rectified, Mode::Reference], formula: Formula::Shipped, cancel }
     }
@@ -107,7 +106,6 @@ fn timed<T>(
     (found, outcome, start.elapsed().as_secs_f64())
 }
 
-/// A case that can be run.
 #[derive(Debug, Clone, Copy)]
 pub struct CaseDefinition {
     /// As in [`Case`].
@@ -135,7 +133,6 @@ impl CaseDefinition {
     }
 }
 
-/// A sweep that can be run.
 #[derive(Debug, Clone, Copy)]
 pub struct SweepDefinition {
     pub name: &'static str,

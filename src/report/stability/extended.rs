@@ -33,11 +33,6 @@ fn two_product(a: f64, b: f64) -> Extended {
 impl Extended {
     pub const ONE: Self = Self { hi: 1.0, lo: 0.0 };
 
-    /// a + b, exactly.
-    pub fn sum(a: f64, b: f64) -> Self {
-        two_sum(a, b)
-    }
-
     pub fn to_f64(self) -> f64 {
         self.hi
     }
@@ -128,7 +123,7 @@ pub struct Truth {
 
 /// Fresnel's equations between indices 1 + m1 and 1 + m2 at `c` = cos θi in (0, 1], rounded to f64 at the end.
 pub fn fresnel(m1: f64, m2: f64, c: f64) -> Truth {
-    let (n1, n2, c) = (Extended::sum(1.0, m1), Extended::sum(1.0, m2), Extended::from(c));
+    let (n1, n2, c) = (two_sum(1.0, m1), two_sum(1.0, m2), Extended::from(c));
     let ratio = n1 / n2;
     let cos_t_squared = Extended::ONE - ratio * ratio * (Extended::ONE - c * c);
     if !cos_t_squared.is_positive() {
@@ -151,7 +146,7 @@ pub fn fresnel(m1: f64, m2: f64, c: f64) -> Truth {
 
 /// Cosine of the critical angle from index 1 + m1 into 1 + m2, rounded to f64; `None` where there is none.
 pub fn critical_cosine(m1: f64, m2: f64) -> Option<f64> {
-    let ratio = Extended::sum(1.0, m2) / Extended::sum(1.0, m1);
+    let ratio = two_sum(1.0, m2) / two_sum(1.0, m1);
     let squared = Extended::ONE - ratio * ratio;
     squared.is_positive().then(|| squared.sqrt().to_f64())
 }
@@ -183,7 +178,7 @@ mod tests {
         assert!(rest.to_f64().abs() < 1e-31);
         let root = Extended::from(2.0).sqrt();
         assert!((root * root - Extended::from(2.0)).to_f64().abs() < 1e-31);
-        let tiny = Extended::sum(1.0, 1e-25) - Extended::ONE;
+        let tiny = two_sum(1.0, 1e-25) - Extended::ONE;
         assert_eq!(tiny.to_f64(), 1e-25);
         assert_eq!((-tiny + tiny).to_f64(), 0.0);
     }

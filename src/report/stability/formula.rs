@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use crate::optics::Interface;
 use crate::optics::fresnel::Refraction;
 
-/// A way to evaluate Fresnel's equations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Formula {

@@ -11,7 +11,6 @@ use super::outcome::Map;
 /// c²/b² up to which an angle is far from the critical one.
 const WELL_CONDITIONED: f64 = 10.0;
 
-/// A grid of indices and angles.
 struct Grid {
     /// (m1, m2): index minus one before and behind.
     pairs: Vec<[f64; 2]>,
@@ -25,40 +24,22 @@ fn eta([m1, m2]: [f64; 2]) -> f64 {
     (1.0 + m2) / (1.0 + m1)
 }
 
+/// Powers of ten between these, ends included.
+fn powers(decades: std::ops::RangeInclusive<i32>, per_decade: i32) -> impl Iterator<Item = f64> {
+    let steps = decades.start() * per_decade..=decades.end() * per_decade;
+    steps.map(move |k| 10f64.powf(f64::from(k) / f64::from(per_decade)))
+}
+
 /// From 1000:1 to 1:1000, and as near to 1 as 1 ± 1e-7, where f32 has its first steps.
-fn pairs(steps_per_decade: i32) -> Vec<[f64; 2]> {
-    let power = |k: i32| 10f64.powf(f64::from(k) / f64::from(steps_per_decade));
-    let near = (-7 * steps_per_decade..=0).map(|k| 1.0 + power(k));
-    let far = (0..=3 * steps_per_decade).map(power).filter(|n| *n > 2.0);
+fn pairs(per_decade: i32) -> Vec<[f64; 2]> {
+    let near = powers(-7..=0, per_decade).map(|x| 1.0 + x);
+    let far = powers(0..=3, per_decade).filter(|n| *n > 2.0);
     let indices: Vec<f64> = near.chain(far).map(|n| f64::from(n as f32) - 1.0).collect();
     let mut pairs: Vec<_> = indices.iter().rev().map(|&m| [m, 0.0]).collect();
     pairs.push([0.0, 0.0]);
     pairs.extend(indices.iter().map(|&m| [0.0, m]));
     pairs.dedup();
     pairs
-}
-
-/// All angles from grazing to normal.
-fn all_angles(steps_per_decade: i32) -> Grid {
-    let power = |k: i32| 10f64.powf(f64::from(k) / f64::from(steps_per_decade));
-    let rows = (-7 * steps_per_decade..=0).map(power).collect();
-    Grid { pairs: pairs(steps_per_decade), row_parameter: "cos θi", rows, cosine: |c, _| Some(f64::from(c as f32)) }
-}
-
-/// Just inside the critical angle, where light leaves a denser medium.
-fn near_critical(steps_per_decade: i32) -> Grid {
-    let power = |k: i32| 10f64.powf(f64::from(k) / f64::from(steps_per_decade));
-    let mut pairs = pairs(steps_per_decade);
-    pairs.retain(|pair| eta(*pair) < 1.0);
-    Grid {
-        pairs,
-        row_parameter: "cos θi / cos θc − 1",
-        rows: (-7 * steps_per_decade..=0).map(power).collect(),
-        cosine: |offset, [m1, m2]| {
-            let c = f64::from((critical_cosine(m1, m2)? * (1.0 + offset)) as f32);
-            (c <= 1.0).then_some(c)
-        },
-    }
 }
 
 /// Error of one quantity; `None` where both say that reflection is total.
@@ -112,9 +93,26 @@ fn map(subject: &Subject, formula: Formula, grid: &Grid, is_reflectance: bool) -
 
 /// Reflectance and transmittance by every formula, over all angles and just inside the critical one.
 pub(super) fn maps(subject: &Subject) -> Result<Vec<Map>, Unmeasured> {
-    let steps_per_decade = subject.amount(5, 10);
+    let per_decade = subject.amount(5, 10);
+    let rows: Vec<f64> = powers(-7..=0, per_decade).collect();
+    let all_angles = Grid {
+        pairs: pairs(per_decade),
+        row_parameter: "cos θi",
+        rows: rows.clone(),
+        cosine: |c, _| Some(f64::from(c as f32)),
+    };
+    // Where light leaves a denser medium.
+    let near_critical = Grid {
+        pairs: pairs(per_decade).into_iter().filter(|pair| eta(*pair) < 1.0).collect(),
+        row_parameter: "cos θi / cos θc − 1",
+        rows,
+        cosine: |offset, [m1, m2]| {
+            let c = f64::from((critical_cosine(m1, m2)? * (1.0 + offset)) as f32);
+            (c <= 1.0).then_some(c)
+        },
+    };
     let mut maps = Vec::new();
-    for grid in [all_angles(steps_per_decade), near_critical(steps_per_decade)] {
+    for grid in [all_angles, near_critical] {
         for formula in Formula::ALL {
             for is_reflectance in [true, false] {
                 maps.push(map(subject, formula, &grid, is_reflectance)?);

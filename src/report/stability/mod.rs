@@ -30,7 +30,6 @@ pub use definition::{CaseDefinition, Subject, SweepDefinition};
 pub use formula::{Evaluated, Formula};
 pub use outcome::{Case, Effort, ErrorKind, Map, Measurement, NOISE_ALLOWANCE, Outcome, Stability, Step, Sweep};
 
-/// All sweeps.
 pub fn sweeps() -> Vec<SweepDefinition> {
     [contrasts::SWEEPS, sweeps::SWEEPS].concat()
 }

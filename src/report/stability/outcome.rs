@@ -15,7 +15,6 @@ pub enum Effort {
     Full,
 }
 
-/// How an error is counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ErrorKind {
@@ -25,25 +24,19 @@ pub enum ErrorKind {
     Relative,
 }
 
-/// One number and what it should have been.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measurement {
     /// What was measured, and how: a mode, an angle, a height. In a sweep, the name of the curve.
     pub what: String,
-    #[serde(with = "null_is_nan")]
     pub expected: f64,
     /// NaN where nothing could be measured, which is a failure.
-    #[serde(with = "null_is_nan")]
     pub measured: f64,
     pub kind: ErrorKind,
     /// As `kind` says; NaN where nothing could be measured.
-    #[serde(with = "null_is_nan")]
     pub error: f64,
     /// The largest error allowed next to noise, as `kind` says.
-    #[serde(with = "null_is_nan")]
     pub bound: f64,
     /// Standard error of a random estimate, as `kind` says; 0 for what is not random. Four of them are allowed next to the bound.
-    #[serde(with = "null_is_nan")]
     pub noise: f64,
     /// Of the three values: `"°"`, `"rad"`, `"pixels"`, `"rays"`, …; empty for plain numbers.
     pub unit: String,
@@ -130,7 +123,6 @@ impl Measurement {
     }
 }
 
-/// What came of a case or a sweep.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "outcome", rename_all = "kebab-case")]
 pub enum Outcome {
@@ -201,7 +193,6 @@ impl Outcome {
     }
 }
 
-/// A stiff or extreme case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Case {
     /// 1 to 40; `None` for cases beyond the forty.
@@ -213,7 +204,6 @@ pub struct Case {
     pub measurements: Vec<Measurement>,
     #[serde(flatten)]
     pub outcome: Outcome,
-    /// Time it took, in seconds.
     pub seconds: f64,
 }
 
@@ -229,7 +219,6 @@ impl Case {
     }
 }
 
-/// One property of a scene, from harmless to extreme.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Sweep {
     pub name: String,
@@ -240,7 +229,6 @@ pub struct Sweep {
     pub steps: Vec<Step>,
     #[serde(flatten)]
     pub outcome: Outcome,
-    /// Time it took, in seconds.
     pub seconds: f64,
 }
 
@@ -255,12 +243,10 @@ pub struct Step {
 }
 
 impl Step {
-    /// At a value of the parameter.
     pub fn at(x: f64, measurement: Measurement) -> Self {
         Self { x, label: None, measurement }
     }
 
-    /// At a place with a name.
     pub fn named(x: f64, label: impl Into<String>, measurement: Measurement) -> Self {
         Self { x, label: Some(label.into()), measurement }
     }
@@ -271,7 +257,6 @@ impl Step {
 pub struct Map {
     /// `"reflectance"` or `"transmittance"`.
     pub quantity: String,
-    /// How it was computed.
     pub formula: String,
     /// Index behind over index before the interface, ascending: the columns.
     pub etas: Vec<f64>,
@@ -284,13 +269,11 @@ pub struct Map {
     pub relative_errors: Vec<Vec<Option<f64>>>,
     /// Places where the formula is wrong about whether reflection is total.
     pub wrong_decisions: usize,
-    /// Largest of the errors.
     pub worst: f64,
     /// Largest of the errors where the problem itself is well conditioned: c²/b² below 10, b being η cos θt.
     pub worst_well_conditioned: f64,
 }
 
-/// Everything.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Stability {
     pub effort: Effort,
@@ -303,19 +286,5 @@ impl Stability {
     /// Cases passed, failed and not run.
     pub fn counts(&self) -> [usize; 3] {
         ["passed", "failed", "not run"].map(|name| self.cases.iter().filter(|c| c.outcome.name() == name).count())
-    }
-}
-
-/// JSON has no NaN and no infinities: they are written as null, and null is read as NaN.
-mod null_is_nan {
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde asks for")]
-    pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-        value.is_finite().then_some(*value).serialize(serializer)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
-        Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
     }
 }

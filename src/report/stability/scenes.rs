@@ -207,23 +207,19 @@ impl Numbers {
         ((self.0 >> 33) as f64) / (1u64 << 31) as f64
     }
 
-    /// Uniform in [low, high).
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.next()
     }
 
-    /// Uniform in 0..count.
     pub fn index(&mut self, count: usize) -> usize {
         (self.next() * count as f64) as usize
     }
 
-    /// Uniform on the sphere.
     pub fn direction(&mut self) -> DVec3 {
         let u = [self.next(), self.next()];
         uniform_direction(u)
     }
 
-    /// Uniform in the box from `min` to `max`.
     pub fn point(&mut self, min: DVec3, max: DVec3) -> DVec3 {
         let u = DVec3::new(self.next(), self.next(), self.next());
         min + (max - min) * u
