@@ -23,18 +23,22 @@ const ABOVE_PLATEAU: f64 = 10.0;
 /// # Errors
 /// When an image does not fit the references or holds a component that is not finite.
 pub fn curve(of: &Measured, runs: &[Run], plan: &Plan, truth: &Truth) -> Result<Curve, MetricError> {
-    let last = images(runs, plan.spp.len() - 1);
+    let images: Vec<Vec<&Image>> = (0..plan.spp.len()).map(|level| images(runs, level)).collect();
+    let spreads: Vec<Spread<'_>> = images.iter().map(|images| Spread::new(&truth.pixels, images)).collect();
     let left_out: Vec<Vec<usize>> = runs.iter().map(|run| unsteady(run, truth)).collect();
     let mut points = Vec::with_capacity(plan.spp.len());
-    for (level, &spp) in plan.spp.iter().enumerate() {
-        let images = images(runs, level);
-        let spread = Spread::new(&truth.pixels, &images);
-        points.push(point(of.secs_before, spp, level, runs, &left_out, truth, spread.parts())?);
+    for (level, (&spp, spread)) in plan.spp.iter().zip(&spreads).enumerate() {
+        let errors = |(run, left_out): (&Run, &Vec<usize>)| {
+            let Level { render_secs, image } = &run.levels[level];
+            truth.errors(image, left_out, run.seed, *render_secs)
+        };
+        let runs = runs.iter().zip(&left_out).map(errors).collect::<Result<_, _>>()?;
+        points.push(point(of.secs_before, spp, runs, spread.parts()));
     }
-    let bias = Spread::new(&truth.pixels, &last).bias();
+    let bias = spreads[spreads.len() - 1].bias();
     let mut events = Events::default();
     runs.iter().for_each(|run| events += run.events);
-    let plateau = bias.is_biased.then(|| plateau(of, &points, &bias, runs, plan, truth)).flatten();
+    let plateau = bias.is_biased.then(|| plateau(of, &points, &bias, &spreads)).flatten();
     Ok(Curve {
         mode: of.mode,
         technique: of.technique,
@@ -67,25 +71,10 @@ pub fn images(runs: &[Run], level: usize) -> Vec<&Image> {
     runs.iter().map(|run| &run.levels[level].image).collect()
 }
 
-fn point(
-    secs_before: f64,
-    spp: u32,
-    level: usize,
-    runs: &[Run],
-    left_out: &[Vec<usize>],
-    truth: &Truth,
-    parts: Parts,
-) -> Result<Point, MetricError> {
-    let runs = (runs.iter())
-        .zip(left_out)
-        .map(|(run, left_out)| {
-            let Level { render_secs, image } = &run.levels[level];
-            truth.errors(image, left_out, run.seed, *render_secs)
-        })
-        .collect::<Result<Vec<RunPoint>, _>>()?;
+fn point(secs_before: f64, spp: u32, runs: Vec<RunPoint>, parts: Parts) -> Point {
     let over_runs = |figure: &dyn Fn(&RunPoint) -> f64| geometric_mean(&runs.iter().map(figure).collect::<Vec<f64>>());
     let secs = over_runs(&|run| run.render_secs + secs_before);
-    Ok(Point {
+    Point {
         spp,
         secs: secs.map_or(secs_before, |secs| secs.value),
         relmse: over_runs(&|run| run.relmse),
@@ -97,7 +86,7 @@ fn point(
         bias_squared: parts.bias_squared,
         efficiency: over_runs(&|run| 1.0 / (run.relmse * run.render_secs)),
         runs,
-    })
+    }
 }
 
 /// Of the points where the error falls as it should: above the noise of the references and, of a biased mode, above its plateau.
@@ -127,7 +116,7 @@ fn slope(points: &[Point], bias: &Bias, reference_noise: f64) -> Option<Slope> {
     })
 }
 
-fn plateau(of: &Measured, points: &[Point], bias: &Bias, runs: &[Run], plan: &Plan, truth: &Truth) -> Option<Plateau> {
+fn plateau(of: &Measured, points: &[Point], bias: &Bias, spreads: &[Spread<'_>]) -> Option<Plateau> {
     let last = points.last()?;
     let of_one_sample = points.iter().map(|point| point.variance * f64::from(point.spp)).collect::<Vec<_>>();
     let spp = median(&of_one_sample)? / bias.squared.value;
@@ -137,26 +126,22 @@ fn plateau(of: &Measured, points: &[Point], bias: &Bias, runs: &[Run], plan: &Pl
         relmse_trimmed: bias.squared_trimmed,
         spp,
         secs: of.secs_before + render_secs * spp / f64::from(last.spp),
-        measured_over_predicted: measured_over_predicted(of.technique, runs, plan, truth),
+        measured_over_predicted: measured_over_predicted(of.technique, spreads),
     })
 }
 
 /// The error at the last sample count, over what bias and variance at a quarter of the samples predict of it: the bias is to stay, the
 /// variance to fall to a quarter, as it does of independent samples. The references' noise is much the same in both and cancels.
-fn measured_over_predicted(technique: Technique, runs: &[Run], plan: &Plan, truth: &Truth) -> Option<Interval> {
+fn measured_over_predicted(technique: Technique, spreads: &[Spread<'_>]) -> Option<Interval> {
     if technique.sampler != Sequence::Independent || technique.adaptive {
         return None;
     }
-    let high = plan.spp.len().checked_sub(1)?;
-    let low = high.checked_sub(2)?;
-    let (high_images, low_images) = (images(runs, high), images(runs, low));
-    let (of_high, of_low) = (Spread::new(&truth.pixels, &high_images), Spread::new(&truth.pixels, &low_images));
-    let falls = f64::from(plan.spp[low]) / f64::from(plan.spp[high]);
-    let ratio =
-        |high: Parts, low: Parts| (high.bias_squared + high.variance) / (low.bias_squared + low.variance * falls);
-    let without_one = of_high.parts_without_one().into_iter().zip(of_low.parts_without_one());
+    // Samples have doubled twice between them.
+    let [.., low, _, high] = spreads else { return None };
+    let ratio = |high: Parts, low: Parts| (high.bias_squared + high.variance) / (low.bias_squared + low.variance / 4.0);
+    let without_one = high.parts_without_one().into_iter().zip(low.parts_without_one());
     let left_out: Vec<f64> = without_one.map(|(high, low)| ratio(high, low)).collect();
-    jackknife(ratio(of_high.parts(), of_low.parts()), &left_out)
+    jackknife(ratio(high.parts(), low.parts()), &left_out)
 }
 
 #[cfg(test)]

@@ -91,8 +91,8 @@ fn map(subject: &Subject, formula: Formula, grid: &Grid, is_reflectance: bool) -
     })
 }
 
-/// Reflectance and transmittance by every formula, over all angles and just inside the critical one.
-pub(super) fn maps(subject: &Subject) -> Result<Vec<Map>, Unmeasured> {
+/// Reflectance and transmittance by every [`Formula`], over all angles and just inside the critical one. `None` when cancelled.
+pub fn maps(subject: &Subject) -> Option<Vec<Map>> {
     let per_decade = subject.amount(5, 10);
     let rows: Vec<f64> = powers(-7..=0, per_decade).collect();
     let all_angles = Grid {
@@ -115,9 +115,9 @@ pub(super) fn maps(subject: &Subject) -> Result<Vec<Map>, Unmeasured> {
     for grid in [all_angles, near_critical] {
         for formula in Formula::ALL {
             for is_reflectance in [true, false] {
-                maps.push(map(subject, formula, &grid, is_reflectance)?);
+                maps.push(map(subject, formula, &grid, is_reflectance).ok()?);
             }
         }
     }
-    Ok(maps)
+    Some(maps)
 }

@@ -28,15 +28,11 @@ mod sweeps;
 
 pub use definition::{CaseDefinition, Subject, SweepDefinition};
 pub use formula::{Evaluated, Formula};
+pub use map::maps;
 pub use outcome::{Case, Effort, ErrorKind, Map, Measurement, NOISE_ALLOWANCE, Outcome, Stability, Step, Sweep};
 
 pub fn sweeps() -> Vec<SweepDefinition> {
     [contrasts::SWEEPS, sweeps::SWEEPS].concat()
-}
-
-/// Reflectance and transmittance by every [`Formula`], over all angles and just inside the critical one. `None` when cancelled.
-pub fn maps(subject: &Subject) -> Option<Vec<Map>> {
-    map::maps(subject).ok()
 }
 
 /// All cases: the forty in order, and those beyond.
