@@ -18,10 +18,7 @@ const LEAST_POINTS: usize = 3;
 /// Variance over squared bias from which on a biased mode's error falls like an unbiased one's, to a tenth.
 const ABOVE_PLATEAU: f64 = 10.0;
 
-/// The curve of `runs`, three or more, each with every sample count of the plan.
-///
-/// # Errors
-/// When an image does not fit the references or holds a component that is not finite.
+/// The curve of `runs`, three or more, each with every sample count of the plan. Fails where an image cannot be compared.
 pub fn curve(of: &Measured, runs: &[Run], plan: &Plan, truth: &Truth) -> Result<Curve, MetricError> {
     let images: Vec<Vec<&Image>> = (0..plan.spp.len()).map(|level| images(runs, level)).collect();
     let spreads: Vec<Spread<'_>> = images.iter().map(|images| Spread::new(&truth.pixels, images)).collect();

@@ -68,9 +68,6 @@ pub struct Maker<'a> {
 
 impl Maker<'_> {
     /// Renders, unless `store` has it from earlier: by the same build, with as many threads. `Ok(None)` where `progress` was cancelled.
-    ///
-    /// # Errors
-    /// When the run cannot be kept.
     pub fn run(
         &self,
         mode: Mode,

@@ -29,8 +29,7 @@ pub struct TruePixel {
 }
 
 impl Truth {
-    /// # Errors
-    /// When a reference has a component that is not finite.
+    /// Fails where a reference has a component that is not finite.
     pub fn new(references: References, size: [u32; 2]) -> Result<Self, MetricError> {
         let [width, height] = size.map(|side| side as usize);
         let mean = references.mean();
@@ -74,10 +73,7 @@ impl Truth {
     }
 
     /// Errors of `image`, which belongs to that seed and took so long. `left_out` are the pixels that [`RunPoint::relmse_steady`] leaves
-    /// out, which are all of a run's.
-    ///
-    /// # Errors
-    /// When the image has another size or a component that is not finite.
+    /// out, which are all of a run's. Fails where the image has another size or a component that is not finite.
     pub fn errors(
         &self,
         image: &[[f32; 3]],

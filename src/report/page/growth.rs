@@ -3,8 +3,9 @@
 use maud::{Markup, html};
 
 use super::plot::{Axis, Curve, DataPoint, Plot};
-use super::words::{bytes, fixed, number, time};
+use super::words::{bytes, fixed, interval, number, time};
 use crate::export::words::grouped;
+use crate::measure::Interval;
 use crate::report::data::Report;
 use crate::report::growth::{Exponent, Growth, GrowthPoint, Measure, Quantity};
 
@@ -23,6 +24,7 @@ pub fn section(report: &Report) -> Markup {
 
 fn of_quantity(growth: &Growth) -> Markup {
     let is_threads = growth.quantity == Quantity::Threads;
+    let columns = if is_threads { &OF_THREADS[..] } else { &OF_SIZES };
     html! {
         h3 { @match growth.quantity {
             Quantity::Triangles => "Triangles", Quantity::Nesting => "Nesting", Quantity::Objects => "Objects", Quantity::Threads => "Threads",
@@ -39,66 +41,50 @@ fn of_quantity(growth: &Growth) -> Markup {
         }
         div class="scroll" {
             table class="growth" {
-                thead { tr {
-                    th class="n" { (growth.quantity.name()) }
-                    @if !is_threads { th class="n" { "build" } th class="n" { "rectify" } }
-                    th class="n" { "a sample" }
-                    @if is_threads { th class="n" { "speed-up" } } @else { th class="n" { "memory" } th class="n" { "at most, meanwhile" } }
-                } }
+                thead { tr { th class="n" { (growth.quantity.name()) } @for (heading, ..) in columns { th class="n" { (heading) } } } }
                 tbody {
-                    @for point in &growth.points { (row(growth, point)) }
-                    @if !growth.exponents.is_empty() { (exponents(growth)) }
+                    @for point in &growth.points {
+                        tr {
+                            th class="n" scope="row" { (grouped(point.size)) }
+                            @for (_, _, show) in columns { td class="n" { (show(growth, point)) } }
+                        }
+                    }
+                    @if let Some(first) = growth.exponents.first() {
+                        tr class="exponents" {
+                            th class="n" scope="row" { "exponent from " (grouped(first.from_size)) }
+                            @for (_, measure, _) in columns { td class="n" { @if let Some(measure) = measure { (exponent(growth, *measure)) } } }
+                        }
+                    }
                 }
             }
         }
     }
 }
+
+fn exponent(growth: &Growth, measure: Measure) -> Markup {
+    let Some(found) = growth.exponents.iter().find(|exponent| exponent.measure == measure) else {
+        return html! { "–" };
+    };
+    let Exponent { exponent: value, low, high, .. } = *found;
+    interval(&Interval { value, low, high }, |x| fixed(x, 2))
+}
+
+/// Heading, the measure whose exponent stands below, and what is shown of a point.
+type Column = (&'static str, Option<Measure>, fn(&Growth, &GrowthPoint) -> String);
+
+const OF_SIZES: [Column; 5] = [
+    ("build", Some(Measure::Build), |_, point| time(point.build_secs)),
+    ("rectify", Some(Measure::Rectify), |_, point| time(point.rectify_secs)),
+    ("a sample", Some(Measure::Sample), |_, point| time(point.sample_secs)),
+    ("memory", Some(Measure::Memory), |_, point| point.memory_bytes.map_or("too little to tell".to_owned(), bytes)),
+    ("at most, meanwhile", None, |_, point| point.peak_bytes.map_or("–".to_owned(), bytes)),
+];
+
+const OF_THREADS: [Column; 2] =
+    [OF_SIZES[2], ("speed-up", None, |growth, point| fixed(growth.points[0].sample_secs / point.sample_secs, 2))];
 
 fn figure(caption: &str, plot: &Plot) -> Markup {
     html! { figure { figcaption { (caption) } (plot.draw()) } }
-}
-
-fn row(growth: &Growth, point: &GrowthPoint) -> Markup {
-    let is_threads = growth.quantity == Quantity::Threads;
-    html! {
-        tr {
-            th class="n" scope="row" { (grouped(point.size)) }
-            @if !is_threads { td class="n" { (time(point.build_secs)) } td class="n" { (time(point.rectify_secs)) } }
-            td class="n" { (time(point.sample_secs)) }
-            @if is_threads {
-                td class="n" { @match growth.points.first() { Some(first) => (fixed(first.sample_secs / point.sample_secs, 2)), None => "–" } }
-            } @else {
-                td class="n" { @match point.memory_bytes { Some(memory) => (bytes(memory)), None => "too little to tell" } }
-                td class="n" { @match point.peak_bytes { Some(peak) => (bytes(peak)), None => "–" } }
-            }
-        }
-    }
-}
-
-fn exponents(growth: &Growth) -> Markup {
-    let of = |measure| growth.exponents.iter().find(|exponent| exponent.measure == measure);
-    let cell = |exponent: Option<&Exponent>| {
-        html! {
-            td class="n" {
-                @match exponent {
-                    Some(e) => { (fixed(e.exponent, 2)) " " span class="interval" { "(" (fixed(e.low, 2)) " to " (fixed(e.high, 2)) ")" } }
-                    None => "–"
-                }
-            }
-        }
-    };
-    html! {
-        tr class="exponents" {
-            th class="n" scope="row" {
-                "exponent"
-                @if let Some(first) = growth.exponents.first() { " from " (grouped(first.from_size)) }
-            }
-            @if growth.quantity == Quantity::Threads { (cell(of(Measure::Sample))) td class="n" { "" } } @else {
-                @for measure in Measure::ALL { (cell(of(measure))) }
-                td class="n" { "" }
-            }
-        }
-    }
 }
 
 fn plot(growth: &Growth, measures: &[(&str, Measure)]) -> Plot {

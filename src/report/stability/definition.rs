@@ -32,8 +32,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// # Errors
-    /// When the checks were cancelled.
+    /// Fails when the checks were cancelled.
     pub(super) fn go_on(&self) -> Result<(), Unmeasured> {
         if self.cancel.load(Ordering::Relaxed) { Err(Unmeasured::Cancelled) } else { Ok(()) }
     }
@@ -52,29 +51,15 @@ impl<'a> Subject<'a> {
 }
 
 /// Why there are no measurements.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub(super) enum Unmeasured {
     /// The program cannot do it yet.
+    #[error("{0}")]
     Missing(&'static str),
+    #[error("cancelled")]
     Cancelled,
-    /// The scene of the case was refused.
-    Refused(SceneError),
-}
-
-impl From<SceneError> for Unmeasured {
-    fn from(error: SceneError) -> Self {
-        Self::Refused(error)
-    }
-}
-
-impl Unmeasured {
-    fn outcome(&self) -> Outcome {
-        match self {
-            Self::Missing(what) => Outcome::NotRun { reason: (*what).to_owned() },
-            Self::Cancelled => Outcome::NotRun { reason: "cancelled".to_owned() },
-            Self::Refused(error) => Outcome::Failed { reason: format!("the scene was refused: {error}") },
-        }
-    }
+    #[error("the scene was refused: {0}")]
+    Refused(#[from] SceneError),
 }
 
 pub(super) type Measured<T = Measurement> = Result<Vec<T>, Unmeasured>;
@@ -101,7 +86,8 @@ fn timed<T>(
             let outcome = judge(&found);
             (found, outcome)
         }
-        Err(why) => (Vec::new(), why.outcome()),
+        Err(why @ Unmeasured::Refused(_)) => (Vec::new(), Outcome::Failed { reason: why.to_string() }),
+        Err(why) => (Vec::new(), Outcome::NotRun { reason: why.to_string() }),
     };
     (found, outcome, start.elapsed().as_secs_f64())
 }
