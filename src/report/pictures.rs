@@ -9,7 +9,7 @@ use super::progress::Progress;
 use super::timing::Timed;
 use crate::export::color_map::{diverging, luminance, round_up_to_125};
 use crate::export::{ExportError, Picture, png_bytes};
-use crate::measure::difference;
+use crate::measure::{Difference, difference};
 use crate::render::{Display, Film, ImageSettings};
 use crate::scene::camera::Camera;
 use crate::tracking::{Events, Mode, Prepared};
@@ -102,26 +102,22 @@ pub fn make(
     let title = Path::new(&prepared.description.name);
     let mut others = Vec::new();
     for ((&mode, film), picture) in modes.iter().zip(&films).zip(&pictures).skip(1) {
-        let figures = difference(&picture.rgb, &right.rgb)?;
+        let Difference { relmse, mean_abs, .. } = difference(&picture.rgb, &right.rgb)?;
         let sameness = match () {
             () if picture.rgb == right.rgb => Sameness::Equal,
-            () if figures.relmse < ROUNDING => Sameness::Rounding,
+            () if relmse < ROUNDING => Sameness::Rounding,
             () => Sameness::Different,
         };
-        let (relmse, mean_abs) = (figures.relmse, figures.mean_abs);
-        others.push(OtherMode { mode, sameness, relmse, mean_abs, events: film.events, difference: None });
+        let brighter = picture.rgb.iter().zip(&right.rgb).map(|(a, b)| luminance(*a) - luminance(*b));
+        let brighter: Vec<f32> = if sameness == Sameness::Different { brighter.collect() } else { Vec::new() };
+        let other = OtherMode { mode, sameness, relmse, mean_abs, events: film.events, difference: None };
+        others.push((other, brighter));
     }
-    let is_different = |other: &OtherMode| other.sameness == Sameness::Different;
-    let pairs = others.iter().zip(&pictures[1..]).filter(|(other, _)| is_different(other));
-    let different: Vec<&Picture> = pairs.map(|(_, picture)| picture).collect();
-    let scale = round_up_to_125(beyond(&different, right));
-    for (other, picture) in others.iter_mut().zip(&pictures[1..]) {
-        if is_different(other) {
-            let pixels = picture.rgb.iter().zip(&right.rgb);
-            let bytes = pixels.flat_map(|(a, b)| diverging((luminance(*a) - luminance(*b)) / scale)).collect();
-            let image = image::RgbImage::from_raw(plan.width, plan.height, bytes).expect("three bytes a pixel");
-            other.difference = Some(BASE64_STANDARD.encode(png_bytes(&image, &[], title)?));
-        }
+    let scale = round_up_to_125(beyond(others.iter().flat_map(|(_, brighter)| brighter)));
+    for (other, brighter) in others.iter_mut().filter(|(_, brighter)| !brighter.is_empty()) {
+        let bytes = brighter.iter().flat_map(|difference| diverging(difference / scale)).collect();
+        let image = image::RgbImage::from_raw(plan.width, plan.height, bytes).expect("three bytes a pixel");
+        other.difference = Some(BASE64_STANDARD.encode(png_bytes(&image, &[], title)?));
     }
     Ok(Some(Pictures {
         width: plan.width,
@@ -130,7 +126,7 @@ pub fn make(
         rectified: BASE64_STANDARD.encode(png_bytes(&right.encode(&Display::default()), &[], title)?),
         rectified_events: films[0].events,
         scale,
-        others,
+        others: others.into_iter().map(|(other, _)| other).collect(),
     }))
 }
 
@@ -181,12 +177,9 @@ fn render(
     Some(all.into_iter().map(|timed| timed.film).collect())
 }
 
-/// The difference in luminance that at most [`BEYOND_SCALE`] of the pixels of these pictures exceed.
-fn beyond(pictures: &[&Picture], right: &Picture) -> f32 {
-    let mut sizes: Vec<f32> = (pictures.iter())
-        .flat_map(|picture| picture.rgb.iter().zip(&right.rgb))
-        .map(|(a, b)| (luminance(*a) - luminance(*b)).abs())
-        .collect();
+/// The size that at most [`BEYOND_SCALE`] of these differences exceed.
+fn beyond<'a>(differences: impl Iterator<Item = &'a f32>) -> f32 {
+    let mut sizes: Vec<f32> = differences.map(|difference| difference.abs()).collect();
     sizes.sort_by(f32::total_cmp);
     let rank = ((1.0 - BEYOND_SCALE) * sizes.len() as f64) as usize;
     sizes.get(rank).copied().unwrap_or(0.0)

@@ -89,7 +89,7 @@ fn critical(subject: &Subject) -> Measured<Step> {
                     let truth = fresnel(m1, m2, inside);
                     let evaluated = subject.formula.evaluate(m1, m2, inside);
                     let error = (evaluated.transmittance / truth.transmittance - 1.0).abs();
-                    let roundings = error / (0.5 * f64::EPSILON * (1.0 + truth.condition));
+                    let roundings = error / (0.5 * f64::EPSILON * (1.0 + truth.condition(m1, m2, inside)));
                     let what = format!("error of T, {name}");
                     found.push(Measurement::absolute(what, roundings, 0.0, ROUNDINGS).in_unit("roundings"));
                 }

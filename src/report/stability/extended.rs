@@ -4,6 +4,8 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::formula::Evaluated;
+
 /// hi + lo, with |lo| at most half a unit in the last place of hi.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extended {
@@ -108,26 +110,13 @@ impl Div for Extended {
     }
 }
 
-/// What Fresnel's equations and Snell's law say at one angle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Truth {
-    /// Unpolarised.
-    pub reflectance: f64,
-    /// 0 where reflection is total.
-    pub transmittance: f64,
-    pub is_total: bool,
-    /// c²/b² with b = η cos θt: by how much a relative error of the cosine is amplified near the critical angle. Infinite where
-    /// reflection is total.
-    pub condition: f64,
-}
-
 /// Fresnel's equations between indices 1 + m1 and 1 + m2 at `c` = cos θi in (0, 1], rounded to f64 at the end.
-pub fn fresnel(m1: f64, m2: f64, c: f64) -> Truth {
+pub fn fresnel(m1: f64, m2: f64, c: f64) -> Evaluated {
     let (n1, n2, c) = (two_sum(1.0, m1), two_sum(1.0, m2), Extended::from(c));
     let ratio = n1 / n2;
     let cos_t_squared = Extended::ONE - ratio * ratio * (Extended::ONE - c * c);
     if !cos_t_squared.is_positive() {
-        return Truth { reflectance: 1.0, transmittance: 0.0, is_total: true, condition: f64::INFINITY };
+        return Evaluated::TOTAL;
     }
     let t = cos_t_squared.sqrt();
     let two = Extended::from(2.0);
@@ -135,12 +124,11 @@ pub fn fresnel(m1: f64, m2: f64, c: f64) -> Truth {
     let (s, p) = (n1 * c + n2 * t, n2 * c + n1 * t);
     let (rs, rp) = ((n1 * c - n2 * t) / s, (n2 * c - n1 * t) / p);
     let (ts, tp) = (two * n1 * c / s, two * n1 * c / p);
-    let b = n2 / n1 * t;
-    Truth {
+    Evaluated {
         reflectance: (half * (rs * rs + rp * rp)).to_f64(),
         transmittance: (half * (ts * ts + tp * tp) * (n2 * t) / (n1 * c)).to_f64(),
         is_total: false,
-        condition: (c * c / (b * b)).to_f64(),
+        cos_t: t.to_f64(),
     }
 }
 

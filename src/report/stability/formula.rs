@@ -28,7 +28,13 @@ pub struct Evaluated {
 }
 
 impl Evaluated {
-    const TOTAL: Self = Self { reflectance: 1.0, transmittance: 0.0, is_total: true, cos_t: 0.0 };
+    pub(super) const TOTAL: Self = Self { reflectance: 1.0, transmittance: 0.0, is_total: true, cos_t: 0.0 };
+
+    /// c²/b² with b = η cos θt: by how much a relative error of the cosine is amplified near the critical angle. Infinite where
+    /// reflection is total.
+    pub fn condition(&self, m1: f64, m2: f64, c: f64) -> f64 {
+        (c * (1.0 + m1) / ((1.0 + m2) * self.cos_t)).powi(2)
+    }
 }
 
 impl Formula {

@@ -42,13 +42,8 @@ fn broken(subject: &Subject) -> Measured {
     let medium_at = |p: DVec3| {
         let r = p.length();
         let is_clear = radii.iter().all(|radius| r < 0.98 * radius || r > *radius);
-        is_clear.then_some(if r > radii[0] {
-            "world"
-        } else if r > radii[1] {
-            "object 0"
-        } else {
-            "object 1"
-        })
+        let depth = radii.iter().filter(|radius| r <= **radius).count();
+        is_clear.then_some(["world", "object 0", "object 1"][depth])
     };
     let mut numbers = Numbers(43);
     let mut description = empty(1.0);

@@ -197,12 +197,10 @@ fn trapped(subject: &Subject) -> Measured {
     description.camera.position = DVec3::new(0.0, 0.0, 0.9);
     description.camera.vertical_fov = 90.0;
     let mut scenes = Vec::new();
-    for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
-        for sign in [1.0, -1.0] {
-            description.camera.target = description.camera.position + axis * sign;
-            description.camera.up = if axis == DVec3::Y { DVec3::X } else { DVec3::Y };
-            scenes.push(ready(description.clone())?);
-        }
+    for forward in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
+        description.camera.target = description.camera.position + forward;
+        description.camera.up = if forward.y == 0.0 { DVec3::Y } else { DVec3::X };
+        scenes.push(ready(description.clone())?);
     }
     subject.in_modes(|mode| {
         let (side, samples) =

@@ -4,7 +4,7 @@
 //! of arithmetic and not of input. Light comes out of vacuum into n ≥ 1, or out of n into vacuum, as in scenes.
 
 use super::definition::{Subject, Unmeasured};
-use super::extended::{Truth, critical_cosine, fresnel};
+use super::extended::{critical_cosine, fresnel};
 use super::formula::{Evaluated, Formula};
 use super::outcome::Map;
 
@@ -43,7 +43,7 @@ fn pairs(per_decade: i32) -> Vec<[f64; 2]> {
 }
 
 /// Error of one quantity; `None` where both say that reflection is total.
-fn relative_error(is_reflectance: bool, truth: &Truth, evaluated: &Evaluated) -> Option<f64> {
+fn relative_error(is_reflectance: bool, truth: &Evaluated, evaluated: &Evaluated) -> Option<f64> {
     let (expected, measured) = if is_reflectance {
         (truth.reflectance, evaluated.reflectance)
     } else {
@@ -71,7 +71,7 @@ fn map(subject: &Subject, formula: Formula, grid: &Grid, is_reflectance: bool) -
             wrong_decisions += usize::from(truth.is_total != evaluated.is_total);
             let error = relative_error(is_reflectance, &truth, &evaluated)?;
             worst = worst.max(error);
-            if truth.condition < WELL_CONDITIONED {
+            if truth.condition(m1, m2, c) < WELL_CONDITIONED {
                 worst_well_conditioned = worst_well_conditioned.max(error);
             }
             Some(error)

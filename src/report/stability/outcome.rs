@@ -110,8 +110,11 @@ impl Measurement {
         Self { noise: self.noise, unit: self.unit.clone(), limit: self.limit.clone(), ..fresh }
     }
 
-    /// In words, with the reason where one is known.
-    fn fault(&self) -> String {
+    /// In words, with the reason where one is known; `None` within the bound.
+    fn fault(&self) -> Option<String> {
+        if self.is_within_bound() {
+            return None;
+        }
         let Self { what, measured, expected, error, bound, unit, .. } = self;
         let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
         let noise = if self.noise > 0.0 { format!(", noise {:.2e}", self.noise) } else { String::new() };
@@ -119,7 +122,7 @@ impl Measurement {
         let is_exact = self.kind == ErrorKind::Absolute && *bound == 0.0 && self.noise == 0.0;
         let error = if is_exact { String::new() } else { format!(" (error {error:.2e}, bound {bound:.2e}{noise})") };
         let limit = self.limit.as_ref().map_or(String::new(), |limit| format!(": {limit}"));
-        format!("{what}: {measured}{unit}, not {expected}{error}{limit}")
+        Some(format!("{what}: {measured}{unit}, not {expected}{error}{limit}"))
     }
 }
 
@@ -140,35 +143,27 @@ pub enum Outcome {
 impl Outcome {
     /// Of measurements that were all taken. None at all is a failure: it tells nothing.
     pub fn of<'a>(measurements: impl IntoIterator<Item = &'a Measurement>) -> Self {
-        Self::of_all(measurements.into_iter().map(|measurement| (String::new(), measurement)))
+        Self::of_faults(measurements.into_iter().map(Measurement::fault))
     }
 
-    /// Of the steps of a sweep.
     pub fn of_steps(steps: &[Step]) -> Self {
-        let place = |step: &Step| match &step.label {
-            Some(label) => format!("at {label}, "),
-            None => format!("at {:e}, ", step.x),
-        };
-        Self::of_all(steps.iter().map(|step| (place(step), &step.measurement)))
+        Self::of_faults(steps.iter().map(|step| {
+            let place = step.label.clone().unwrap_or_else(|| format!("{:e}", step.x));
+            Some(format!("at {place}, {}", step.measurement.fault()?))
+        }))
     }
 
-    /// Each with its place in words.
-    fn of_all<'a>(measurements: impl Iterator<Item = (String, &'a Measurement)>) -> Self {
-        let (mut count, mut faults) = (0, Vec::new());
-        for (place, measurement) in measurements {
-            count += 1;
-            if !measurement.is_within_bound() {
-                faults.push(place + &measurement.fault());
-            }
-        }
-        match (count, faults.as_slice()) {
-            (0, _) => Self::Failed { reason: "nothing was measured".to_owned() },
-            (_, []) => Self::Passed,
-            (_, [only]) => Self::Failed { reason: only.clone() },
-            (_, [first, ..]) => {
-                Self::Failed { reason: format!("{} of {count} are out of bounds; first, {first}", faults.len()) }
-            }
-        }
+    /// Of the fault of each measurement.
+    fn of_faults(all: impl Iterator<Item = Option<String>>) -> Self {
+        let all: Vec<Option<String>> = all.collect();
+        let faults: Vec<&String> = all.iter().flatten().collect();
+        let reason = match (all.len(), faults.as_slice()) {
+            (0, _) => "nothing was measured".to_owned(),
+            (_, []) => return Self::Passed,
+            (_, [only]) => (*only).clone(),
+            (count, [first, ..]) => format!("{} of {count} are out of bounds; first, {first}", faults.len()),
+        };
+        Self::Failed { reason }
     }
 
     pub fn is_passed(&self) -> bool {

@@ -167,13 +167,9 @@ pub fn render(
     let camera = Camera::new(&scene.description.camera)?;
     let settings = ImageSettings { max_depth, ..ImageSettings::new(mode, seed) };
     let mut film = Film::new(size.0, size.1);
+    let task = RenderTask { prepared: scene, camera: &camera, settings: &settings };
     // Never cancelled: these films take a fraction of a second.
-    Cpu.pass(
-        &RenderTask { prepared: scene, camera: &camera, settings: &settings },
-        &mut film,
-        samples,
-        &AtomicBool::new(false),
-    );
+    Cpu.pass(&task, &mut film, samples, &AtomicBool::new(false));
     Ok(film)
 }
 
