@@ -8,9 +8,9 @@
 //! (x − r₁)(x − r₂) has the mean (x − E r)²: their noise cancels ([`difference_from_two`]).
 
 /// Keeps relMSE and sMAPE finite where the reference is black.
-const DARK: f64 = 0.01;
+pub const DARK: f64 = 0.01;
 /// The share of pixels that the trimmed relMSE leaves out: one in so many.
-const TRIM_ONE_IN: usize = 1000;
+pub const TRIM_ONE_IN: usize = 1000;
 
 /// Figures of one image against another. All ≥ 0, all 0 for equal images.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]

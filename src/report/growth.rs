@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::machine::{available_bytes, forget_peak, peak_bytes, resident_bytes};
 use super::progress::Progress;
 use super::timing::Timed;
-use crate::measure::statistics::power_law;
+use crate::measure::statistics::{Interval, power_law};
 use crate::render::ImageSettings;
 use crate::scene::camera::Camera;
 use crate::scene::{Description, SceneError};
@@ -162,16 +162,8 @@ pub fn exponent(quantity: Quantity, measure: Measure, points: &[GrowthPoint]) ->
         .filter(|point| point.size as f64 >= from)
         .filter_map(|point| Some((point.size as f64, measure.of(point)?)))
         .unzip();
-    let law = power_law(&sizes, &values)?;
-    let [low, high] = [law.exponent.low, law.exponent.high];
-    Some(Exponent {
-        measure,
-        exponent: law.exponent.value,
-        low,
-        high,
-        from_size: *sizes.first()? as u64,
-        points: sizes.len(),
-    })
+    let Interval { value, low, high } = power_law(&sizes, &values)?.exponent;
+    Some(Exponent { measure, exponent: value, low, high, from_size: *sizes.first()? as u64, points: sizes.len() })
 }
 
 pub fn fits(quantity: Quantity, size: u64) -> bool {

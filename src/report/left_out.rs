@@ -90,12 +90,8 @@ pub fn measure(prepared: &Prepared, camera: &Camera, plan: &LeftOutPlan, progres
     let scene = &prepared.scene;
     let names = scene.needs.left_out();
     let (render, images_are_equal, samples) = put_back(prepared, camera, plan, SceneNeeds::EVERYTHING, progress)?;
-    let (rectify, tables_are_equal) = if scene.needs.nesting {
-        (None, None)
-    } else {
-        let (ratio, equal) = pretrace(scene, plan, progress)?;
-        (Some(ratio), Some(equal))
-    };
+    let pretraced = if scene.needs.nesting { None } else { Some(pretrace(scene, plan, progress)?) };
+    let (rectify, tables_are_equal) = pretraced.unzip();
     let mut each = Vec::new();
     for &need in names.iter().filter(|_| plan.each) {
         // What the scene has no data for cannot be put back.

@@ -1,6 +1,6 @@
 //! The whole in a few sentences: for the top of the page, and as a file of its own to be quoted.
 
-use super::data::{Report, SceneReport};
+use super::data::{Origin, Report, SceneReport};
 use super::editing::Edit;
 use super::experiment::{Curve, SceneErrors, Technique};
 use super::growth::{Measure, Quantity};
@@ -45,17 +45,9 @@ pub fn findings(report: &Report) -> Vec<Finding> {
 
 /// The findings as a list in Markdown, with where they come from.
 pub fn markdown(report: &Report) -> String {
-    let origin = &report.origin;
-    let machine = origin.machine.cpu.as_deref().unwrap_or("unknown processor");
-    let mut text = format!(
-        "`{}`, {} {}, on {} threads of {}, {}:\n\n",
-        origin.command,
-        origin.program,
-        origin.version,
-        origin.threads,
-        machine.trim(),
-        origin.date
-    );
+    let Origin { command, program, version, threads, machine, date, .. } = &report.origin;
+    let cpu = machine.cpu.as_deref().unwrap_or("unknown processor").trim();
+    let mut text = format!("`{command}`, {program} {version}, on {threads} threads of {cpu}, {date}:\n\n");
     for finding in findings(report) {
         let colon = if finding.details.is_empty() { "" } else { ": " };
         text += &format!("- **{}**{colon}{}\n", finding.what, finding.details);

@@ -9,6 +9,7 @@
 
 use super::sums::{Image, Sums};
 use super::truth::TruePixel;
+use crate::measure::metrics::DARK;
 use crate::measure::statistics::median;
 
 /// How many times its standard error b must be for a pixel to count for half.
@@ -58,7 +59,7 @@ fn squared_error(sums: Sums, count: f64) -> f64 {
 
 /// As in relMSE, never 0.
 fn squared_radiance(radiance: f64) -> f64 {
-    radiance * radiance + 0.01
+    radiance * radiance + DARK
 }
 
 /// One component of a mean image against its reference.

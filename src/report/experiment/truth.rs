@@ -1,13 +1,9 @@
 //! Images held against two references at once.
 
 use super::data::RunPoint;
+use crate::measure::metrics::{DARK, TRIM_ONE_IN};
 use crate::measure::{MetricError, difference, difference_from_two, flip};
 use crate::report::reference::References;
-
-/// Added to squared radiance where an error is taken relative to it, as in [`crate::measure`].
-const DARK: f64 = 0.01;
-/// The share of pixels that a trimmed figure leaves out: one in so many.
-const TRIM_ONE_IN: usize = 1000;
 
 /// What is known of the true image, per pixel and channel.
 #[derive(Debug, Clone)]

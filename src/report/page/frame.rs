@@ -64,9 +64,8 @@ fn origin(origin: &Origin) -> Markup {
     let machine = &origin.machine;
     let unknown = || "unknown processor".to_owned();
     let load = origin.load_before.map(|load| {
-        let is_quiet = load < 0.25;
         let share = fixed(load, 2);
-        if is_quiet {
+        if load < 0.25 {
             format!("quiet (load {share})")
         } else {
             format!("others were using it (load {share}): times are longer than they need to be")

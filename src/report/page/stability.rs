@@ -39,11 +39,8 @@ pub fn section(found: &Stability) -> Markup {
 }
 
 fn outcome(outcome: &Outcome) -> Markup {
-    match outcome {
-        Outcome::Passed => verdict(Some(true), "passed"),
-        Outcome::Failed { .. } => verdict(Some(false), "failed"),
-        Outcome::NotRun { .. } => verdict(None, "not run"),
-    }
+    let is_good = if let Outcome::NotRun { .. } = outcome { None } else { Some(outcome.is_passed()) };
+    verdict(is_good, outcome.name())
 }
 
 fn row(case: &Case) -> Markup {

@@ -100,16 +100,6 @@ impl Measurement {
         self.error <= self.bound + NOISE_ALLOWANCE * self.noise
     }
 
-    /// The same measurement held against another expected value.
-    #[must_use]
-    pub fn against(&self, expected: f64) -> Self {
-        let fresh = match self.kind {
-            ErrorKind::Absolute => Self::absolute(self.what.clone(), self.measured, expected, self.bound),
-            ErrorKind::Relative => Self::relative(self.what.clone(), self.measured, expected, self.bound),
-        };
-        Self { noise: self.noise, unit: self.unit.clone(), limit: self.limit.clone(), ..fresh }
-    }
-
     /// In words, with the reason where one is known; `None` within the bound.
     fn fault(&self) -> Option<String> {
         if self.is_within_bound() {
