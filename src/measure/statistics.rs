@@ -4,7 +4,7 @@
 //! their own, of what other seeds would have given. Nothing here draws random numbers.
 
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, StudentsT};
 
 /// Probability with which an interval holds the true value.
 pub const CONFIDENCE: f64 = 0.95;
@@ -75,6 +75,18 @@ pub fn median(values: &[f64]) -> Option<f64> {
     let middle = sorted.len() / 2;
     let upper = *sorted.get(middle)?;
     Some(if sorted.len().is_multiple_of(2) { (sorted[middle - 1] + upper) / 2.0 } else { upper })
+}
+
+/// Rank, from both ends, of the ordered values between which the median lies with a probability of at least 95 % where so many values can
+/// give that, and the probability. The median lies below the k-th smallest of n with the probability that a fair coin shows heads fewer
+/// than k times in n throws (David and Nagaraja, *Order Statistics*, 7.1).
+pub fn median_interval(count: usize) -> (usize, f64) {
+    let inside = |rank: usize| match Binomial::new(0.5, count as u64) {
+        Ok(heads) => 1.0 - 2.0 * heads.cdf(rank as u64),
+        Err(_) => f64::NAN,
+    };
+    let rank = (1..count.div_ceil(2)).take_while(|&rank| inside(rank) >= 0.95).last().unwrap_or(0);
+    (rank, inside(rank).max(0.0))
 }
 
 /// The mean of independent `values` with its t-interval; `None` of fewer than two.
@@ -192,6 +204,18 @@ mod tests {
         assert_eq!(median(&[3.0, 1.0, 2.0]), Some(2.0));
         assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), Some(2.5));
         assert_eq!(median(&[]), None);
+    }
+
+    /// Against tables of the sign test, as in Conover, *Practical Nonparametric Statistics*: ranks and exact coverages.
+    #[test]
+    fn intervals_of_the_median_are_those_of_the_sign_test() {
+        for (count, rank, confidence) in
+            [(1, 0, 0.0), (2, 0, 0.5), (5, 0, 0.9375), (6, 0, 0.96875), (9, 1, 0.9609375), (15, 3, 0.96484375)]
+        {
+            let (found, probability) = median_interval(count);
+            assert_eq!(found, rank, "{count}");
+            assert!((probability - confidence).abs() < 1e-12, "{count}: {probability}");
+        }
     }
 
     /// The Norris data of NIST's Statistical Reference Datasets, whose certified values have 15 digits.

@@ -3,10 +3,9 @@
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{Binomial, DiscreteCDF};
 
 use super::progress::Progress;
-use crate::measure::statistics::median;
+use crate::measure::statistics::{median, median_interval};
 use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
 use crate::scene::camera::Camera;
 use crate::tracking::Prepared;
@@ -61,18 +60,6 @@ pub fn pairs(
     (0..=count).map(pair).skip(1).collect()
 }
 
-/// Rank, from both ends, of the ordered values between which the median lies with a probability of at least 95 % where so many values can
-/// give that, and the probability. The median lies below the k-th smallest of n with the probability that a fair coin shows heads fewer
-/// than k times in n throws (David and Nagaraja, *Order Statistics*, 7.1).
-fn median_interval(count: usize) -> (usize, f64) {
-    let inside = |rank: usize| match Binomial::new(0.5, count as u64) {
-        Ok(heads) => 1.0 - 2.0 * heads.cdf(rank as u64),
-        Err(_) => f64::NAN,
-    };
-    let rank = (1..count.div_ceil(2)).take_while(|&rank| inside(rank) >= 0.95).last().unwrap_or(0);
-    (rank, inside(rank).max(0.0))
-}
-
 /// One image that is rendered in slices, each of them timed.
 pub struct Timed<'a> {
     pub prepared: &'a Prepared,
@@ -123,18 +110,6 @@ impl<'a> Timed<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Against tables of the sign test, as in Conover, *Practical Nonparametric Statistics*: ranks and exact coverages.
-    #[test]
-    fn intervals_of_the_median_are_those_of_the_sign_test() {
-        for (count, rank, confidence) in
-            [(1, 0, 0.0), (2, 0, 0.5), (5, 0, 0.9375), (6, 0, 0.96875), (9, 1, 0.9609375), (15, 3, 0.96484375)]
-        {
-            let (found, probability) = median_interval(count);
-            assert_eq!(found, rank, "{count}");
-            assert!((probability - confidence).abs() < 1e-12, "{count}: {probability}");
-        }
-    }
 
     #[test]
     fn one_slow_pair_does_not_decide_a_ratio() {
