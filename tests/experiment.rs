@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use iorect::formats;
 use iorect::measure::Interval;
 use iorect::measure::statistics::t_quantile;
-use iorect::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
+use iorect::render::{Film, ImageSettings, RenderTask};
 use iorect::report::experiment::{Curve, Effort, SceneErrors, Technique, scene_errors};
 use iorect::report::progress::Progress;
 use iorect::report::reference::{References, SEEDS, Wanted, references};
@@ -62,12 +62,10 @@ fn references_are_those_of_the_mode_that_asks_and_have_seeds_of_their_own() {
     for (seed, image) in SEEDS.into_iter().zip(&found.images) {
         let settings = ImageSettings { max_depth: Some(16), ..ImageSettings::new(Mode::Reference, seed) };
         let mut film = Film::new(24, 16);
-        assert!(Cpu.pass(
-            &RenderTask { prepared: &subject.prepared, camera: &subject.camera, settings: &settings },
-            &mut film,
-            4,
-            &NEVER
-        ));
+        assert!(
+            RenderTask { prepared: &subject.prepared, camera: &subject.camera, settings: &settings }
+                .pass(&mut film, 4, &NEVER)
+        );
         assert_eq!(film.to_rgb(), *image);
     }
     assert_ne!(found.images[0], found.images[1]);

@@ -13,7 +13,7 @@ use glam::DVec3;
 use iorect::formats;
 use iorect::geometry::{Geometry, Mesh, Part, Ray};
 use iorect::optics::Interface;
-use iorect::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
+use iorect::render::{Film, ImageSettings, RenderTask};
 use iorect::scatter::dielectric::{self, Choice};
 use iorect::scatter::normals::Normals;
 use iorect::scene::camera::Camera;
@@ -115,8 +115,7 @@ fn plain(scene: &Prepared, mode: Mode, size: u32, samples: u32) -> Film {
     let settings = ImageSettings { splits: 0, ..ImageSettings::new(mode, 1) };
     let camera = Camera::new(&scene.description.camera).expect("the camera is fine");
     let mut film = Film::new(size, size);
-    assert!(Cpu.pass(
-        &RenderTask { prepared: scene, camera: &camera, settings: &settings },
+    assert!(RenderTask { prepared: scene, camera: &camera, settings: &settings }.pass(
         &mut film,
         samples,
         &AtomicBool::new(false)
@@ -237,8 +236,7 @@ fn light_sampling_knows_what_interpolated_normals_do() {
                     let settings = ImageSettings { sample_environment, ..ImageSettings::new(Mode::Rectified, seed) };
                     let camera = Camera::new(&scene.description.camera).expect("the camera is fine");
                     let mut film = Film::new(16, 16);
-                    Cpu.pass(
-                        &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+                    RenderTask { prepared: &scene, camera: &camera, settings: &settings }.pass(
                         &mut film,
                         256,
                         &AtomicBool::new(false),
@@ -355,8 +353,7 @@ fn difference_to_sphere(shape: Shape, ior: f64, smooth: bool) -> f64 {
         let settings = ImageSettings::new(Mode::Rectified, seed);
         let camera = Camera::new(&scene.description.camera).expect("the camera is fine");
         let mut film = Film::new(64, 64);
-        Cpu.pass(
-            &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+        RenderTask { prepared: &scene, camera: &camera, settings: &settings }.pass(
             &mut film,
             64,
             &AtomicBool::new(false),

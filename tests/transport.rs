@@ -11,7 +11,7 @@ use glam::DVec3;
 use iorect::formats;
 use iorect::geometry::Mesh;
 use iorect::measure::metrics;
-use iorect::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
+use iorect::render::{Film, ImageSettings, RenderTask};
 use iorect::scene::Scene;
 use iorect::scene::camera::Camera;
 use iorect::scene::description::{Description, Environment, Light, Object, Paint, Shape, Solid};
@@ -224,8 +224,7 @@ fn results_do_not_depend_on_threads_or_slices() {
         let mut film = Film::new(40, 30);
         pool.install(|| {
             for &samples in slices {
-                assert!(Cpu.pass(
-                    &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+                assert!(RenderTask { prepared: &scene, camera: &camera, settings: &settings }.pass(
                     &mut film,
                     samples,
                     &AtomicBool::new(false)
@@ -255,8 +254,7 @@ fn modes_agree_where_they_should() {
     let camera = Camera::new(&scene.description.camera).unwrap();
     let settings = ImageSettings { leave_out: false, ..ImageSettings::new(Mode::Rectified, 1) };
     let mut everything = Film::new(32, 24);
-    assert!(Cpu.pass(
-        &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+    assert!(RenderTask { prepared: &scene, camera: &camera, settings: &settings }.pass(
         &mut everything,
         4,
         &AtomicBool::new(false)
@@ -270,8 +268,7 @@ fn a_cancelled_pass_says_so() {
     let camera = Camera::new(&scene.description.camera).unwrap();
     let settings = ImageSettings::new(Mode::Stack, 0);
     let mut film = Film::new(8, 8);
-    assert!(!Cpu.pass(
-        &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+    assert!(!RenderTask { prepared: &scene, camera: &camera, settings: &settings }.pass(
         &mut film,
         1,
         &AtomicBool::new(true)

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 use iorect::formats;
-use iorect::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
+use iorect::render::{Film, ImageSettings, RenderTask};
 use iorect::scene::camera::Camera;
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
@@ -28,10 +28,10 @@ fn add(prepared: &Prepared, settings: &ImageSettings, film: &mut Film, ends: &[u
     let camera = Camera::new(&prepared.description.camera).expect("the camera is fine");
     for &end in ends {
         let slice = (end - film.samples).min(film.samples_to_decision());
-        assert!(Cpu.pass(&RenderTask { prepared, camera: &camera, settings }, film, slice, &AtomicBool::new(false)));
+        assert!(RenderTask { prepared, camera: &camera, settings }.pass(film, slice, &AtomicBool::new(false)));
         Film::allocate(&mut [film]);
         let rest = end - film.samples;
-        assert!(Cpu.pass(&RenderTask { prepared, camera: &camera, settings }, film, rest, &AtomicBool::new(false)));
+        assert!(RenderTask { prepared, camera: &camera, settings }.pass(film, rest, &AtomicBool::new(false)));
     }
 }
 
@@ -142,8 +142,7 @@ fn compared_films_share_an_allocation() {
     for slice in [8, 8] {
         for (mode, film) in &mut films {
             let settings = ImageSettings { mode: *mode, ..settings(1, 2) };
-            assert!(Cpu.pass(
-                &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+            assert!(RenderTask { prepared: &scene, camera: &camera, settings: &settings }.pass(
                 film,
                 slice,
                 &AtomicBool::new(false)

@@ -13,7 +13,7 @@ use super::arguments::{ImageArguments, Size};
 use super::preparation::prepare_shown;
 use super::progress::Progress;
 use crate::render::exact::unit_exponent;
-use crate::render::{Cpu, Display, Film, ImageSettings, Recipe, RenderTask, Renderer, SampleRange};
+use crate::render::{Display, Film, ImageSettings, Recipe, RenderTask, SampleRange};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
@@ -190,8 +190,7 @@ impl<'a> Job<'a> {
                 let settings = self.arguments.settings(image.mode);
                 let mode_start = Instant::now();
                 self.pool.install(|| {
-                    Cpu.pass(
-                        &RenderTask { prepared: &self.prepared, camera: &self.camera, settings: &settings },
+                    RenderTask { prepared: &self.prepared, camera: &self.camera, settings: &settings }.pass(
                         &mut image.film,
                         slice,
                         &never,

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::job::{Job, LaneMessage, attempted, cancellable};
 use super::mailbox::{Mailbox, Taken};
 use super::{Board, News, Wake};
-use crate::render::{Cpu, Film, RenderTask, Renderer};
+use crate::render::{Film, RenderTask};
 use crate::tracking::Mode;
 
 /// Whether a ground truth is wanted.
@@ -147,12 +147,8 @@ impl Progress {
                 LaneMessage::Render(other) => !job.shows_the_same(other),
             };
             let is_complete = cancellable(pool, mailbox, is_other, begin, None, |cancel| {
-                Cpu.pass(
-                    &RenderTask { prepared: &job.prepared, camera: &job.camera, settings: &settings },
-                    film,
-                    samples,
-                    cancel,
-                )
+                RenderTask { prepared: &job.prepared, camera: &job.camera, settings: &settings }
+                    .pass(film, samples, cancel)
             });
             if !is_complete {
                 return false;

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::job::{FIRST_IMAGE, Job, LaneMessage, MAX_DIVISOR, attempted, cancellable, divisor_for, of_another_epoch};
 use super::mailbox::{Alarm, Mailbox, Taken};
 use super::{Board, News, Snapshot, Wake};
-use crate::render::{Cpu, Film, RenderTask, Renderer};
+use crate::render::{Film, RenderTask};
 use crate::scene::description::Source;
 use crate::tracking::Mode;
 
@@ -151,12 +151,8 @@ impl Progress {
             });
             let is_other = of_another_epoch(self.job.request.epoch);
             let is_complete = cancellable(pool, mailbox, is_other, grace_end, alarm, |cancel| {
-                Cpu.pass(
-                    &RenderTask { prepared: &self.job.prepared, camera: &self.job.camera, settings: &settings },
-                    film,
-                    samples,
-                    cancel,
-                )
+                RenderTask { prepared: &self.job.prepared, camera: &self.job.camera, settings: &settings }
+                    .pass(film, samples, cancel)
             });
             if !is_complete {
                 return false;

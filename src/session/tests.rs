@@ -9,7 +9,7 @@ use super::mailbox::Taken;
 use super::preparation::GRACE;
 use super::preparer::REPEATS;
 use super::*;
-use crate::render::{Cpu, Film, RenderTask, Renderer};
+use crate::render::{Film, RenderTask};
 use crate::scene::camera::Camera;
 use crate::scene::description::Shape;
 use crate::tracking::prepare;
@@ -149,8 +149,7 @@ fn previews_are_images_of_their_size() {
         let settings = ImageSettings { mode: snapshot.mode, ..first.settings };
         let mut film = Film::new(snapshot.size[0], snapshot.size[1]);
         let never = std::sync::atomic::AtomicBool::new(false);
-        Cpu.pass(
-            &RenderTask { prepared: &prepared, camera: &camera, settings: &settings },
+        RenderTask { prepared: &prepared, camera: &camera, settings: &settings }.pass(
             &mut film,
             snapshot.samples,
             &never,

@@ -28,9 +28,6 @@ impl Tracker for Rectified<'_> {
     type State = ();
 
     #[inline]
-    fn start(&self, (): &mut ()) {}
-
-    #[inline]
     fn sides(&self, (): &(), crossing: &Crossing, events: &mut Events) -> Option<Sides> {
         events.mixed += u64::from(self.table.is_mixed(crossing.refractor, crossing.point.primitive));
         let answer = self.table.look(self.scene, crossing.refractor, &crossing.point, crossing.barycentric);
@@ -41,9 +38,6 @@ impl Tracker for Rectified<'_> {
         let (from, to) = if crossing.is_entering { (outside, inside) } else { (inside, outside) };
         Some(Sides { from, to })
     }
-
-    #[inline]
-    fn transmit(&self, (): &mut (), _: &Crossing) {}
 
     #[inline]
     fn mask(&self) -> Option<&Mask> {

@@ -45,9 +45,6 @@ impl<'a> TrackingMode<'a> for Reference<'a> {
 impl Tracker for Reference<'_> {
     type State = ();
 
-    #[inline]
-    fn start(&self, (): &mut ()) {}
-
     fn sides(&self, (): &(), crossing: &Crossing, events: &mut Events) -> Option<Sides> {
         let primitive = crossing.point.primitive;
         let place = self.bodies.place(&self.scene.geometry, &crossing.point);
@@ -60,9 +57,6 @@ impl Tracker for Reference<'_> {
         let (from, to) = if crossing.is_entering { (front, back) } else { (back, front) };
         Some(Sides { from, to })
     }
-
-    #[inline]
-    fn transmit(&self, (): &mut (), _: &Crossing) {}
 
     fn can_skip(&self) -> bool {
         true
