@@ -1,0 +1,10 @@
+//! The real binary, run as its users run it.
+
+mod desk;
+
+mod cli;
+mod files;
+mod hostile_text;
+mod merge;
+mod numbers;
+mod writing;
