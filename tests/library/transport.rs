@@ -316,6 +316,7 @@ fn edits_keep_what_they_cannot_change() {
 /// The image of another renderer that was told every interface by hand.
 mod against_another_renderer {
     use super::*;
+    use iorect::report::stability::scenes;
 
     /// Samples a pixel, `default` unless `IORECT_TEST_SPP` says otherwise: with 1024 and `--nocapture` the tests print the figures of
     /// the README.
@@ -327,31 +328,45 @@ mod against_another_renderer {
         load::open(format!("tests/data/reference/{name}.toml")).expect("the scene is in the repository")
     }
 
-    /// relMSE of the image and of its 16×16 block means, against the image of `name`.
+    /// relMSE against the image of `name`, of pixels and of means over 16×16 of them, freed from noise: (x₁ − r)(x₂ − r)/(r² + 0.01) of two
+    /// independent renders of half the samples, which is 0 on average where only noise differs. Measured over pairs of seeds: ±5e-5 and
+    /// ±3e-6 for s1 at 16 samples, ±1.4e-4 and ±5e-6 for s2 at 8.
     #[expect(clippy::print_stdout, reason = "shown on failure, and asked for with --nocapture")]
     fn errors(name: &str, description: Description, mode: Mode, spp: u32) -> (f64, f64) {
         let path = format!("tests/data/reference/{}_refdeep256.exr", name.to_uppercase());
         let truth = image::open(path).expect("the image is in the repository").to_rgb32f();
         let truth: Vec<[f32; 3]> = truth.pixels().map(|p| p.0).collect();
-        let image = render(&ready(description), mode, (256, 256), spp, None).to_rgb();
+        let scene = ready(description);
+        let [a, b] = [1, 2].map(|seed| scenes::render(&scene, mode, (256, 256), spp / 2, seed, None).unwrap().to_rgb());
+        let both: Vec<[f32; 3]> = a.iter().zip(&b).map(|(a, b)| [0, 1, 2].map(|c| 0.5 * (a[c] + b[c]))).collect();
         let blocks = |rgb: &[[f32; 3]]| metrics::block_means(rgb, 256, 256, 16).unwrap();
+        let [blocks_a, blocks_b, blocks_of_both, blocks_of_truth] = [&a, &b, &both, &truth].map(|rgb| blocks(rgb));
+        let (pixels, of_blocks) = (common_error(&a, &b, &truth), common_error(&blocks_a, &blocks_b, &blocks_of_truth));
         let relmse = |a: &[[f32; 3]], b: &[[f32; 3]]| metrics::difference(a, b).unwrap().relmse;
-        let (pixels, blocks) = (relmse(&image, &truth), relmse(&blocks(&image), &blocks(&truth)));
-        println!("{name} {mode} at {spp} spp: relMSE {pixels:.3e}, of blocks {blocks:.3e}");
-        (pixels, blocks)
+        println!(
+            "{name} {mode} at {spp} spp: relMSE {:.3e}, of blocks {:.3e}; without noise {pixels:.3e} and {of_blocks:.3e}",
+            relmse(&both, &truth),
+            relmse(&blocks_of_both, &blocks_of_truth)
+        );
+        (pixels, of_blocks)
     }
 
-    /// relMSE falls as one over the samples: below 5e-4 at 1024 is below 8e-3 at 64; of the blocks, which average 256 pixels, 3e-5 is
-    /// asked for at 1024 and met at 64 already.
+    /// Mean (a − r)(b − r)/(r² + 0.01) over all channels.
+    fn common_error(a: &[[f32; 3]], b: &[[f32; 3]], r: &[[f32; 3]]) -> f64 {
+        let [a, b, r] = [a, b, r].map(|image| image.iter().flatten().map(|&x| f64::from(x)));
+        let products: Vec<f64> = a.zip(b).zip(r).map(|((a, b), r)| (a - r) * (b - r) / (r * r + 0.01)).collect();
+        products.iter().sum::<f64>() / products.len() as f64
+    }
+
     #[test]
     fn rectified_agrees_on_nested_spheres() {
-        let (pixels, blocks) = errors("s1", load_scene("s1"), Mode::Rectified, spp(64));
-        assert!(pixels < 3e-3 && blocks < 3e-5, "{pixels:e} {blocks:e}");
+        let (pixels, blocks) = errors("s1", load_scene("s1"), Mode::Rectified, spp(16));
+        assert!(pixels < 3e-4 && blocks < 3e-5, "{pixels:e} {blocks:e}");
     }
 
     #[test]
     fn naive_is_as_wrong_as_the_other_renderers_naive() {
-        let (pixels, _) = errors("s1", load_scene("s1"), Mode::Naive, spp(64));
+        let (pixels, _) = errors("s1", load_scene("s1"), Mode::Naive, spp(4));
         assert!((pixels - 0.180).abs() < 0.01, "{pixels}");
     }
 
@@ -359,13 +374,13 @@ mod against_another_renderer {
     /// trusted from outside, and one exterior per object cannot.
     #[test]
     fn overlapping_volumes() {
-        let (pixels, blocks) = errors("s2", load_scene("s2"), Mode::Rectified, spp(64));
-        assert!(pixels < 3e-3 && blocks < 3e-5, "{pixels:e} {blocks:e}");
-        for mode in [Mode::Reference, Mode::Priority] {
-            let (_, blocks) = errors("s2", load_scene("s2"), mode, spp(8));
-            assert!(blocks < 1e-4, "{blocks:e}");
+        for mode in [Mode::Rectified, Mode::Priority] {
+            let (pixels, blocks) = errors("s2", load_scene("s2"), mode, spp(8));
+            assert!(pixels < 1e-3 && blocks < 3e-5, "{mode}: {pixels:e} {blocks:e}");
         }
-        let (_, blocks) = errors("s2", load_scene("s2"), Mode::RectifiedObject, spp(8));
+        // Slow, and the same to the bit where nothing but the way of asking differs.
+        reference_sees_the_same(&ready(load_scene("s2")));
+        let (_, blocks) = errors("s2", load_scene("s2"), Mode::RectifiedObject, spp(4));
         assert!(blocks > 1e-3, "{blocks:e}");
     }
 
@@ -374,8 +389,8 @@ mod against_another_renderer {
     fn overlapping_volumes_without_priorities() {
         let mut description = load_scene("s2");
         description.refractors.iter_mut().for_each(|refractor| refractor.priority = 0);
-        let (pixels, blocks) = errors("s2", description, Mode::Rectified, spp(32));
-        assert!(pixels < 6e-3 && blocks < 3e-5, "{pixels:e} {blocks:e}");
+        let (pixels, blocks) = errors("s2", description, Mode::Rectified, spp(8));
+        assert!(pixels < 1e-3 && blocks < 3e-5, "{pixels:e} {blocks:e}");
     }
 
     /// How water is modelled that ends where its glass begins.
@@ -455,8 +470,8 @@ mod against_another_renderer {
                 if !priorities {
                     description.refractors.iter_mut().for_each(|refractor| refractor.priority = 0);
                 }
-                let (pixels, blocks) = errors("s2", description, Mode::Rectified, spp(16));
-                assert!(pixels < 1.2e-2 && blocks < 6e-5, "{pixels:e} {blocks:e}");
+                let (pixels, blocks) = errors("s2", description, Mode::Rectified, spp(8));
+                assert!(pixels < 1e-3 && blocks < 3e-5, "{pixels:e} {blocks:e}");
             }
         }
     }
@@ -465,11 +480,14 @@ mod against_another_renderer {
     #[test]
     fn an_air_gap_is_seen() {
         let description = with_water_that_fits(Bed::Apart);
-        let (_, blocks) = errors("s2", description.clone(), Mode::Rectified, spp(16));
+        let (_, blocks) = errors("s2", description.clone(), Mode::Rectified, spp(4));
         assert!(blocks > 1e-3, "{blocks:e}");
-        let scene = ready(description);
+        reference_sees_the_same(&ready(description));
+    }
+
+    fn reference_sees_the_same(scene: &Prepared) {
         let [rectified, reference] =
-            [Mode::Rectified, Mode::Reference].map(|mode| render(&scene, mode, (64, 64), 2, None));
+            [Mode::Rectified, Mode::Reference].map(|mode| render(scene, mode, (64, 64), 2, None));
         assert_eq!(rectified.sums, reference.sums);
         assert_eq!(rectified.events.total() + reference.events.total(), 0);
     }
@@ -479,7 +497,7 @@ mod against_another_renderer {
     fn a_planted_error_is_seen() {
         let mut description = load_scene("s1");
         description.media[1].ior = iorect::optics::Ior::Constant(1.33 * 1.01);
-        let (_, blocks) = errors("s1", description, Mode::Rectified, spp(64));
-        assert!(blocks > 3e-5, "{blocks:e}");
+        let (pixels, blocks) = errors("s1", description, Mode::Rectified, spp(4));
+        assert!(pixels > 3e-4 && blocks > 3e-5, "{pixels:e} {blocks:e}");
     }
 }
