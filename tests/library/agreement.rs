@@ -20,6 +20,8 @@ use rayon::prelude::*;
 const CASES: usize = 600;
 /// Rays for each scene.
 const RAYS: usize = 8;
+/// Scenes in which faults are planted, to see that they would be found: one in so many.
+const PLANTED_ONE_IN: usize = 4;
 
 fn cases() -> usize {
     match std::env::var("IORECT_TEST_CASES") {
@@ -244,9 +246,11 @@ fn check(make: fn(&mut Numbers) -> Description) -> usize {
             total.coincident += found.coincident;
             total.faults.extend(found.faults.into_iter().map(|fault| format!("seed {seed}: {fault}")));
         }
-        total.of_wrong_mode = survey(&scene, &truth, Mode::RectifiedObject, &rays).faults.len();
-        let truth = truth.with_top(|a, b| !is_above(a, b));
-        total.of_wrong_rule = survey(&scene, &truth, Mode::Rectified, &rays).faults.len();
+        if seed % PLANTED_ONE_IN as u64 == 0 {
+            total.of_wrong_mode = survey(&scene, &truth, Mode::RectifiedObject, &rays).faults.len();
+            let truth = truth.with_top(|a, b| !is_above(a, b));
+            total.of_wrong_rule = survey(&scene, &truth, Mode::Rectified, &rays).faults.len();
+        }
         total
     };
     let total = (0..cases() as u64).into_par_iter().map(try_seed).reduce(Total::default, |mut a, b| {
@@ -265,8 +269,9 @@ fn check(make: fn(&mut Numbers) -> Description) -> usize {
         &faults[..faults.len().min(6)]
     );
     assert!(checked > 16 * cases(), "too little was compared: {checked}");
-    assert!(total.of_wrong_rule > cases() / 4, "a wrong rule is seen by {} rays", total.of_wrong_rule);
-    assert!(total.of_wrong_mode > cases() / 10, "a wrong mode is seen by {} rays", total.of_wrong_mode);
+    let planted = cases() / PLANTED_ONE_IN;
+    assert!(total.of_wrong_rule > planted / 4, "a wrong rule is seen by {} rays", total.of_wrong_rule);
+    assert!(total.of_wrong_mode > planted / 10, "a wrong mode is seen by {} rays", total.of_wrong_mode);
     total.coincident
 }
 
