@@ -2,18 +2,17 @@
 //! that was meant.
 
 use std::collections::BTreeSet;
-use std::path::Path;
 use std::sync::Arc;
 
-use crate::common::{Numbers, add, empty, nest, ready, render, sphere};
+use crate::common::{Numbers, add, case, empty, joined, nest, ready, render, reversed, sphere};
 use glam::DVec3;
 use iorect::check::{Problem, Severity, check};
 use iorect::geometry::{Mesh, Ray};
 use iorect::optics::Ior;
 use iorect::rectify::containment::medium_at;
+use iorect::scene::builtin;
 use iorect::scene::description::{Description, Environment, Light, Paint, Shape, Solid, Transform};
 use iorect::scene::shapes::tessellate;
-use iorect::scene::{builtin, load};
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
 use iorect::transport::inspect::{Follow, trace};
@@ -141,10 +140,6 @@ fn turn_over(shape: &mut Shape) {
         Shape::Mesh { mesh, .. } => Arc::make_mut(mesh).reverse(),
         _ => panic!("{shape:?}"),
     }
-}
-
-fn case(path: &str) -> Description {
-    load::file(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases").join(path)).unwrap()
 }
 
 // Overlaps
@@ -348,21 +343,6 @@ fn ball(radius: f64) -> Mesh {
 fn moved(mut mesh: Mesh, by: DVec3) -> Mesh {
     mesh.positions.iter_mut().for_each(|p| *p += by);
     mesh
-}
-
-fn reversed(mut mesh: Mesh) -> Mesh {
-    mesh.reverse();
-    mesh
-}
-
-fn joined(meshes: impl IntoIterator<Item = Mesh>) -> Mesh {
-    let mut all = Mesh::default();
-    for mesh in meshes {
-        let first = all.positions.len() as u32;
-        all.positions.extend(mesh.positions);
-        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
-    }
-    all
 }
 
 fn without(mut mesh: Mesh, is_dropped: impl Fn(usize) -> bool) -> Mesh {

@@ -1,43 +1,22 @@
 //! Stiff and extreme cases: thin gaps, coincidence, far and tiny and huge scenes, rays at vertices and edges, broken meshes, deep nests,
 //! absorption from nothing to everything. Media are counted, and none may be miscounted.
 
-use std::sync::Arc;
-
 use crate::common::truth::{Truth, is_above, media_along, rays, survey};
-use crate::common::{Numbers, add, empty, mean, nest, ready, render, sphere};
+use crate::common::{
+    Numbers, add, empty, icosphere, interfaces, mean, mesh_of, mesh_shape, nest, ready, render, sphere,
+};
 use glam::DVec3;
 use iorect::geometry::{Mesh, Ray};
 use iorect::scene::description::{Description, Environment, Shape, Transform};
-use iorect::scene::shapes::tessellate;
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
 use iorect::transport::inspect::{Follow, TracedPath, trace};
 
 const RIGHT: [Mode; 2] = [Mode::Reference, Mode::Rectified];
 
-fn icosphere(radius: f64, subdivisions: u32) -> Shape {
-    Shape::Icosphere { center: DVec3::ZERO, radius, subdivisions }
-}
-
-fn mesh(mesh: Mesh) -> Shape {
-    Shape::Mesh { path: "made.ply".into(), mesh: Arc::new(mesh), notes: Vec::new() }
-}
-
-fn mesh_of(shape: &Shape) -> Mesh {
-    Mesh { normals: Vec::new(), ..tessellate(shape).unwrap().unwrap() }
-}
-
 /// Rays through a nest, from all sides, of which many start inside it.
 fn many_rays(count: usize) -> Vec<Ray> {
     rays(count, 17, DVec3::splat(-0.6), DVec3::splat(0.6))
-}
-
-/// The interfaces of a path: names of the media before and after.
-fn interfaces(path: &TracedPath) -> Vec<(&str, &str)> {
-    (path.vertices.iter())
-        .filter(|v| v.from != v.to)
-        .map(|v| (v.from.as_deref().unwrap(), v.to.as_deref().unwrap()))
-        .collect()
 }
 
 /// Rays straight through two shells a gap apart, at `center`, must meet in this order: world, glass, inner, glass, world. Returns the
@@ -319,7 +298,7 @@ fn c39_broken_meshes() {
     };
     let mut description = whole.clone();
     for refractor in &mut description.refractors {
-        refractor.shape = mesh(broken(mesh_of(&refractor.shape)));
+        refractor.shape = mesh_shape(broken(mesh_of(&refractor.shape)));
     }
     description.camera.vertical_fov = 15.0;
     let scene = ready(description);

@@ -4,12 +4,11 @@
 use std::sync::Arc;
 
 use crate::common::truth::{Truth, is_above, media_along, rays, survey};
-use crate::common::{Numbers, add, empty, nest, ready, render, sphere};
+use crate::common::{Numbers, add, empty, joined, mesh_of, mesh_shape, nest, ready, render, reversed, sphere};
 use glam::DVec3;
 use iorect::geometry::{Mesh, Ray};
 use iorect::optics::Ior;
 use iorect::scene::description::{Description, Environment, Light, Paint, Shape, Solid, Transform};
-use iorect::scene::shapes::tessellate;
 use iorect::tracking::Mode;
 use iorect::tracking::{Prepared, prepare};
 use iorect::transport::inspect::{Follow, VertexEvent, trace};
@@ -56,30 +55,6 @@ fn cuboid(min: [f64; 3], max: [f64; 3]) -> Shape {
 
 fn cylinder(center: [f64; 3], radius: f64, height: f64, segments: u32) -> Shape {
     Shape::Cylinder { center: center.into(), radius, height, segments }
-}
-
-fn mesh(mesh: Mesh) -> Shape {
-    Shape::Mesh { path: "made.ply".into(), mesh: Arc::new(mesh), notes: Vec::new() }
-}
-
-fn mesh_of(shape: &Shape) -> Mesh {
-    Mesh { normals: Vec::new(), ..tessellate(shape).unwrap().unwrap() }
-}
-
-/// Several meshes as one.
-fn joined(meshes: &[Mesh]) -> Mesh {
-    let mut all = Mesh::default();
-    for mesh in meshes {
-        let first = all.positions.len() as u32;
-        all.positions.extend(&mesh.positions);
-        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
-    }
-    all
-}
-
-fn reversed(mut mesh: Mesh) -> Mesh {
-    mesh.reverse();
-    mesh
 }
 
 /// A glass with a thick bottom, its wall from `inner` to 1, open at the top at height 3.
@@ -337,7 +312,7 @@ fn f05_siblings_and_opaque_things() {
     // Around one of them, with a window to look in; and a bar across another.
     let shell = mesh_of(&icosphere(DVec3::new(-0.9, 0.1, 0.0), 0.88));
     let open = Mesh { triangles: shell.triangles[40..].to_vec(), ..shell };
-    description.solids.push(solid("shell", mesh(open)));
+    description.solids.push(solid("shell", mesh_shape(open)));
     description.solids.push(solid("bar", cuboid([0.8, -2.0, -0.1], [1.0, 2.0, 0.1])));
     let (scene, truth) = check_as_written(description, 600);
     must_differ(&scene, &truth, Mode::Naive, 600, 100);
@@ -372,10 +347,10 @@ fn f06_bubbles_and_inverted_meshes() {
     add(&mut with_object, inner.clone(), 1.0, 0.0);
     check_as_written(with_object, 300);
 
-    let cavity = joined(&[mesh_of(&outer), reversed(mesh_of(&inner))]);
+    let cavity = joined([mesh_of(&outer), reversed(mesh_of(&inner))]);
     let with_cavity = |mesh_to_use: Mesh| {
         let mut description = empty(1.0);
-        add(&mut description, mesh(mesh_to_use), 1.5, 0.0);
+        add(&mut description, mesh_shape(mesh_to_use), 1.5, 0.0);
         description
     };
     let (scene, truth) = check_as_written(with_cavity(cavity.clone()), 300);
@@ -392,7 +367,7 @@ fn f06_bubbles_and_inverted_meshes() {
 }
 
 fn reversed_shape(shape: &Shape) -> Shape {
-    mesh(reversed(mesh_of(shape)))
+    mesh_shape(reversed(mesh_of(shape)))
 }
 
 /// Family 6: an instance with negative scale, with something in it.
@@ -467,7 +442,7 @@ fn f07_imperfect_meshes() {
 
     let mut doubled = full.clone();
     doubled.triangles.extend_from_within(..);
-    let scene = ready(scene_of(mesh(doubled)));
+    let scene = ready(scene_of(mesh_shape(doubled)));
     check(&scene, &truth, 300);
 
     let mut slivers = full.clone();
@@ -476,7 +451,7 @@ fn f07_imperfect_meshes() {
         slivers.triangles.push([a, b, a]);
         slivers.triangles.push([b, b, b]);
     }
-    check(&ready(scene_of(mesh(slivers))), &truth, 300);
+    check(&ready(scene_of(mesh_shape(slivers))), &truth, 300);
 
     // Without its upper cap: the ball inside lies well below the hole, so what it is in is known. Rays that go through the hole are another matter.
     let capless = Mesh {
@@ -486,7 +461,7 @@ fn f07_imperfect_meshes() {
         ..full
     };
     assert!(capless.triangles.len() < truth_triangles(&whole));
-    let scene = ready(scene_of(mesh(capless)));
+    let scene = ready(scene_of(mesh_shape(capless)));
     // Rays from the ball outward through the wall and never through the hole.
     let mut numbers = Numbers(9);
     let outward: Vec<Ray> = (0..200)
@@ -517,7 +492,7 @@ fn truth_triangles(shape: &Shape) -> usize {
 fn f07_a_mesh_that_crosses_itself() {
     let parts = [mesh_of(&icosphere(DVec3::NEG_X * 0.4, 0.8)), mesh_of(&icosphere(DVec3::X * 0.5, 0.7))];
     let mut description = empty(1.0);
-    add(&mut description, mesh(joined(&parts)), 1.5, 0.0);
+    add(&mut description, mesh_shape(joined(parts)), 1.5, 0.0);
     add(&mut description, icosphere(DVec3::new(0.05, 0.1, 0.0), 0.3), 1.2, 0.0);
     add(&mut description, sphere(DVec3::new(0.0, 0.9, 0.0), 0.5), 1.7, 0.0);
     let (scene, truth) = check_as_written(description, 500);
@@ -568,7 +543,7 @@ fn f08_vertices_edges_tangents_and_wedges() {
         triangles: vec![[0, 1, 2], [3, 5, 4], [0, 3, 4], [0, 4, 1], [0, 2, 5], [0, 5, 3], [1, 4, 5], [1, 5, 2]],
     };
     assert!(wedge.signed_volume() > 0.0);
-    add(&mut description, mesh(wedge), 1.0, 0.0);
+    add(&mut description, mesh_shape(wedge), 1.0, 0.0);
     let truth = Truth::new(&description);
     let prepared = ready(description);
     let mut aims: Vec<DVec3> = Vec::new();
@@ -762,7 +737,7 @@ fn f13_one_mesh_or_two_objects() {
     add(&mut two, wine.clone(), 1.36, 0.0);
     let (scene_of_two, truth_of_two) = check_as_written(two.clone(), 300);
     let mut one = empty(1.0);
-    add(&mut one, mesh(joined(&[mesh_of(&glass), mesh_of(&wine)])), 1.5, 0.0);
+    add(&mut one, mesh_shape(joined([mesh_of(&glass), mesh_of(&wine)])), 1.5, 0.0);
     let (scene_of_one, truth_of_one) = check_as_written(one, 300);
     must_differ(&scene_of_one, &truth_of_two, Mode::Reference, 300, 40);
     must_differ(&scene_of_two, &truth_of_one, Mode::Reference, 300, 40);

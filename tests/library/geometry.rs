@@ -1,24 +1,10 @@
 //! What a ray hits: against brute force in f64, at edges and vertices, along axes, far from zero, huge and tiny.
 
+use crate::common::Numbers;
 use glam::DVec3;
-use iorect::geometry::{Geometry, Hit, Mesh, Part, Ray, uniform_direction};
+use iorect::geometry::{Geometry, Hit, Mesh, Part, Ray};
 use iorect::scene::description::Shape;
 use iorect::scene::shapes::tessellate;
-
-/// A small generator, so that the tests use the same numbers everywhere.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        ((self.0 >> 33) as f64) / (1u64 << 31) as f64
-    }
-
-    fn direction(&mut self) -> DVec3 {
-        let (a, b) = (self.next(), self.next());
-        uniform_direction([a, b])
-    }
-}
 
 fn icosphere(center: DVec3, radius: f64, subdivisions: u32) -> Mesh {
     tessellate(&Shape::Icosphere { center, radius, subdivisions }).unwrap().unwrap()

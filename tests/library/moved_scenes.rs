@@ -1,15 +1,12 @@
 //! A scene that is moved, turned and scaled is the same scene: what is in contact stays in contact, what is apart stays apart, and objects elsewhere
 //! have no say in it.
 
-use std::path::Path;
-
-use crate::common::{Numbers, add, empty, mean, ready, render, sphere};
+use crate::common::{Numbers, add, case, empty, mean, ready, render, sphere};
 use glam::{DMat3, DVec3};
 use iorect::check::check;
 use iorect::geometry::Mesh;
 use iorect::rectify::PatchKind;
 use iorect::scene::description::{Description, Environment, Shape, Solid, Transform};
-use iorect::scene::load;
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
 
@@ -20,11 +17,6 @@ const RIGHT: [Mode; 2] = [Mode::Rectified, Mode::Reference];
 const IN_CONTACT: f64 = 0.0432;
 /// The same with a film of air in between, too thin to be seen as a gap.
 const APART: f64 = 0.0944;
-
-fn case(name: &str) -> Description {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases").join(name);
-    load::open(path.to_str().unwrap()).unwrap()
-}
 
 /// A motion that permutes the axes cyclically `turns` times, then scales, then moves.
 #[derive(Debug, Clone, Copy)]

@@ -1,21 +1,10 @@
 //! Mode `reference` on the kinds of meshes that it was wrong about while it shared the analysis of the mode that it judges. Random ones of
 //! the same kinds are in `random_meshes`.
 
-use std::path::Path;
-
-use crate::common::{add, empty, mean, ready, render};
+use crate::common::{add, case, empty, mean, ready, render};
 use glam::DVec3;
-use iorect::geometry::Ray;
 use iorect::scene::description::Shape;
-use iorect::scene::load;
 use iorect::tracking::Mode;
-use iorect::tracking::Prepared;
-use iorect::transport::inspect::{Follow, VertexEvent, trace};
-
-fn scene(name: &str) -> Prepared {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases").join(name);
-    ready(load::open(path.to_str().unwrap()).unwrap())
-}
 
 /// The unions are cubes: the same paths go through a plain one. In a white furnace, a lossless one cannot be seen but for the noise of paths that
 /// are caught in it.
@@ -24,7 +13,7 @@ fn unions_that_are_cubes() {
     let mut cube = empty(1.0);
     add(&mut cube, Shape::Box { min: DVec3::ZERO, max: DVec3::ONE }, 1.5, 0.0);
     for name in ["parts-share-corners/scene.toml", "repeated-faces/scene.toml"] {
-        let scene = scene(name);
+        let scene = ready(case(name));
         cube.camera = scene.description.camera;
         let plain = render(&ready(cube.clone()), Mode::Reference, (48, 48), 4, None);
         let film = render(&scene, Mode::Reference, (48, 48), 4, None);
@@ -35,16 +24,4 @@ fn unions_that_are_cubes() {
         let (mean, error) = mean(&film);
         assert!((mean - 1.0).abs() < 4.0 * error + 1e-9, "{name}: {mean} ± {error}");
     }
-}
-
-#[test]
-fn a_ring_with_seams_in_a_ball() {
-    let scene = scene("torus-seam/nested.toml");
-    let ray = Ray::new(DVec3::new(1.0, 0.1, 5.0), DVec3::NEG_Z);
-    let path = trace(&scene, Mode::Reference, ray, Follow::Transmit, 0, None);
-    // Inside the ring it is totally reflected once.
-    let crossed = path.vertices.iter().filter(|v| v.event == VertexEvent::Transmit);
-    let media: Vec<(&str, &str)> = crossed.map(|v| (v.from.as_deref().unwrap(), v.to.as_deref().unwrap())).collect();
-    assert_eq!(media, [("world", "water"), ("water", "glass"), ("glass", "water"), ("water", "world")]);
-    assert_eq!(path.events.total(), 0);
 }

@@ -2,9 +2,8 @@
 //! as any closed one. Real holes stay holes, and are as large as what is missing.
 
 use std::f64::consts::{PI, TAU};
-use std::path::Path;
 
-use crate::common::{self, Numbers};
+use crate::common::{Numbers, case, ready};
 use glam::DVec3;
 use iorect::geometry::topology::FindingKind;
 use iorect::geometry::{Enclosure, Mesh, Ray, Topology};
@@ -309,8 +308,7 @@ fn holes_are_as_large_as_what_is_missing() {
 /// A ring whose seam is repeated 2.4e-16 off, in a ball of water: what lies outside of it is the water.
 #[test]
 fn a_ring_with_a_repeated_seam_in_water() {
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases/torus-seam/nested.toml");
-    let prepared = common::ready(iorect::scene::load::file(&scene).unwrap());
+    let prepared = ready(case("torus-seam/nested.toml"));
     let ring = &prepared.table.patches[0];
     let name = |medium| prepared.scene.medium(medium).name.clone();
     assert_eq!((ring.outside.map(name), ring.inside.map(name)), (Some("water".into()), Some("glass".into())));

@@ -2,11 +2,10 @@
 //! round shape shows.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use crate::common::{Numbers, add, empty, mean, ready, render, sphere};
+use crate::common::{Numbers, add, case, empty, mean, ready, render, sphere};
 use glam::DVec3;
 use iorect::geometry::{Geometry, Mesh, Part, Ray};
 use iorect::optics::Interface;
@@ -16,7 +15,6 @@ use iorect::scatter::normals::Normals;
 use iorect::scene::camera::Camera;
 use iorect::scene::description::{Description, Environment, Paint, Shape, Solid, Transform};
 use iorect::scene::environment::EnvironmentImage;
-use iorect::scene::load;
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
 
@@ -137,8 +135,7 @@ fn assert_white(scene: &Prepared, mode: Mode, radiance: f64, what: &str) {
 /// The case of its kind: the mean was 0.995 and the darkest pixel 0.5.
 #[test]
 fn the_rims_of_a_coarse_glass_ball_are_bright() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases/smooth-dark-rims/scene.toml");
-    let scene = ready(load::file(&path).expect("the scene is fine"));
+    let scene = ready(case("smooth-dark-rims/scene.toml"));
     for mode in Mode::ALL {
         assert_white(&scene, mode, 1.0, "the case");
         let (_, least) = mean_and_least(&plain(&scene, mode, 32, 4));

@@ -11,7 +11,7 @@ use iorect::scene::description::{Description, Shape, Transform};
 use iorect::scene::shapes::tessellate;
 use iorect::tracking::Mode;
 
-use crate::common;
+use crate::common::{self, joined, reversed};
 
 use FindingKind::*;
 
@@ -27,22 +27,6 @@ fn icosphere(center: DVec3, radius: f64, subdivisions: u32) -> Mesh {
 
 fn ball() -> Mesh {
     icosphere(DVec3::ZERO, 1.0, 3)
-}
-
-/// Two meshes as one.
-fn joined(meshes: impl IntoIterator<Item = Mesh>) -> Mesh {
-    let mut all = Mesh::default();
-    for mesh in meshes {
-        let first = all.positions.len() as u32;
-        all.positions.extend(mesh.positions);
-        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
-    }
-    all
-}
-
-fn reversed(mut mesh: Mesh) -> Mesh {
-    mesh.reverse();
-    mesh
 }
 
 /// Turned about an irregular axis, so that nothing is aligned with an axis.
