@@ -78,7 +78,8 @@ fn a_pinhole_on_the_face_of_the_water() {
                     Ray::new(eye + prepared.scene.geometry.origin, direction),
                     Follow::Transmit,
                     0,
-                    None,
+                    // Totally reflected on all sides, some are trapped for ever.
+                    Some(64),
                 );
                 assert_eq!((path.camera_medium.as_str(), path.events.total()), (expected, 0));
                 // Upwards nothing is in the way; downwards the first thing met is the far side.

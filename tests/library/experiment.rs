@@ -25,6 +25,9 @@ fn prepared(scene: &str) -> Prepared {
     prepare(Arc::new(load::open(scene).unwrap()), None).unwrap()
 }
 
+/// Of references: what is kept and made again does not depend on it, and `reference` is slow.
+const SIZE: [u32; 2] = [12, 8];
+
 struct Subject {
     prepared: Prepared,
     camera: Camera,
@@ -38,7 +41,7 @@ impl Subject {
     }
 
     fn wanted(&self, spp: u32) -> Wanted<'_> {
-        Wanted { prepared: &self.prepared, camera: &self.camera, size: [24, 16], max_depth: Some(16), spp }
+        Wanted { prepared: &self.prepared, camera: &self.camera, size: SIZE, max_depth: Some(16), spp }
     }
 
     fn references(&self, spp: u32, folder: &Path) -> References {
@@ -67,7 +70,7 @@ fn references_are_those_of_the_mode_that_asks_and_have_seeds_of_their_own() {
             leave_out: true,
             variance: VarianceReduction::default(),
         };
-        let mut film = Film::new(24, 16);
+        let mut film = Film::new(SIZE[0], SIZE[1]);
         assert!(accumulate(&subject.prepared, &subject.camera, &settings, &mut film, 4, &NEVER));
         assert_eq!(film.to_rgb(), *image);
     }
@@ -112,7 +115,7 @@ fn damaged_references_are_made_again() {
         assert_eq!(fs::read(&path).unwrap().len(), whole.len());
     }
     // A whole file of another image in this one's place is taken at its word only if it could be this one: of another size it cannot.
-    let other = Wanted { size: [16, 16], ..subject.wanted(6) };
+    let other = Wanted { size: [8, 8], ..subject.wanted(6) };
     references(&other, &Store::open(folder.path()).unwrap(), QUIETLY).unwrap().unwrap();
     let smaller = files(folder.path(), "reference")
         .into_iter()
