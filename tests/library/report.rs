@@ -455,8 +455,9 @@ fn edits_are_on_the_page_as_in_the_table() {
             assert_eq!(row["rectify_secs"].is_empty(), kind == "camera");
             // The camera has no column for rectification.
             let at = if kind == "camera" { column } else { column + 1 };
-            // Three digits, in milliseconds or seconds.
-            let secs = shown(&digits(&shown_row[at])) * if shown_row[at].contains(" ms") { 1e-3 } else { 1.0 };
+            // Three digits, in microseconds, milliseconds or seconds.
+            let unit = [(" µs", 1e-6), (" ms", 1e-3)].into_iter().find(|(unit, _)| shown_row[at].contains(unit));
+            let secs = shown(&digits(&shown_row[at])) * unit.map_or(1.0, |(_, secs)| secs);
             assert!((secs - median).abs() <= 0.006 * median, "{shown_row:?} for {median}");
         }
     }
