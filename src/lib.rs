@@ -8,20 +8,24 @@
 //!
 //! | module | what it holds |
 //! |---|---|
+//! | [`spectrum`] | light at the wavelengths of a path: radiance, throughput, transmittance |
 //! | [`optics`] | Fresnel and Snell, dispersion formulas, media, the catalogue: physics without geometry |
+//! | [`color`] | sRGB's transfer function, scales of false colours |
 //! | [`geometry`] | rays, triangles, spheres, meshes with their analysis and repair, and the tree that finds what a ray hits |
-//! | [`scene`] | the scene as the user wrote it ([`scene::Description`]), its files, and its compiled form ([`scene::Scene`]) |
+//! | [`scene`] | the scene as the user wrote it ([`scene::Description`]), and its compiled form ([`scene::Scene`]) |
+//! | [`formats`] | scenes, meshes and images from files, and scenes back to them; the built-in scenes |
 //! | [`rectify`] | what lies on both sides of every place on every refractor: contacts, cells, patches, votes, the interface table |
 //! | [`tracking`] | the modes: given a crossing, which medium is left and which is entered |
-//! | [`scatter`] | dielectric, mirroring and diffuse scattering about interpolated normals, given a pair of indices |
-//! | [`transport`] | one sample of one pixel; one path, vertex by vertex |
-//! | [`render`] | film, samples in bulk on all cores, the worker behind the window |
+//! | [`scatter`] | scattering functions about interpolated normals, given a pair of indices: sample, evaluate, pdf |
+//! | [`transport`] | a ray's life, from the camera to its last vertex: what it meets, where it goes on, what it brings |
+//! | [`render`] | the settings of an image, the film that samples are added to, and what renders them |
 //! | [`check`] | what is wrong or doubtful in a scene, with advice |
 //! | [`measure`] | image differences |
+//! | [`session`] | the threads behind the window: scenes are prepared and rendered while they are edited |
 //! | [`writing`] | files that are either whole or not there, whatever happens |
 //! | [`export`] | PNG and EXR, labelled comparisons |
 //! | [`report`] | error against run time, stability, what was left out, growth, and the page that shows them |
-//! | [`cli`], [`app`] | the command line and the window, both thin over the rest |
+//! | [`cli`], `app` | the command line and the window (feature `window`), both thin over the rest |
 //!
 //! # Invariants
 //!
@@ -29,10 +33,13 @@
 //! - No tracker sees a scattering function and no scattering function sees a tracker: they share a pair of IORs.
 //! - Random numbers are a pure function of (seed, pixel, sample, dimension), the same in every mode.
 
+#[cfg(feature = "window")]
 pub mod app;
 pub mod check;
 pub mod cli;
+pub mod color;
 pub mod export;
+pub mod formats;
 pub mod geometry;
 pub mod measure;
 pub mod optics;
@@ -42,6 +49,7 @@ pub mod report;
 pub mod scatter;
 pub mod scene;
 pub mod session;
+pub mod spectrum;
 pub mod tracking;
 pub mod transport;
 pub mod writing;

@@ -2,13 +2,22 @@
 
 use std::process::ExitCode;
 
+#[cfg(feature = "window")]
 use iorect::app::{self, Arrangement, Launch, RunError, Screenshot, Settings, Tab, Theme};
-use iorect::cli::{self, WindowError, WindowRequest, WindowScreenshot};
+#[cfg(feature = "window")]
+use iorect::cli::WindowScreenshot;
+use iorect::cli::{self, WindowError, WindowRequest};
 
 fn main() -> ExitCode {
     cli::main(open_window)
 }
 
+#[cfg(not(feature = "window"))]
+fn open_window(_: WindowRequest) -> Result<(), WindowError> {
+    Err(WindowError::NotBuilt)
+}
+
+#[cfg(feature = "window")]
 fn open_window(request: WindowRequest) -> Result<(), WindowError> {
     let launch = Launch {
         scene: request.scene,
@@ -25,6 +34,7 @@ fn open_window(request: WindowRequest) -> Result<(), WindowError> {
 }
 
 /// Pictures of the window are the same whatever the last session left behind.
+#[cfg(feature = "window")]
 fn settings_for(shot: &WindowScreenshot) -> Settings {
     let defaults = Settings::default();
     Settings {

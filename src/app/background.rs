@@ -1,11 +1,11 @@
-//! A thread that works behind the window: told what to do, rung when there is something to do it with, asked for what it has finished.
-//! Nobody waits for it.
+//! A worker thread: it takes the latest order, is woken by a bell when its inputs change, and leaves finished work to be collected. The
+//! window never waits for it.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// What lies between the window and the thread.
+/// State shared by the window and the thread.
 #[derive(Debug, Default)]
 struct Tray<Order, Finished> {
     order: Order,
@@ -22,7 +22,7 @@ pub struct Desk<Order, Finished> {
 }
 
 impl<Order: Clone, Finished> Desk<Order, Finished> {
-    /// The latest order, once there is news of it or of what it is about, or `until` has come; `None` when the thread is to end.
+    /// Waits for an order, the bell or `until`, and returns the latest order; `None` when the thread is to end.
     pub fn wait(&self, until: Option<Instant>) -> Option<Order> {
         let mut tray = self.lock();
         while !tray.has_news && !tray.is_closed {
@@ -58,7 +58,7 @@ impl<Order, Finished> Desk<Order, Finished> {
 #[derive(Debug)]
 pub struct Bell<Order, Finished>(Arc<Desk<Order, Finished>>);
 
-// Derived, it would ask for clones of what lies on the desk.
+// Not derived: that would require orders and finished work to be `Clone`.
 impl<Order, Finished> Clone for Bell<Order, Finished> {
     fn clone(&self) -> Self {
         Self(Arc::clone(&self.0))

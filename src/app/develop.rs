@@ -9,6 +9,7 @@ use egui::{Color32, ColorImage};
 
 use super::background::{Background, Bell, Desk};
 use super::settings::{DifferenceKind, PaneContent};
+use crate::color::along;
 use crate::export::color_map::{diverging, luminance};
 use crate::measure::flip;
 use crate::render::Display;
@@ -22,7 +23,7 @@ pub struct Recipe {
     pub difference: DifferenceKind,
 }
 
-/// FLIP takes far longer than everything else here: it rests so many times as long as it has worked.
+/// FLIP takes far longer than everything else here: after it the thread pauses for this many times the time it took.
 const FLIP_REST: u32 = 3;
 
 /// A picture, ready to be uploaded.
@@ -214,39 +215,26 @@ fn develop(content: PaneContent, source: &Source, recipe: &Recipe) -> Option<Pic
 /// The colour of a difference in luminance, full at ±1. Signed: blue where the first is darker, black where equal, orange where it is
 /// brighter, as in exports. Absolute: black through purple and orange to pale yellow. NaN is magenta, as everywhere.
 pub fn difference_color(difference: f32, is_signed: bool) -> Color32 {
-    if difference.is_nan() {
-        return Color32::from_rgb(255, 0, 255);
-    }
     // A root shows small differences, which are what one looks for.
-    let size = difference.abs().min(1.0).sqrt();
-    if is_signed {
-        let [r, g, b] = diverging(size.copysign(difference));
-        return Color32::from_rgb(r, g, b);
-    }
-    sequential(size)
+    let size = difference.abs().sqrt();
+    if is_signed { opaque(diverging(size.copysign(difference))) } else { sequential(size) }
 }
 
 /// The colour of FLIP: from black at 0 to pale yellow at 1, evenly.
 pub fn flip_color(flip: f32) -> Color32 {
-    sequential(flip.clamp(0.0, 1.0))
+    sequential(flip)
 }
 
 /// Of a number in [0, 1].
 fn sequential(size: f32) -> Color32 {
     // After the map "inferno" of Smith and van der Walt (2015), which is even to the eye and safe for colour-blind ones.
-    let stops: [[f32; 3]; 6] = [
-        [8.0, 8.0, 10.0],
-        [66.0, 10.0, 104.0],
-        [147.0, 38.0, 103.0],
-        [221.0, 81.0, 58.0],
-        [252.0, 165.0, 10.0],
-        [252.0, 255.0, 164.0],
-    ];
-    let place = size * (stops.len() - 1) as f32;
-    let index = (place as usize).min(stops.len() - 2);
-    let part = place - index as f32;
-    let [r, g, b] = std::array::from_fn(|i| stops[index][i] + part * (stops[index + 1][i] - stops[index][i]));
-    Color32::from_rgb(r as u8, g as u8, b as u8)
+    const STOPS: [[u8; 3]; 6] =
+        [[8, 8, 10], [66, 10, 104], [147, 38, 103], [221, 81, 58], [252, 165, 10], [252, 255, 164]];
+    opaque(along(&STOPS, size * (STOPS.len() - 1) as f32))
+}
+
+fn opaque([r, g, b]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(r, g, b)
 }
 
 #[cfg(test)]

@@ -219,7 +219,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::scene::description::{CameraDescription, Environment, WorldMedium};
+    use crate::scene::description::{CameraDescription, Environment, Objects, WorldMedium};
 
     fn scene() -> Description {
         Description {
@@ -235,9 +235,7 @@ mod tests {
             world: WorldMedium { ior: Ior::Constant(1.0), absorption: [0.0; 3] },
             environment: Environment::Color([1.0; 3]),
             media: Vec::new(),
-            refractors: Vec::new(),
-            solids: Vec::new(),
-            lights: Vec::new(),
+            objects: Objects::default(),
             source: None,
         }
     }

@@ -18,13 +18,13 @@ use super::opening::Reading;
 use super::settings::PaneContent;
 use crate::export::{self, Comparison, ExportError, LabelledPane, Picture};
 use crate::render::Display;
-use crate::scene::{self, Description, SceneError};
+use crate::scene::{Description, SceneError};
 use crate::session::Snapshot;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
 use crate::writing::write_atomically;
 
-/// A person hardly closes a dialog sooner than this: a faster answer means that there was none.
+/// Least time that a dialog stays open; a faster answer means that none was shown.
 const NO_DIALOG: Duration = Duration::from_millis(1000);
 
 /// What a path is wanted for.
@@ -142,7 +142,7 @@ impl Files {
 
     /// Reads a scene by path or built-in name; `id` comes back with it.
     pub fn open(&self, id: u64, name_or_path: PathBuf) {
-        self.spawn(move || Some(opened(id, scene::load::open(&name_or_path))));
+        self.spawn(move || Some(opened(id, crate::formats::open(&name_or_path))));
     }
 
     /// Goes on with a scene that is being read already.
@@ -174,7 +174,7 @@ impl Files {
     /// Writes the scene.
     pub fn save(&self, description: Arc<Description>, path: PathBuf) {
         self.spawn(move || {
-            Some(match scene::save::save(&description, &path) {
+            Some(match crate::formats::save(&description, &path) {
                 Ok(()) => Outcome::Saved(path, description),
                 Err(error) => Outcome::Failed(error.to_string()),
             })

@@ -27,7 +27,7 @@ pub fn configure(configuration: &mut WgpuConfiguration) {
     });
 }
 
-/// The size to open a window with, of the one that is wanted; both in pixels. The rest follows with [`WindowSize`].
+/// The size in pixels to open a window with: the wanted one as far as any card can show it. [`WindowSize`] enlarges it once the card is known.
 pub fn first_size(wanted: [u32; 2]) -> [f32; 2] {
     wanted.map(|side| side.min(FIRST_SIDE) as f32)
 }

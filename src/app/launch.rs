@@ -8,7 +8,7 @@ use super::graphics::{self, WindowSize};
 use super::opening::{Reading, Waited};
 use super::screenshot::Camera as WindowCamera;
 use super::{App, Command, Settings, autosave, panels};
-use crate::scene::{self, SceneError};
+use crate::scene::SceneError;
 use crate::session::GroundTruthDemand;
 
 /// A scene that is not read within this time is read while the window is open.
@@ -66,7 +66,7 @@ pub fn run(scene: Option<PathBuf>) -> Result<(), RunError> {
 /// As [`run`], and when a screenshot was asked for and cannot be written.
 pub fn run_with(launch: Launch) -> Result<(), RunError> {
     let is_scripted = launch.settings.is_some() || launch.screenshot.is_some();
-    let name = launch.scene.unwrap_or_else(|| scene::builtin::DEFAULT.into());
+    let name = launch.scene.unwrap_or_else(|| crate::formats::builtin::DEFAULT.into());
     let scene = read(&name, is_scripted)?;
     let size = launch.size.map_or([1600.0, 960.0], graphics::first_size);
     let mut viewport = egui::ViewportBuilder::default()

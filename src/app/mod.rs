@@ -220,7 +220,7 @@ impl App {
                     preparation.give_up();
                 }
                 if !self.state.has_last_good() && !self.state.document.is_dirty() {
-                    self.open(scene::builtin::DEFAULT.into(), true);
+                    self.open(crate::formats::builtin::DEFAULT.into(), true);
                 }
             }
             Command::RestoreEdits(path) if self.state.document.is_dirty() => {
@@ -263,7 +263,7 @@ impl App {
     /// Where the first scene cannot be shown, or is not wanted any more.
     fn open_default_instead_of_nothing(&mut self) {
         if !self.state.has_scene() {
-            self.open(scene::builtin::DEFAULT.into(), true);
+            self.open(crate::formats::builtin::DEFAULT.into(), true);
         }
     }
 

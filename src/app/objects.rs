@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::geometry::Mesh;
 use crate::scene::Description;
-use crate::scene::description::{Shape, Transform};
+use crate::scene::description::{self, Shape, Transform};
 
 /// What a drag in the picture, or a row of typed numbers, changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -52,61 +52,43 @@ pub struct Object<'a> {
 
 /// The object of that name.
 pub fn object<'a>(description: &'a Description, name: &str) -> Option<Object<'a>> {
-    let refractor = description.refractors.iter().find(|r| r.name == name).map(|r| Object {
-        shape: &r.shape,
-        transform: r.transform,
-        visible: r.visible,
-        priority: Some(r.priority),
-    });
-    let solid = || {
-        let solid = description.solids.iter().find(|s| s.name == name)?;
-        Some(Object { shape: &solid.shape, transform: solid.transform, visible: solid.visible, priority: None })
-    };
-    let light = || {
-        let light = description.lights.iter().find(|l| l.name == name)?;
-        Some(Object { shape: &light.shape, transform: light.transform, visible: light.visible, priority: None })
-    };
-    refractor.or_else(solid).or_else(light)
+    let object = description.objects.find(name)?;
+    Some(Object {
+        shape: &object.shape,
+        transform: object.transform,
+        visible: object.visible,
+        priority: object.refractor().map(|refractor| refractor.priority),
+    })
 }
 
 /// The scene with another priority for a refractor; `None` if it has no such refractor or nothing would change.
 pub fn with_priority(description: &Description, name: &str, priority: i32) -> Option<Description> {
-    let index = description.refractors.iter().position(|r| r.name == name && r.priority != priority)?;
-    let mut edited = description.clone();
-    edited.refractors[index].priority = priority;
-    Some(edited)
+    with(description, name, |object| object.refractor_mut().is_some_and(|r| replaced(&mut r.priority, priority)))
 }
 
 /// The scene with an object hidden or shown; `None` if it has no such object or nothing would change.
 pub fn with_visible(description: &Description, name: &str, visible: bool) -> Option<Description> {
-    object(description, name).filter(|object| object.visible != visible)?;
-    let mut edited = description.clone();
-    for r in edited.refractors.iter_mut().filter(|r| r.name == name) {
-        r.visible = visible;
-    }
-    for s in edited.solids.iter_mut().filter(|s| s.name == name) {
-        s.visible = visible;
-    }
-    for l in edited.lights.iter_mut().filter(|l| l.name == name) {
-        l.visible = visible;
-    }
-    Some(edited)
+    with(description, name, |object| replaced(&mut object.visible, visible))
 }
 
 /// The scene with another transform for an object; `None` if it has no such object or nothing would change.
 pub fn with_transform(description: &Description, name: &str, transform: Transform) -> Option<Description> {
-    object(description, name).filter(|object| object.transform != transform)?;
+    with(description, name, |object| replaced(&mut object.transform, transform))
+}
+
+/// The scene with an object edited, if `edit` says that it changed something.
+fn with(
+    description: &Description,
+    name: &str,
+    edit: impl FnOnce(&mut description::Object) -> bool,
+) -> Option<Description> {
     let mut edited = description.clone();
-    for r in edited.refractors.iter_mut().filter(|r| r.name == name) {
-        r.transform = transform;
-    }
-    for s in edited.solids.iter_mut().filter(|s| s.name == name) {
-        s.transform = transform;
-    }
-    for l in edited.lights.iter_mut().filter(|l| l.name == name) {
-        l.transform = transform;
-    }
-    Some(edited)
+    edit(edited.objects.find_mut(name)?).then_some(edited)
+}
+
+/// Whether the value was another.
+fn replaced<T: PartialEq>(value: &mut T, new: T) -> bool {
+    std::mem::replace(value, new) != *value
 }
 
 /// Lowest and highest coordinates.

@@ -8,7 +8,7 @@ use std::time::Duration;
 use glam::DVec3;
 
 use crate::optics::Ior;
-use crate::scene::description::{CameraDescription, Environment, WorldMedium};
+use crate::scene::description::{CameraDescription, Environment, Objects, WorldMedium};
 use crate::scene::{self, Description, SceneError};
 
 /// Reads a scene from now on.
@@ -50,7 +50,7 @@ impl Reading {
         let (sender, outcome) = channel();
         std::thread::Builder::new().name("open".into()).spawn(move || {
             // Nobody waits any more for a scene whose opening was given up.
-            let _ = sender.send(scene::load::open(&name_or_path));
+            let _ = sender.send(crate::formats::open(&name_or_path));
         })?;
         Ok(Self { outcome })
     }
@@ -67,7 +67,7 @@ impl Reading {
     /// Waits until it is done.
     ///
     /// # Errors
-    /// As [`scene::load::open`].
+    /// As [`crate::formats::open`].
     pub fn wait(self) -> Result<Description, SceneError> {
         self.outcome.recv().unwrap_or_else(|_| Err(Self::broken()))
     }
@@ -86,16 +86,14 @@ pub fn no_scene() -> Arc<Description> {
             position: DVec3::Z,
             target: DVec3::ZERO,
             up: DVec3::Y,
-            vertical_fov: scene::load::DEFAULT_VERTICAL_FOV,
+            vertical_fov: scene::tables::DEFAULT_VERTICAL_FOV,
             aperture_radius: 0.0,
             focus_distance: None,
         },
         world: WorldMedium { ior: Ior::Constant(1.0), absorption: [0.0; 3] },
         environment: Environment::Color([0.0; 3]),
         media: Vec::new(),
-        refractors: Vec::new(),
-        solids: Vec::new(),
-        lights: Vec::new(),
+        objects: Objects::default(),
         source: None,
     })
 }
@@ -107,7 +105,7 @@ mod tests {
     #[test]
     fn a_scene_is_read_on_a_thread() {
         let reading = Reading::start("nested-spheres".into()).unwrap();
-        assert_eq!(reading.wait().unwrap().name, scene::load::open("nested-spheres").unwrap().name);
+        assert_eq!(reading.wait().unwrap().name, crate::formats::open("nested-spheres").unwrap().name);
         match Reading::start("no-such-scene".into()).unwrap().wait_for(Duration::from_secs(60)) {
             Waited::Done(outcome) => assert!(outcome.unwrap_err().message.contains("no-such-scene")),
             Waited::NotYet(_) => panic!("a minute was not enough"),
@@ -120,7 +118,7 @@ mod tests {
         let Waited::NotYet(reading) = (Reading { outcome }).wait_for(Duration::from_millis(5)) else {
             panic!("nothing was sent")
         };
-        sender.send(scene::load::open("nested-spheres")).unwrap();
+        sender.send(crate::formats::open("nested-spheres")).unwrap();
         assert!(reading.wait().is_ok());
         // The thread has panicked.
         let (sender, outcome) = channel();

@@ -17,10 +17,12 @@ use super::objects::{self, Object};
 use super::opening::{Opening, no_scene};
 use super::settings::{InterfaceScale, Settings, Theme};
 use crate::check::Problem;
+use crate::render::ImageSettings;
 use crate::scene::camera::Camera;
 use crate::scene::description::CameraDescription;
 use crate::scene::{Description, SceneError};
 use crate::session::{Preparation, Request, SceneReport};
+use crate::tracking::Mode;
 
 /// Largest magnification of the picture.
 pub const MAX_ZOOM: f32 = 64.0;
@@ -58,7 +60,7 @@ pub struct Windows {
 #[derive(Debug)]
 pub struct State {
     pub document: Document,
-    /// Whether `document` is a scene, and not what stands in for the first one.
+    /// `false` while `document` is the placeholder before the first scene.
     has_scene: bool,
     /// The scene that is being read.
     opening: Option<Opening>,
@@ -205,8 +207,7 @@ impl State {
             modes: self.settings.modes(),
             surfaces: self.settings.surfaces(),
             size: self.film_size,
-            seed: 0,
-            max_depth: self.settings.max_depth,
+            settings: ImageSettings { max_depth: self.settings.max_depth, ..ImageSettings::new(Mode::Rectified, 0) },
             sample_limit: self.settings.sample_limit,
             is_paused: self.is_paused,
             ground_truth: self.measurement.demand,
@@ -362,7 +363,7 @@ fn automatic_factor(window: [f32; 2], monitor: Option<[f32; 2]>) -> f32 {
 
 /// The medium that an object of the tree is made of.
 pub fn medium_of(description: &Description, object: &str) -> Option<MediumRef> {
-    let refractor = description.refractors.iter().find(|refractor| refractor.name == object)?;
+    let refractor = description.objects.find(object)?.refractor()?;
     Some(MediumRef::Named(refractor.medium.clone()))
 }
 

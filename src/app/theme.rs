@@ -35,6 +35,16 @@ pub fn small_mono_style() -> TextStyle {
     TextStyle::Name("small mono".into())
 }
 
+/// What lies over pictures, which are of any brightness: light on a dark ground in both themes.
+pub mod over_pictures {
+    use egui::Color32;
+
+    pub const GROUND: Color32 = Color32::from_black_alpha(178);
+    pub const TEXT: Color32 = Color32::from_rgb(0xf0, 0xf1, 0xf3);
+    pub const WEAK: Color32 = Color32::from_rgb(0xb4, 0xb9, 0xc0);
+    pub const ALERT: Color32 = Color32::from_rgb(0xf5, 0xc0, 0x4a);
+}
+
 const fn rgb(hex: u32) -> Color32 {
     Color32::from_rgb((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
 }

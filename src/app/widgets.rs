@@ -1,6 +1,6 @@
 //! Small pieces that several panels are made of.
 
-use egui::{Align, Color32, Layout, Response, RichText, Sense, Ui, Vec2};
+use egui::{Align, Align2, Color32, Context, Layout, Response, RichText, ScrollArea, Sense, Ui, Vec2, Window};
 
 use super::theme::{self, Palette, SECTION_GAP};
 
@@ -64,6 +64,24 @@ pub fn segmented_ui<T: PartialEq + Copy>(ui: &mut Ui, chosen: T, options: &[(T, 
     clicked
 }
 
+/// A window over the middle of the main one, `width` points wide where there is room; contents that are too high scroll. Returns whether the
+/// user has just closed it.
+pub fn centered_ui(ctx: &Context, title: &str, is_open: bool, width: f32, add: impl FnOnce(&mut Ui)) -> bool {
+    let mut stays_open = is_open;
+    let room = ctx.content_rect().size();
+    Window::new(title)
+        .open(&mut stays_open)
+        .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
+        .collapsible(false)
+        .default_height(room.y - 90.0)
+        .resizable(false)
+        .show(ctx, |ui| {
+            ui.set_width((room.x - 60.0).min(width));
+            ScrollArea::vertical().max_height(room.y - 130.0).show(ui, add);
+        });
+    is_open && !stays_open
+}
+
 /// A small square of a medium's colour.
 pub fn swatch_ui(ui: &mut Ui, color: Color32) -> Response {
     let (rect, response) = ui.allocate_exact_size(Vec2::new(10.0, ui.spacing().interact_size.y), Sense::hover());
@@ -101,19 +119,6 @@ pub fn fact_ui(ui: &mut Ui, name: &str, text: impl Into<String>, about: &str) {
     }
 }
 
-/// 1234567 as "1,234,567".
-pub fn thousands(count: u64) -> String {
-    let digits = count.to_string();
-    let mut out = String::new();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(digit);
-    }
-    out
-}
-
 /// A count in at most four characters and a prefix: "12", "3.4 k", "1.2 M".
 pub fn short_count(count: f64) -> String {
     match count {
@@ -121,17 +126,6 @@ pub fn short_count(count: f64) -> String {
         c if c >= 1e6 => format!("{:.1} M", c / 1e6),
         c if c >= 1e3 => format!("{:.1} k", c / 1e3),
         c => format!("{c:.0}"),
-    }
-}
-
-/// A duration in seconds with a fitting unit.
-pub fn duration(seconds: f64) -> String {
-    match seconds {
-        s if s >= 3600.0 => format!("{:.0} h {:02.0} min", (s / 3600.0).floor(), (s % 3600.0) / 60.0),
-        s if s >= 60.0 => format!("{:.0} min {:02.0} s", (s / 60.0).floor(), s % 60.0),
-        s if s >= 1.0 => format!("{s:.1} s"),
-        s if s >= 1e-3 => format!("{:.1} ms", s * 1e3),
-        s => format!("{:.0} µs", s * 1e6),
     }
 }
 
@@ -152,14 +146,8 @@ mod tests {
 
     #[test]
     fn numbers_are_readable() {
-        assert_eq!(thousands(0), "0");
-        assert_eq!(thousands(999), "999");
-        assert_eq!(thousands(1_234_567), "1,234,567");
         assert_eq!(short_count(950.0), "950");
         assert_eq!(short_count(3_100_000.0), "3.1 M");
-        assert_eq!(duration(0.000_4), "400 µs");
-        assert_eq!(duration(0.012), "12.0 ms");
-        assert_eq!(duration(75.0), "1 min 15 s");
         let short = [0.000_5, 0.012, 1.0, 9.99, 75.0, 36_000.0].map(short_seconds);
         assert_eq!(short, ["500 µs", "12 ms", "1.0 s", "10 s", "75 s", "10.0 h"]);
     }

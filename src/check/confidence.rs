@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::{Problem, Spot, names};
 use crate::geometry::Enclosure;
 use crate::rectify::Patch;
-use crate::rectify::contact::primitives_of;
+use crate::rectify::subjects::primitives_of;
 use crate::scene::ObjectId;
 use crate::tracking::Prepared;
 

@@ -7,14 +7,13 @@ use rayon::prelude::*;
 
 use super::{Problem, names, samples};
 use crate::geometry::{Geometry, Ray};
-use crate::rectify::contact::is_refractor;
+use crate::rectify::subjects::is_refractor;
 use crate::scene::{ObjectId, Scene, Surface};
 use crate::tracking::Prepared;
 
-/// Surfaces of refractors that are looked through, from an object outward, until something opaque is met. What lies deeper in a nest is not
-/// spoken of, but the outer parts of that nest are.
+/// Most refractor surfaces that a ray passes on its way out. Objects that lie deeper in a nest are not reported; the nest's outer parts are.
 const MOST_SURFACES: u32 = 16;
-/// Rays that must not get out, for each object, and for all together where there are many.
+/// Rays for each object, and for all together where there are many; an object none of whose rays gets out is enclosed.
 const RAYS: std::ops::RangeInclusive<u32> = 64..=1024;
 const ALL_RAYS: u32 = 100_000;
 

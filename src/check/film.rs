@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use super::names::{brief, rounded_up};
 use super::{Problem, Spot, samples};
 use crate::geometry::{Ray, SurfacePoint};
-use crate::rectify::contact::is_refractor;
 use crate::rectify::containment::{medium_of, priority};
+use crate::rectify::subjects::is_refractor;
 use crate::rectify::tolerance;
 use crate::rectify::{PatchKind, Progress};
 use crate::scene::{MediumId, ObjectId, Scene};
@@ -42,14 +42,14 @@ pub(super) fn problems(prepared: &Prepared, progress: &Progress) -> Vec<Problem>
         return Vec::new();
     }
     let points = ((MOST_TOGETHER / refractors.len()) as u32).clamp(FEWEST, ALL);
-    // Of what cannot be seen it does not matter what is beside it.
+    // Refractors that cannot be seen are skipped.
     let is_seen = |id: &ObjectId| {
         let is_interface = |kind| !matches!(kind, PatchKind::Masked | PatchKind::Null);
         !progress.is_cancelled() && prepared.table.patches_of(*id).iter().any(|patch| is_interface(patch.kind))
     };
     let found: Vec<Found> =
         refractors.into_par_iter().filter(is_seen).filter_map(|id| look(prepared, id, points)).collect();
-    // Both of a pair may say the same: the smaller one is the liquid.
+    // A pair may be found from both sides: the smaller object is the liquid.
     let mut of_pairs: BTreeMap<(ObjectId, ObjectId), Found> = BTreeMap::new();
     for found in found {
         let pair = (found.inner.min(found.outer), found.inner.max(found.outer));
@@ -137,7 +137,7 @@ fn film(prepared: &Prepared, inner: ObjectId, outer: ObjectId, points: u32, near
     {
         return None;
     }
-    // What it is of; surfaces that others cross say nothing.
+    // The film's medium, from a patch that no other surface crosses.
     let outside = |b: &&Beside| prepared.table.patch_of(&scene.geometry, b.point.primitive).and_then(|p| p.outside);
     let medium = gaps.iter().find_map(outside)?;
     let is_seen = [inner, outer].iter().all(|id| medium_of(scene, Some(*id)) != medium);

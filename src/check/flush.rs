@@ -6,9 +6,10 @@ use rayon::prelude::*;
 
 use super::{Problem, names, samples};
 use crate::geometry::{Ray, SurfacePoint};
-use crate::rectify::contact::{self, is_refractor};
 use crate::rectify::containment::medium_of;
 use crate::rectify::encounters::{Encounter, Meeting};
+use crate::rectify::face::coincides;
+use crate::rectify::subjects::is_refractor;
 use crate::rectify::tolerance;
 use crate::scene::{MediumId, ObjectId, Scene};
 use crate::tracking::priority::Priority;
@@ -79,7 +80,7 @@ fn is_on(prepared: &Prepared, point: &SurfacePoint, other: ObjectId) -> bool {
     let reach = DVec3::splat(tolerance::largest(geometry, geometry.object_of(point.primitive)));
     geometry.for_each_near_box(point.position - reach, point.position + reach, None, |primitive| {
         is_on |= geometry.object_of(primitive) == other.0
-            && contact::coincides(geometry, point.primitive, primitive).is_some()
+            && coincides(geometry, point.primitive, primitive).is_some()
             && geometry.distance(primitive, point.position) <= reach.x;
     });
     is_on

@@ -10,9 +10,9 @@ use crate::rectify::containment::medium_of;
 use crate::scene::{MediumId, Scene};
 use crate::tracking::Prepared;
 
-/// No medium of one's own lies below this: n − 1 is positive at visible wavelengths but for rounding.
+/// Least index of a real medium: n − 1 is positive at visible wavelengths; the margin is for rounding.
 const LEAST: f64 = 1.0 - 1e-4;
-/// Indices within which a medium hardly ever lies and ratios often do: above gases, below liquids.
+/// Indices between gases and liquids, which hardly any medium has and ratios often have.
 const RATIOS: std::ops::Range<f64> = 1.02..1.25;
 /// Relative difference of an index and a ratio that was rounded to four digits.
 const ROUNDED: f64 = 2e-4;
@@ -82,7 +82,7 @@ fn given(prepared: &Prepared, medium: MediumId) -> Option<f64> {
 
 /// Why an index is what it is: `inner` over `outer`.
 struct Explanation {
-    /// Name and index; the name of nothing in the scene is that of what is usual.
+    /// Name and index, of a medium in the scene or else of one in [`USUAL`].
     inner: (String, f64),
     outer: (String, f64),
 }

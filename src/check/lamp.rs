@@ -5,9 +5,9 @@ use glam::DVec3;
 
 use super::{Problem, names, samples};
 use crate::geometry::{Geometry, Ray};
-use crate::rectify::contact::primitives_of;
+use crate::rectify::subjects::primitives_of;
 use crate::rectify::tolerance;
-use crate::scene::description::{Light, Shape};
+use crate::scene::description::{Object, Shape};
 use crate::scene::{ObjectId, Surface};
 use crate::tracking::Prepared;
 
@@ -22,12 +22,11 @@ const MOST_PAIRS: usize = 10_000_000;
 
 pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
     let scene = &*prepared.scene;
-    let first = prepared.description.refractors.len() + prepared.description.solids.len();
     let mut pairs_left = MOST_PAIRS;
-    (prepared.description.lights.iter().enumerate())
-        .filter(|(_, light)| light.visible && light.radiance != [0.0; 3])
+    (prepared.description.objects.iter().enumerate())
+        .filter(|(_, object)| object.visible && object.light().is_some_and(|light| light.radiance != [0.0; 3]))
         .filter_map(|(index, light)| {
-            let lamp = Lamp { prepared, light, id: ObjectId((first + index) as u32) };
+            let lamp = Lamp { prepared, light, id: ObjectId(index as u32) };
             (scene.geometry.face_count(lamp.id.0) > 0).then_some(())?;
             lamp.faces_away(&mut pairs_left).or_else(|| lamp.shines_into_solid())
         })
@@ -36,7 +35,7 @@ pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
 
 struct Lamp<'a> {
     prepared: &'a Prepared,
-    light: &'a Light,
+    light: &'a Object,
     id: ObjectId,
 }
 

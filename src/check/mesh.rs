@@ -6,16 +6,16 @@ use super::{Problem, Severity, Spot, names, nested};
 use crate::geometry::topology::{Finding, FindingKind};
 use crate::geometry::{Enclosure, Topology};
 use crate::scene::ObjectId;
-use crate::scene::description::{Refractor, Shape};
+use crate::scene::description::{Object, Shape};
 use crate::tracking::Prepared;
 
-/// Takes from `doubts` what is said here, with its reason: the surface is not closed.
+/// Removes from `doubts` the objects reported here, about which rays disagree because the surface is not closed.
 pub(super) fn problems(prepared: &Prepared, rims: &Rims, doubts: &mut Doubts) -> Vec<Problem> {
     let description = &*prepared.description;
     let scene = &*prepared.scene;
     let mut problems = Vec::new();
     // Refractors are the first objects.
-    for (index, (refractor, object)) in description.refractors.iter().zip(&scene.objects).enumerate() {
+    for (index, (refractor, object)) in description.objects.refractors().iter().zip(&scene.objects).enumerate() {
         let id = ObjectId(index as u32);
         match (&refractor.shape, &object.topology) {
             (Shape::Quad { .. }, _) => {
@@ -28,14 +28,14 @@ pub(super) fn problems(prepared: &Prepared, rims: &Rims, doubts: &mut Doubts) ->
                 problems.push(and_doubt(problem, doubts.remove(&id)));
             }
             (_, Some(topology)) => {
-                // An interface is not to be turned over or mended, but replaced.
+                // An interface must be replaced by closed bodies; its orientation does not matter then.
                 let is_moot = |finding: &&Finding| {
                     rims.contains_key(&id)
                         && matches!(finding.kind, FindingKind::InsideOut | FindingKind::MixedOrientation)
                 };
                 for finding in topology.findings.iter().filter(|finding| !is_moot(finding)) {
                     let (count, spot) = match finding.kind {
-                        // Parts of which something is to be seen are no reason for advice.
+                        // Parts that can be seen need no advice.
                         FindingKind::NestedComponents => match nested::hidden(prepared, id) {
                             Some(hidden) => hidden,
                             None => continue,
@@ -66,14 +66,14 @@ fn and_doubt(mut problem: Problem, doubt: Option<Doubt>) -> Problem {
 }
 
 /// The place of a finding.
-fn spot(refractor: &Refractor, finding: &Finding) -> Spot {
+fn spot(refractor: &Object, finding: &Finding) -> Spot {
     let center = refractor.transform.matrix().transform_point3(finding.center);
     Spot { center, radius: finding.radius * refractor.transform.scale.abs().max_element() }
 }
 
 /// What is to be said of a finding at `spot`. `others` are the surfaces, by name, that the rim of one that is not closed is joined to.
 fn problem(
-    refractor: &Refractor,
+    refractor: &Object,
     topology: &Topology,
     kind: FindingKind,
     count: u64,
@@ -173,11 +173,11 @@ fn problem(
         }
     };
     let problem = Problem { severity, ..Problem::warning(&refractor.name, kind.word(), message) };
-    // Something of no size is everywhere on the object.
+    // A finding without extent concerns the whole object.
     if spot.radius > 0.0 { problem.at(spot.center, spot.radius) } else { problem }
 }
 
-/// A boundary is worth as many words as it is wide.
+/// An open boundary, by its width: from unmerged vertices to an open sheet.
 fn open(topology: &Topology, count: u64, near: &str, others: Option<&str>) -> (Severity, String) {
     let edges = if count == 1 { "1 of its edges is".to_owned() } else { format!("{count} of its edges are") };
     let start = format!("the mesh is not closed: {edges} not shared by two faces that look the same way");

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::Spot;
 use crate::rectify::PatchKind;
-use crate::rectify::contact::primitives_of;
+use crate::rectify::subjects::primitives_of;
 use crate::scene::ObjectId;
 use crate::tracking::Prepared;
 

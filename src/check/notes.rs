@@ -10,17 +10,14 @@ const ADVICE: [&str; 1] = ["degenerate_triangles"];
 
 pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
     let description = &*prepared.description;
-    let shapes = (description.refractors.iter().map(|r| &r.shape))
-        .chain(description.solids.iter().map(|s| &s.shape))
-        .chain(description.lights.iter().map(|l| &l.shape));
     // One file with the objects that it is the shape of.
     let mut files: Vec<(&std::path::Path, &[LoadNote], Vec<&str>)> = Vec::new();
-    for (shape, name) in shapes.zip(description.object_names()) {
-        let Shape::Mesh { path, notes, .. } = shape else { continue };
+    for object in &description.objects {
+        let Shape::Mesh { path, notes, .. } = &object.shape else { continue };
         match files.iter_mut().find(|(known, ..)| known == path) {
-            Some((.., names)) => names.push(name),
+            Some((.., names)) => names.push(&object.name),
             None if notes.is_empty() => {}
-            None => files.push((path, notes, vec![name])),
+            None => files.push((path, notes, vec![&object.name])),
         }
     }
     let problem = |path: &std::path::Path, names: &[&str], note: &LoadNote| {

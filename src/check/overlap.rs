@@ -72,7 +72,7 @@ fn members(pairs: &[(ObjectId, ObjectId)]) -> Vec<ObjectId> {
     members
 }
 
-/// Whether nobody has decided which of two fills their overlap, and it matters.
+/// Whether two objects have equal priorities and different media, so that a tie decides what fills their overlap.
 fn is_undecided(scene: &Scene, a: ObjectId, b: ObjectId) -> bool {
     let is_seamless = medium_of(scene, Some(a)) == medium_of(scene, Some(b));
     priority(scene, a) == priority(scene, b) && !is_seamless

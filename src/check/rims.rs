@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use crate::geometry::Enclosure;
 use crate::geometry::topology::NONE;
-use crate::rectify::contact::primitives_of;
+use crate::rectify::subjects::primitives_of;
 use crate::scene::{ObjectId, Scene};
 use crate::tracking::Prepared;
 
@@ -46,7 +46,7 @@ pub(super) fn joined(prepared: &Prepared) -> Rims {
 fn rim(prepared: &Prepared, scene: &Scene, id: ObjectId) -> Vec<[u64; 3]> {
     let Some(topology) = &scene.object(id).topology else { return Vec::new() };
     // Refractors are the first objects.
-    let is_mirrored = prepared.description.refractors[id.0 as usize].transform.scale.element_product() < 0.0;
+    let is_mirrored = prepared.description.objects.refractors()[id.0 as usize].transform.scale.element_product() < 0.0;
     let mut vertices = Vec::new();
     for (face, across) in primitives_of(&scene.geometry, id).zip(&topology.neighbours) {
         for (edge, _) in across.iter().enumerate().filter(|(_, other)| **other == NONE) {

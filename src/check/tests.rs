@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::formats::{self, builtin};
 use crate::geometry::Mesh;
 use crate::optics::Ior;
+use crate::scene::LoadNote;
 use crate::scene::description::{Description, Shape};
-use crate::scene::{LoadNote, builtin, load};
 use crate::tracking::prepare;
 
 const HEAD: &str = r#"
@@ -25,7 +26,7 @@ ior = 1.33
 "#;
 
 fn scene(text: &str) -> Description {
-    load::parse(&format!("{HEAD}{text}"), Path::new("test.toml"), false).unwrap()
+    formats::parse(&format!("{HEAD}{text}"), Path::new("test.toml"), &formats::Disk).unwrap()
 }
 
 fn object(name: &str, medium: &str, shape: &str) -> String {
@@ -60,7 +61,8 @@ fn tetrahedron() -> Mesh {
 
 fn with_mesh(mesh: Mesh, notes: &[LoadNote]) -> Description {
     let mut scene = scene(&(sphere("a", "glass", 0.0, 1.0) + &sphere("b", "water", 5.0, 1.0)));
-    scene.refractors[0].shape = Shape::Mesh { path: "m.obj".into(), mesh: Arc::new(mesh), notes: notes.to_vec() };
+    scene.objects.refractors_mut()[0].shape =
+        Shape::Mesh { path: "m.obj".into(), mesh: Arc::new(mesh), notes: notes.to_vec() };
     scene
 }
 
@@ -95,7 +97,7 @@ fn light_and_camera() {
 
 #[test]
 fn what_reading_an_image_changed_is_said() {
-    let mut scene = builtin::description(builtin::find("plain-glass").unwrap()).unwrap();
+    let mut scene = formats::open("plain-glass").unwrap();
     assert_eq!(found(scene.clone()), []);
     let Environment::Image { image, .. } = &mut scene.environment else { panic!("no image") };
     let note = |kind| LoadNote { kind, count: 7, first_line: None, message: format!("{kind}, with advice") };
@@ -114,7 +116,7 @@ fn overlaps_by_tie_and_by_priority() {
     let problems = problems_of(spheres.clone());
     assert_eq!((problems[0].kind, problems[0].place.as_str()), ("overlap_tie", "a, b"));
     assert!(problems[0].message.contains("overlap with equal priority: the smaller volume wins, here b"));
-    spheres.refractors[0].priority = 1;
+    spheres.objects.refractors_mut()[0].refractor_mut().unwrap().priority = 1;
     assert_eq!(found(spheres), []);
     let equal = problems_of(scene(&(sphere("a", "glass", 0.0, 1.0) + &sphere("b", "water", 1.2, 1.0))));
     assert!(
@@ -141,7 +143,7 @@ fn overlaps_by_tie_and_by_priority() {
 fn an_object_inside_one_of_higher_priority_cannot_be_seen() {
     let mut nest = scene(&(sphere("a", "glass", 0.0, 1.0) + &sphere("b", "water", 0.0, 0.5)));
     assert_eq!(found(nest.clone()), []);
-    nest.refractors[0].priority = 2;
+    nest.objects.refractors_mut()[0].refractor_mut().unwrap().priority = 2;
     let problems = problems_of(nest);
     assert_eq!((problems[0].kind, problems[0].place.as_str()), ("hidden", "b"));
     assert!(problems[0].message.contains("priority above 2"), "{}", problems[0].message);
@@ -165,8 +167,8 @@ fn meshes_open_or_inside_out() {
     assert!(problems[0].message.contains("3 of its edges"), "{}", problems[0].message);
     // The place is on the hole's rim, in scene coordinates, and the region shows more than the edge.
     let mut moved = with_mesh(open, &[]);
-    moved.refractors[0].transform.translate = DVec3::new(0.0, 40.0, 0.0);
-    moved.refractors[0].transform.scale = DVec3::splat(2.0);
+    moved.objects.refractors_mut()[0].transform.translate = DVec3::new(0.0, 40.0, 0.0);
+    moved.objects.refractors_mut()[0].transform.scale = DVec3::splat(2.0);
     let spots = [problems[0].spot, problems_of(moved)[0].spot].map(|spot| spot.expect("it has a place"));
     assert!((spots[1].center - (2.0 * spots[0].center + 40.0 * DVec3::Y)).length() < 1e-12);
     assert!((spots[1].radius - 2.0 * spots[0].radius).abs() < 1e-12 && spots[0].radius > 0.1);
@@ -200,11 +202,11 @@ fn what_was_passed_over_in_a_file_is_said_once_with_its_line() {
     ];
     assert_eq!(facts, expected);
     // Another object of the same file, and one of another.
-    let copy = scene.refractors[0].clone();
-    scene.refractors.push(crate::scene::description::Refractor { name: "c".into(), ..copy });
-    scene.refractors[2].transform.translate.x = 20.0;
+    let copy = scene.objects.refractors()[0].clone();
+    scene.objects.push(crate::scene::description::Object { name: "c".into(), ..copy });
+    scene.objects.refractors_mut()[2].transform.translate.x = 20.0;
     assert_eq!(found(scene.clone()), pairs(&[("unknown_statement", "a, c"), ("degenerate_triangles", "a, c")]));
-    let Shape::Mesh { path, .. } = &mut scene.refractors[2].shape else { panic!("no mesh") };
+    let Shape::Mesh { path, .. } = &mut scene.objects.refractors_mut()[2].shape else { panic!("no mesh") };
     *path = "n.obj".into();
     assert_eq!(found(scene).len(), 4);
 }
@@ -212,7 +214,7 @@ fn what_was_passed_over_in_a_file_is_said_once_with_its_line() {
 #[test]
 fn built_in_scenes_have_no_warnings() {
     for scene in builtin::all() {
-        let problems = problems_of(builtin::description(scene).unwrap());
+        let problems = problems_of(formats::open(scene.name).unwrap());
         let warnings: Vec<_> = problems.iter().filter(|p| p.severity != Severity::Advice).collect();
         assert!(warnings.is_empty(), "{}: {warnings:?}", scene.name);
         assert!(problems.iter().all(|p| p.kind != "unused_medium"), "{}", scene.name);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 
-use crate::render::{SampleRange, ToneCurve};
+use crate::render::{Backend, Estimator, ImageSettings, SampleRange, ToneCurve};
 use crate::report::make::Part;
 use crate::scene::shapes::MAX_LENGTH;
 use crate::tracking::Mode;
@@ -118,10 +118,10 @@ pub struct ImageArguments {
     pub max_depth: Depth,
     /// What computes: auto, cpu (gpu is not yet supported)
     #[arg(long, value_name = "BACKEND", default_value = "auto", value_parser = backend)]
-    pub backend: &'static str,
+    pub backend: Backend,
     /// How light is transported: path (bidirectional is not yet supported)
     #[arg(long, value_name = "ESTIMATOR", default_value = "path", value_parser = estimator)]
-    pub estimator: &'static str,
+    pub estimator: Estimator,
     /// Threads to render on [default: one per core]; the image does not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub threads: Option<u32>,
@@ -153,6 +153,23 @@ pub struct ImageArguments {
     /// Whether progress is told in lines where standard error is no terminal; nothing that can be asked for.
     #[arg(skip)]
     pub tells_progress: bool,
+}
+
+impl ImageArguments {
+    /// How the image of one mode is rendered.
+    pub fn settings(&self, mode: Mode) -> ImageSettings {
+        ImageSettings {
+            mode,
+            backend: self.backend,
+            estimator: self.estimator,
+            seed: self.seed,
+            max_depth: self.max_depth.0,
+            leave_out: self.leave_out.0,
+            splits: self.splits,
+            sampler: self.sampler,
+            sample_environment: self.sample_environment.0,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -407,13 +424,13 @@ fn on_or_off(text: &str) -> Result<Switch, String> {
     one_of(text, &[("on", Switch(true)), ("off", Switch(false))], &[])
 }
 
-fn backend(text: &str) -> Result<&'static str, String> {
+fn backend(text: &str) -> Result<Backend, String> {
     // The CPU is what `auto` comes to as long as it is the only one.
-    one_of(text, &[("auto", "cpu"), ("cpu", "cpu")], &["gpu"])
+    one_of(text, &[("auto", Backend::Cpu), ("cpu", Backend::Cpu)], &["gpu"])
 }
 
-fn estimator(text: &str) -> Result<&'static str, String> {
-    one_of(text, &[("path", "path")], &["bidirectional"])
+fn estimator(text: &str) -> Result<Estimator, String> {
+    one_of(text, &[("path", Estimator::Path)], &["bidirectional"])
 }
 
 fn sequence(text: &str) -> Result<Sequence, String> {
@@ -500,7 +517,7 @@ mod tests {
 
     #[test]
     fn what_is_planned_is_told_from_what_is_unknown() {
-        assert_eq!(backend("auto"), Ok("cpu"));
+        assert_eq!(backend("auto"), Ok(Backend::Cpu));
         assert!(backend("gpu").unwrap_err().contains("not yet supported"));
         assert!(!backend("abacus").unwrap_err().contains("not yet supported"));
         assert!(estimator("bidirectional").unwrap_err().contains("not yet supported"));

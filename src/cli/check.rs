@@ -12,7 +12,7 @@ use super::table::wrapped;
 use super::{Failure, plural, print, print_json};
 use crate::check::{Problem, Severity, check};
 use crate::export::escape::escaped;
-use crate::scene::{self, SceneError};
+use crate::scene::SceneError;
 
 #[derive(Serialize)]
 struct Report<'a> {
@@ -22,7 +22,7 @@ struct Report<'a> {
 
 /// A scene that cannot be used at all is reported like any other problem, and is the only reason for exit code 2.
 pub fn run(arguments: &SceneArguments) -> Result<ExitCode, Failure> {
-    let prepared = scene::load::open(&arguments.scene).and_then(|description| prepare_shown(Arc::new(description)));
+    let prepared = crate::formats::open(&arguments.scene).and_then(|description| prepare_shown(Arc::new(description)));
     let problems = match &prepared {
         Ok(prepared) => check(prepared),
         Err(error) => vec![unusable(&arguments.scene.to_string_lossy(), error)],

@@ -13,12 +13,10 @@ use super::arguments::{ImageArguments, Size};
 use super::preparation::prepare_shown;
 use super::progress::Progress;
 use crate::render::exact::unit_exponent;
-use crate::render::{Display, Film, Recipe, RenderSettings, SampleRange, VarianceReduction, accumulate};
-use crate::scene;
+use crate::render::{Cpu, Display, Film, ImageSettings, Recipe, RenderTask, Renderer, SampleRange};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
-use crate::transport::sampler::Sequence;
 
 /// Samples per pixel where neither `--spp` nor `--time` is given.
 pub const DEFAULT_SPP: u32 = 64;
@@ -40,20 +38,14 @@ pub struct Seconds {
 #[derive(Debug, Serialize)]
 pub struct ImageReport<'a> {
     pub scene: Cow<'a, str>,
-    pub mode: Mode,
-    pub backend: &'static str,
-    pub estimator: &'static str,
+    #[serde(flatten)]
+    pub settings: ImageSettings,
     pub width: u32,
     pub height: u32,
     pub spp: u32,
     /// Indices of the samples, where they were asked for.
     pub samples: Option<SampleRange>,
-    pub seed: u64,
-    pub max_depth: Option<u32>,
     pub adaptive: bool,
-    pub splits: u32,
-    pub sampler: Sequence,
-    pub sample_environment: bool,
     pub threads: usize,
     pub seconds: Seconds,
     pub events: Events,
@@ -121,7 +113,7 @@ impl<'a> Job<'a> {
     /// Reads and prepares the scene.
     pub fn new(arguments: &'a ImageArguments) -> Result<Self, Failure> {
         let start = Instant::now();
-        let description = scene::load::open(&arguments.scene)?;
+        let description = crate::formats::open(&arguments.scene)?;
         let load_secs = start.elapsed().as_secs_f64();
         let camera = Camera::new(&description.camera)?;
         // 0 lets rayon take one thread per core.
@@ -172,8 +164,6 @@ impl<'a> Job<'a> {
 
     /// What decides the samples of [`Self::render_part`].
     pub fn recipe(&self, mode: Mode) -> Recipe {
-        let RenderSettings { mode, seed, max_depth, leave_out, variance } = self.settings(mode);
-        let VarianceReduction { sequence, splits, sample_environment } = variance;
         let description = &self.prepared.description;
         Recipe {
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -182,14 +172,7 @@ impl<'a> Job<'a> {
             camera: self.camera.fingerprint(),
             width: self.arguments.size.width,
             height: self.arguments.size.height,
-            mode,
-            estimator: self.arguments.estimator.to_owned(),
-            seed,
-            max_depth,
-            leave_out,
-            splits,
-            sampler: sequence,
-            sample_environment,
+            settings: self.arguments.settings(mode),
             unit_exponent: unit_exponent(description),
         }
     }
@@ -204,10 +187,15 @@ impl<'a> Job<'a> {
         while slice > 0 {
             let slice_start = Instant::now();
             for (index, image) in images.iter_mut().enumerate() {
-                let settings = self.settings(image.mode);
+                let settings = self.arguments.settings(image.mode);
                 let mode_start = Instant::now();
                 self.pool.install(|| {
-                    accumulate(&self.prepared, &self.camera, &settings, &mut image.film, slice, &never);
+                    Cpu.pass(
+                        &RenderTask { prepared: &self.prepared, camera: &self.camera, settings: &settings },
+                        &mut image.film,
+                        slice,
+                        &never,
+                    );
                 });
                 image.seconds += mode_start.elapsed().as_secs_f64();
                 let samples = f64::from(done) + f64::from(slice) * (index + 1) as f64 / modes;
@@ -220,26 +208,8 @@ impl<'a> Job<'a> {
         }
     }
 
-    fn settings(&self, mode: Mode) -> RenderSettings {
-        RenderSettings {
-            mode,
-            seed: self.arguments.seed,
-            max_depth: self.arguments.max_depth.0,
-            variance: self.variance(),
-            leave_out: self.arguments.leave_out.0,
-        }
-    }
-
     fn is_adaptive(&self) -> bool {
         self.arguments.adaptive.is_none_or(|adaptive| adaptive.0)
-    }
-
-    fn variance(&self) -> VarianceReduction {
-        VarianceReduction {
-            sequence: self.arguments.sampler,
-            splits: self.arguments.splits,
-            sample_environment: self.arguments.sample_environment.0,
-        }
     }
 
     /// What there is to say about an image.
@@ -247,19 +217,12 @@ impl<'a> Job<'a> {
         let is_part = image.film.exact.is_some();
         ImageReport {
             scene: self.arguments.scene.to_string_lossy(),
-            mode: image.mode,
-            backend: self.arguments.backend,
-            estimator: self.arguments.estimator,
+            settings: self.arguments.settings(image.mode),
             width: image.film.width,
             height: image.film.height,
             spp: image.film.samples,
             samples: is_part.then(|| SampleRange(image.film.first, image.film.first + image.film.samples)),
-            seed: self.arguments.seed,
-            max_depth: self.arguments.max_depth.0,
             adaptive: self.is_adaptive() && !is_part,
-            splits: self.arguments.splits,
-            sampler: self.arguments.sampler,
-            sample_environment: self.arguments.sample_environment.0,
             threads: self.threads(),
             seconds: Seconds {
                 load: self.load_secs,

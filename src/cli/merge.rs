@@ -40,7 +40,7 @@ pub fn run(arguments: &MergeArguments) -> Result<ExitCode, Failure> {
         write(path, &merged, &Display { exposure: arguments.exposure, curve: arguments.curve })?;
     }
     if arguments.json {
-        let is_rectified = merged.recipe.mode == Mode::Rectified;
+        let is_rectified = merged.recipe.settings.mode == Mode::Rectified;
         print_json(&Report {
             recipe: &merged.recipe,
             files: arguments.files.len(),
@@ -105,7 +105,13 @@ fn write(path: &Path, merged: &Partial, display: &Display) -> Result<(), Failure
         Format::Png => {
             let recipe = &merged.recipe;
             let picture = Picture { width: recipe.width, height: recipe.height, rgb: merged.to_rgb() };
-            let text = export::metadata_for_media(&recipe.scene, &[], &[recipe.mode], merged.samples(), recipe.seed);
+            let text = export::metadata_for_media(
+                &recipe.scene,
+                &[],
+                &[recipe.settings.mode],
+                merged.samples(),
+                recipe.settings.seed,
+            );
             export::png(path, &picture, display, &text)
         }
     }
@@ -119,12 +125,12 @@ fn summary(arguments: &MergeArguments, merged: &Partial) -> String {
     let mut text = format!(
         "{} · {} · {}×{} · {} spp from {files} file{} · seed {}\n",
         short_name(&recipe.scene),
-        recipe.mode,
+        recipe.settings.mode,
         recipe.width,
         recipe.height,
         merged.samples(),
         plural(files),
-        recipe.seed
+        recipe.settings.seed
     );
     text += &format!("  samples   {}\n", ranges(&merged.ranges));
     let gaps = merged.gaps();

@@ -16,9 +16,8 @@ use crate::check::{Severity, check};
 use crate::export::escape::short_name;
 use crate::export::words::{brief, duration, grouped};
 use crate::rectify::containment::medium_of;
-use crate::rectify::table::RectifySeconds;
+use crate::rectify::progress::RectifySeconds;
 use crate::rectify::{Patch, PatchKind};
-use crate::scene;
 use crate::scene::{MediumId, ObjectId};
 use crate::tracking::Prepared;
 
@@ -61,7 +60,7 @@ struct Warning {
 }
 
 pub fn run(arguments: &RectifyArguments) -> Result<ExitCode, Failure> {
-    let prepared = prepare_shown(Arc::new(scene::load::open(&arguments.scene.scene)?))?;
+    let prepared = prepare_shown(Arc::new(crate::formats::open(&arguments.scene.scene)?))?;
     let table = &prepared.table;
     let mut seconds = table.seconds;
     let patches = match arguments.granularity {
@@ -92,7 +91,7 @@ pub fn run(arguments: &RectifyArguments) -> Result<ExitCode, Failure> {
 /// The source's answers, one for each object, in the form of patches.
 fn whole_objects(prepared: &Prepared) -> Vec<Patch> {
     let scene = &*prepared.scene;
-    (prepared.table.per_object(scene).answers.iter())
+    (prepared.table.object_table(scene).answers.iter())
         .map(|answer| {
             let refractor = answer.refractor;
             let outside = medium_of(scene, answer.outside_refractor());
@@ -139,7 +138,7 @@ fn patch_report<'a>(prepared: &'a Prepared, patch: &Patch) -> PatchReport<'a> {
 
 /// What `check` warns of about refractors.
 fn warnings(prepared: &Prepared) -> Vec<Warning> {
-    let refractors: HashSet<&str> = prepared.description.refractors.iter().map(|r| r.name.as_str()).collect();
+    let refractors: HashSet<&str> = prepared.description.objects.refractors().iter().map(|r| r.name.as_str()).collect();
     let is_refractor = |name: &str| refractors.contains(name);
     (check(prepared).into_iter())
         .filter(|problem| problem.severity != Severity::Advice && problem.place.split(", ").all(is_refractor))

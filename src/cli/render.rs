@@ -65,11 +65,11 @@ fn summary(job: &Job<'_>, rendered: &Rendered, output: Option<&std::path::Path>)
     let mut text = format!(
         "{} · {} · {}×{} · {} spp · seed {}\n",
         short_name(&job.prepared.description.name),
-        report.mode,
+        report.settings.mode,
         report.width,
         report.height,
         report.spp,
-        report.seed
+        report.settings.seed
     );
     text += &format!(
         "  time      load {} · tree {} · rectify {} · render {}\n",

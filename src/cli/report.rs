@@ -14,13 +14,13 @@ use super::{Failure, print, shell_word};
 use crate::export::ExportError;
 use crate::export::escape::{escaped_json, short_name, shown};
 use crate::export::words::duration;
+use crate::formats::{self, builtin};
 use crate::report::data::Report;
 use crate::report::extent::Extent;
 use crate::report::make::{Part, ReportError, Request, Subject, make};
 use crate::report::progress::Progress;
 use crate::report::store::Store;
 use crate::report::write::{json, require_all_writable, write};
-use crate::scene::{builtin, load};
 
 /// Steps of the progress bar.
 const STEPS: u64 = 10_000;
@@ -76,7 +76,7 @@ fn subjects(names: &[PathBuf]) -> Result<Vec<Subject>, Failure> {
     (if names.is_empty() { &all } else { names })
         .iter()
         .map(|name| {
-            let description = Arc::new(load::open(name)?);
+            let description = Arc::new(formats::open(name)?);
             let stem = name.file_stem().unwrap_or(name.as_os_str()).to_string_lossy().into_owned();
             if !taken.insert(stem.clone()) {
                 return Err(Failure::Wrong(anyhow::anyhow!(

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::arguments::ListArguments;
 use super::table::{Align, Table};
 use super::{Failure, print, print_json};
-use crate::scene::builtin;
+use crate::formats::builtin;
 
 #[derive(Serialize)]
 struct Entry {

@@ -12,12 +12,11 @@ use super::{Failure, print, print_json};
 use crate::export::escape::short_name;
 use crate::export::words::{brief, events_in_words};
 use crate::geometry::Ray;
-use crate::scene;
 use crate::scene::camera::Camera;
 use crate::transport::inspect::{TracedPath, Vertex, VertexEvent, trace};
 
 pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Failure> {
-    let description = Arc::new(scene::load::open(&arguments.scene.scene)?);
+    let description = Arc::new(crate::formats::open(&arguments.scene.scene)?);
     let camera = Camera::new(&description.camera)?;
     let ray = first_ray(arguments, &camera)?;
     let prepared = prepare_shown(Arc::clone(&description))?;

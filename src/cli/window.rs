@@ -9,11 +9,12 @@ use clap::Parser;
 use super::arguments::{Arguments, Command, WindowArguments};
 use super::image::DEFAULT_SPP;
 use super::{Failure, compare, shell_word, tell};
-use crate::scene::{SceneError, builtin};
+use crate::formats::builtin;
+use crate::scene::SceneError;
 
 /// What is written where no window can be opened.
 const FALLBACK_PICTURE: &str = "iorect-comparison.png";
-/// Most seconds that it is rendered for: nobody has asked for it, and all of it is to take less than half a minute.
+/// Seconds after which its rendering stops; with preparation it takes less than half a minute.
 const FALLBACK_SECS: f64 = 20.0;
 
 /// What the window should show.
@@ -50,6 +51,12 @@ pub enum WindowError {
     /// There is no display, or nothing to draw with.
     #[error("no window can be opened: {0}")]
     NoWindow(String),
+    /// The program was built without the feature `window`.
+    #[error(
+        "this iorect was built without its window: build it with the default features (`cargo build --release`), or use \
+         `iorect render` or `iorect compare`"
+    )]
+    NotBuilt,
     /// The scene cannot be used.
     #[error(transparent)]
     Scene(#[from] SceneError),

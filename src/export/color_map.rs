@@ -1,29 +1,16 @@
 //! False colours for differences: blue through black to orange, which eyes with any of the usual colour deficiencies keep apart.
 //! Black is no difference, and brightness alone tells how large one is.
 
-use crate::render::{Display, ToneCurve};
+use crate::color::along;
 
-/// Control points over [−1, 1], sRGB in [0, 1], with brightness rising away from 0 on both sides.
-const STOPS: [(f32, [f32; 3]); 7] = [
-    (-1.0, [0.78, 0.93, 1.00]),
-    (-0.6, [0.27, 0.62, 0.94]),
-    (-0.2, [0.07, 0.24, 0.45]),
-    (0.0, [0.045, 0.045, 0.055]),
-    (0.2, [0.40, 0.19, 0.05]),
-    (0.6, [0.93, 0.53, 0.13]),
-    (1.0, [1.00, 0.92, 0.72]),
-];
+/// At −1, −0.6, −0.2, 0, 0.2, 0.6 and 1, with brightness rising away from 0 on both sides.
+const STOPS: [[u8; 3]; 7] =
+    [[199, 237, 255], [69, 158, 240], [18, 61, 115], [11, 11, 14], [102, 48, 13], [237, 135, 33], [255, 235, 184]];
 
 /// The sRGB colour of `x`; beyond ±1 as at ±1, NaN magenta.
 pub fn diverging(x: f32) -> [u8; 3] {
-    if x.is_nan() {
-        return Display { exposure: 0.0, curve: ToneCurve::Clip }.encode([x; 3]);
-    }
-    let x = x.clamp(-1.0, 1.0);
-    let above = STOPS.iter().position(|stop| x <= stop.0).unwrap_or(STOPS.len() - 1).max(1);
-    let ((x0, c0), (x1, c1)) = (STOPS[above - 1], STOPS[above]);
-    let part = (x - x0) / (x1 - x0);
-    std::array::from_fn(|i| ((c0[i] + (c1[i] - c0[i]) * part) * 255.0).round() as u8)
+    let steps_from_middle = (x.abs() / 0.2).min((x.abs() + 0.2) / 0.4);
+    along(&STOPS, 3.0 + steps_from_middle.copysign(x))
 }
 
 /// Luminance of linear Rec. 709.

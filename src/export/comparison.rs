@@ -18,7 +18,7 @@ const WARNING: Color = [0xf5, 0xb3, 0x4d];
 const LEAST_PANE_WIDTH: u32 = 280;
 /// The colour scale ends where at most this share of the pixels goes beyond it.
 const BEYOND_SCALE: f64 = 0.01;
-/// Nobody can look at more pixels than this, and memory for them may not be there.
+/// Most pixels of a sheet: memory for more may not be there.
 const MOST_PIXELS: u64 = 1 << 28;
 
 /// One pane.
@@ -163,7 +163,7 @@ fn draw_title(canvas: &mut Canvas, layout: &Layout, about: &Comparison) {
     let size = layout.text * 1.7;
     let title = canvas.fitted(&about.title, size, right - left);
     canvas.text(&title, left, layout.title_y, Align::Left, size, INK);
-    // Two words that touch are worse than one that is missing: the title goes first.
+    // The details are left out where they would touch the title.
     let room = right - left - canvas.text_width(&title, size) - layout.text * 2.0;
     if canvas.text_width(&about.details, layout.text) <= room {
         canvas.text(&about.details, right, layout.title_y, Align::Right, layout.text, MUTED);

@@ -8,12 +8,12 @@ use crate::writing::WriteError;
 /// A picture that could not be made or written. Nothing was left behind.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
-    /// The extension says nothing that can be written.
+    /// The file name's extension names no known format.
     #[error("{}: cannot tell the format; use a name that ends in {expected}", path.display())]
     UnknownExtension {
         /// As asked for.
         path: PathBuf,
-        /// What would do.
+        /// The valid extensions.
         expected: &'static str,
     },
     /// The file cannot be written.

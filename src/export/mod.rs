@@ -7,6 +7,7 @@
 mod canvas;
 pub mod color_map;
 mod comparison;
+pub mod csv;
 mod error;
 pub mod escape;
 mod metadata;

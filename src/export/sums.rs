@@ -26,22 +26,22 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::ExportError;
+use crate::formats::disk::{self, FileError};
+use crate::formats::image::limits;
 use crate::render::exact::{ExactSums, MOST_BITS};
 use crate::render::{Partial, Recipe, SampleRange};
 use crate::scene::Fingerprint;
-use crate::scene::files::{self, FileError};
 use crate::scene::fingerprint::Hasher;
-use crate::scene::load::image::limits;
 use crate::tracking::Events;
 use crate::writing::write_atomically;
 
 /// Where the text stands in the file.
 const ATTRIBUTE: &str = "iorectSums";
-/// Of this description; files of another are refused.
+/// Version of the format; files of another are refused.
 const FORMAT: u32 = 2;
 /// Most pixels that are read: as many as can be rendered.
 const MOST_PIXELS: u64 = 1 << 26;
-/// More of an event than any render counts: sums of so many files cannot overflow.
+/// Largest count of an event that is accepted from a file: the sums over all files cannot overflow.
 const MOST_EVENTS: u64 = 1 << 56;
 const COLORS: [&str; 3] = ["R", "G", "B"];
 const COUNT: &str = "count.N";
@@ -73,15 +73,15 @@ pub enum SumsError {
         /// As asked for.
         path: PathBuf,
     },
-    /// Written by a version of the program that does it otherwise.
+    /// The file has another version of the format.
     #[error("{}: is of format {format}, and this iorect reads format {FORMAT}; use one version for all files", path.display())]
     OtherFormat {
         /// As asked for.
         path: PathBuf,
-        /// The file's.
+        /// The file's version.
         format: u64,
     },
-    /// Its parts do not go together.
+    /// The file's parts contradict each other.
     #[error("{}: was damaged or edited: {what}; render its samples anew", path.display())]
     Damaged {
         /// As asked for.
@@ -97,7 +97,7 @@ pub struct Head {
     format: u32,
     #[serde(flatten)]
     pub recipe: Recipe,
-    /// In ascending order, apart from each other.
+    /// Ranges of samples, ascending and disjoint.
     pub samples: Vec<SampleRange>,
     pub events: Events,
     checksum: Fingerprint,
@@ -155,7 +155,7 @@ fn part_name(part: usize, color: &str) -> String {
     format!("sum{part}.{color}")
 }
 
-/// JSON with what is not ASCII escaped: texts of OpenEXR are of bytes.
+/// JSON in ASCII, all other characters escaped: texts of OpenEXR are bytes.
 fn ascii(json: &str) -> String {
     let mut text = String::with_capacity(json.len());
     for c in json.chars() {
@@ -307,7 +307,7 @@ fn require_plausible(partial: &Partial) -> Result<(), String> {
 }
 
 fn open(path: &Path) -> Result<File, SumsError> {
-    files::open(path).map_err(|reason| SumsError::Read { path: path.to_path_buf(), reason })
+    disk::open(path).map_err(|reason| SumsError::Read { path: path.to_path_buf(), reason })
 }
 
 fn not_exr(path: &Path, error: &exr::error::Error) -> SumsError {

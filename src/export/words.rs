@@ -1,4 +1,4 @@
-//! Numbers and counts in words, the same on exported pictures and in the terminal.
+//! Numbers and counts in words, the same in the window, on exported pictures and in the terminal.
 
 use crate::tracking::Events;
 
@@ -45,9 +45,12 @@ pub fn duration(seconds: f64) -> String {
         format!("{} ms", brief(seconds * 1e3))
     } else if seconds < 100.0 {
         format!("{} s", brief(seconds))
-    } else {
+    } else if seconds < 3599.5 {
         let whole = seconds.round() as u64;
         format!("{} min {:02} s", whole / 60, whole % 60)
+    } else {
+        let minutes = (seconds / 60.0).round() as u64;
+        format!("{} h {:02} min", minutes / 60, minutes % 60)
     }
 }
 
@@ -88,6 +91,7 @@ mod tests {
             (2.14, "2.14 s"),
             (99.0, "99 s"),
             (200.4, "3 min 20 s"),
+            (7260.0, "2 h 01 min"),
             (0.0, "0 ms"),
         ] {
             assert_eq!(duration(seconds), expected);

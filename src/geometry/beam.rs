@@ -70,27 +70,27 @@ fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// Where a ray is and where it goes, as numbers of which none differs by more than 1 in a beam.
+/// A ray's origin and direction as numbers; within a beam no number differs by more than 1.
 #[derive(Clone, Copy)]
-struct Place {
+struct RayKey {
     numbers: [f32; 8],
     octant: u8,
 }
 
-impl Place {
+impl RayKey {
     const NOWHERE: Self = Self { numbers: [0.0; 8], octant: u8::MAX };
 
     /// `scale`: what to multiply directions and origins by.
     #[inline(always)]
     fn new(ray: &Ray, scale: [f64; 2]) -> Self {
         let [turn, shift] = scale;
-        let mut place = Self { numbers: [0.0; 8], octant: 0 };
+        let mut key = Self { numbers: [0.0; 8], octant: 0 };
         for k in 0..3 {
-            place.numbers[k] = (ray.direction[k] * turn) as f32;
-            place.numbers[4 + k] = (ray.origin[k] * shift) as f32;
-            place.octant |= u8::from(ray.direction[k].is_sign_negative()) << k;
+            key.numbers[k] = (ray.direction[k] * turn) as f32;
+            key.numbers[4 + k] = (ray.origin[k] * shift) as f32;
+            key.octant |= u8::from(ray.direction[k].is_sign_negative()) << k;
         }
-        place
+        key
     }
 
     #[inline(always)]
@@ -137,15 +137,15 @@ impl Gathered {
         let mut gathered =
             Self { beams: [Bundle::EMPTY; GATHERED / FEWEST], beam_count: 0, others: [0; GATHERED], other_count: 0 };
         let mut open = [Bundle::EMPTY; OPEN];
-        let mut places = [Place::NOWHERE; OPEN];
+        let mut keys = [RayKey::NOWHERE; OPEN];
         let mut oldest = 0;
         let [turn, shift] = SPREAD;
         let scale = [1.0 / turn, 1.0 / (shift * tree.radius)];
         for (index, ray) in rays.iter().enumerate() {
-            let place = Place::new(ray, scale);
+            let key = RayKey::new(ray, scale);
             let mut takers = 0;
-            for (k, other) in places.iter().enumerate() {
-                takers |= u32::from(other.is_near(&place)) << k;
+            for (k, other) in keys.iter().enumerate() {
+                takers |= u32::from(other.is_near(&key)) << k;
             }
             let number = if takers != 0 {
                 takers.trailing_zeros() as usize
@@ -153,7 +153,7 @@ impl Gathered {
                 let number = oldest;
                 oldest = (oldest + 1) % OPEN;
                 gathered.take(&mut open[number]);
-                places[number] = place;
+                keys[number] = key;
                 number
             };
             let bundle = &mut open[number % OPEN];
@@ -161,7 +161,7 @@ impl Gathered {
             bundle.length += 1;
             if bundle.length == MOST {
                 gathered.take(bundle);
-                places[number % OPEN] = Place::NOWHERE;
+                keys[number % OPEN] = RayKey::NOWHERE;
             }
         }
         open.iter_mut().for_each(|bundle| gathered.take(bundle));
@@ -204,15 +204,15 @@ struct Member<S> {
 }
 
 impl Geometry {
-    /// As [`Self::search_triangles_of_many`], for the rays of one beam.
+    /// As [`Self::search_others`], for the rays of one beam.
     #[inline(always)]
-    pub(super) fn search_triangles_of_beam<K: Kernel, S: Search>(
+    pub(super) fn search_beam<K: Kernel, S: Search>(
         &self,
         rays: &[Ray],
         bundle: &Bundle,
         t_max: impl Fn(usize) -> f64,
         start: impl Fn() -> S,
-        mut finish: impl FnMut(usize, &mut S, f64),
+        mut finish: impl FnMut(usize, &mut S),
     ) {
         let tree = &self.triangle_tree;
         let mut bounds = Bounds {
@@ -308,7 +308,8 @@ impl Geometry {
             (current, stack.length) = (next, length);
         }
         for member in members.iter_mut().flatten() {
-            finish(member.index, &mut member.search, member.t_max);
+            self.search_spheres::<K>(&member.ray, member.t_max, &mut member.search);
+            finish(member.index, &mut member.search);
         }
     }
 }

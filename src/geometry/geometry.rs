@@ -92,6 +92,7 @@ pub struct Geometry {
     pub(super) sphere_tree: Tree,
     pub(super) sphere_slots: Vec<u32>,
     bounds: Option<Sphere>,
+    /// One of those that are available.
     pub(super) kernel: KernelChoice,
 }
 
@@ -234,6 +235,16 @@ impl Geometry {
             let (min, max) = (all.min.as_dvec3(), all.max.as_dvec3());
             Sphere { center: (min + max) / 2.0, radius: (max - min).length() / 2.0 }
         });
+    }
+
+    /// Searches with another kernel than the fastest, for comparisons: what is found is the same.
+    ///
+    /// # Panics
+    ///
+    /// Unless the kernel is one of those [`KernelChoice::available`].
+    pub fn set_kernel(&mut self, kernel: KernelChoice) {
+        assert!(KernelChoice::available().contains(&kernel), "this processor cannot run {kernel:?}");
+        self.kernel = kernel;
     }
 
     pub fn triangle_count(&self) -> usize {

@@ -5,14 +5,13 @@
 //! other, and which rays take which kind of step is written into lists, not asked by branches.
 
 use std::array::from_fn;
-use std::hint::select_unpredictable;
 
-use super::bvh::{LEAF, Node};
+use super::bvh::{LEAF, Tree};
 use super::geometry::Geometry;
 use super::kernel::Kernel;
 use super::ray::Ray;
 use super::search::Search;
-use super::triangle::{PackTest, ShearedRay, TrianglePack};
+use super::triangle::{PackTest, ShearedRay};
 use super::walk::{BoxRay, END, Stack, entry};
 
 /// Rays in a group.
@@ -30,6 +29,15 @@ struct Walker<S> {
     search: S,
     /// Of the ray among all.
     index: usize,
+}
+
+impl<S> Walker<S> {
+    #[inline(always)]
+    fn new(tree: &Tree, index: usize, ray: Ray, t_max: f64, search: S) -> Self {
+        let boxes = BoxRay::new(&ray, tree.center, tree.radius);
+        let far_limit = boxes.far_limit(t_max);
+        Self { ray, boxes, sheared: ShearedRay::new(&ray), t_max, far_limit, current: entry(0.0, 0), search, index }
+    }
 }
 
 /// Numbers of walkers.
@@ -52,16 +60,15 @@ impl List {
 }
 
 impl Geometry {
-    /// Searches triangles along those of `rays` that `members` lists, up to `t_max`, for what `start` makes; `finish` gets that back with the
-    /// ray's index and the distance up to which others may still search.
+    /// Searches along those of `rays` that `members` lists, up to `t_max`, for what `start` makes; `finish` gets that back with the ray's index.
     #[inline(always)]
-    pub(super) fn search_triangles_of_many<K: Kernel, S: Search>(
+    pub(super) fn search_others<K: Kernel, S: Search>(
         &self,
         rays: &[Ray],
         members: &[u16],
         t_max: impl Fn(usize) -> f64,
         start: impl Fn() -> S,
-        mut finish: impl FnMut(usize, &mut S, f64),
+        mut finish: impl FnMut(usize, &mut S),
     ) {
         if members.is_empty() {
             return;
@@ -69,11 +76,7 @@ impl Geometry {
         let tree = &self.triangle_tree;
         let begin = |member: usize| {
             let index = usize::from(members[member]);
-            let (ray, t_max) = (rays[index], t_max(index));
-            let boxes = BoxRay::new(&ray, tree.center, tree.radius);
-            let far_limit = boxes.far_limit(t_max);
-            let sheared = ShearedRay::new(&ray);
-            Walker { ray, boxes, sheared, t_max, far_limit, current: entry(0.0, 0), search: start(), index }
+            Walker::new(tree, index, rays[index], t_max(index), start())
         };
         let count = members.len().min(GROUP);
         // With fewer rays than members, some stand for none.
@@ -90,7 +93,7 @@ impl Geometry {
                 let (walker, stack) = (&mut walkers[number], &mut stacks[number]);
                 let current = tree.step::<K>(walker.current as u32, &walker.boxes, walker.far_limit, stack);
                 walker.current = current;
-                self.fetch::<K>(current as u32);
+                tree.fetch::<K>(&self.packs, current as u32);
                 at_nodes.push_if(number as u8, current as u32 & LEAF == 0);
                 at_leaves.push_if(number as u8, current as u32 & LEAF != 0);
             }
@@ -112,7 +115,7 @@ impl Geometry {
                 };
                 let (current, length) = K::top(stack, walker.far_limit);
                 (walker.current, stack.length) = (current, length);
-                self.fetch::<K>(current as u32);
+                tree.fetch::<K>(&self.packs, current as u32);
                 at_nodes.push_if(number as u8, !is_over & (current as u32 & LEAF == 0));
                 at_leaves.push_if(number as u8, !is_over & (current as u32 & LEAF != 0));
                 at_end.push_if(number as u8, is_over);
@@ -120,7 +123,8 @@ impl Geometry {
             for k in 0..std::mem::take(&mut at_end.length) {
                 let number = at_end.members[k % GROUP] as usize % GROUP;
                 let walker = &mut walkers[number];
-                finish(walker.index, &mut walker.search, walker.t_max);
+                self.search_spheres::<K>(&walker.ray, walker.t_max, &mut walker.search);
+                finish(walker.index, &mut walker.search);
                 if next_ray < members.len() {
                     *walker = begin(next_ray);
                     stacks[number].clear();
@@ -129,15 +133,5 @@ impl Geometry {
                 }
             }
         }
-    }
-
-    /// Has the processor fetch a node or leaf that will be visited soon.
-    #[inline(always)]
-    pub(super) fn fetch<K: Kernel>(&self, child: u32) {
-        let (nodes, packs) = (self.triangle_tree.nodes.as_ptr().cast::<u8>(), self.packs.as_ptr().cast::<u8>());
-        let is_node = child & LEAF == 0;
-        let size = select_unpredictable(is_node, size_of::<Node>(), size_of::<TrianglePack>());
-        let start = select_unpredictable(is_node, nodes, packs);
-        K::fetch(start.wrapping_add((child & !LEAF) as usize * size));
     }
 }

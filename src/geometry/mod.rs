@@ -21,6 +21,7 @@ mod winding;
 pub use distance::closest_point;
 pub use frame::Frame;
 pub use geometry::{Geometry, Mask, ObjectRange, Part, SurfacePoint, uniform_direction};
+pub use kernel::KernelChoice;
 pub use mesh::Mesh;
 pub use ray::{Hit, NO_PRIMITIVE, PrimitiveId, Ray};
 pub use topology::{Enclosure, Topology};

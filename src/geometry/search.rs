@@ -5,6 +5,7 @@ use super::geometry::{Geometry, Mask};
 use super::kernel::{Kernel, Task};
 use super::ray::{Hit, PrimitiveId, Ray};
 use super::triangle::{PackTest, ShearedRay, TriangleHit};
+use super::walk::{BoxRay, Stack};
 
 impl Geometry {
     /// The first hit in the order (distance, primitive).
@@ -90,23 +91,17 @@ impl Geometry {
 
     #[inline(always)]
     fn search_with<K: Kernel>(&self, ray: &Ray, mut t_max: f64, search: &mut impl Search) {
-        let mut done = false;
         if !self.packs.is_empty() {
-            let sheared = ShearedRay::new(ray);
-            let mut test = PackTest::EMPTY;
-            self.triangle_tree.walk::<K>(
-                ray,
-                &mut t_max,
-                |child| self.fetch::<K>(child),
-                |slot, t_max| {
-                    done = self.test_pack::<K>(slot, ray, &sheared, t_max, &mut test, search);
-                    done
-                },
-            );
+            let tree = &self.triangle_tree;
+            let (boxes, sheared) = (BoxRay::new(ray, tree.center, tree.radius), ShearedRay::new(ray));
+            let (mut stack, mut test) = (Stack::at_root(), PackTest::EMPTY);
+            while let Some(slot) = tree.next_leaf::<K>(&boxes, t_max, &mut stack, Some(&self.packs)) {
+                if self.test_pack::<K>(slot, ray, &sheared, &mut t_max, &mut test, search) {
+                    return;
+                }
+            }
         }
-        if !self.spheres.is_empty() && !done {
-            self.search_spheres::<K>(ray, t_max, search);
-        }
+        self.search_spheres::<K>(ray, t_max, search);
     }
 
     /// Tests the triangles of a pack; returns whether the search is over.
@@ -133,26 +128,23 @@ impl Geometry {
     }
 
     #[inline(always)]
-    fn search_spheres<K: Kernel>(&self, ray: &Ray, mut t_max: f64, search: &mut impl Search) {
-        let mut done = false;
-        self.sphere_tree.walk::<K>(
-            ray,
-            &mut t_max,
-            |_| {},
-            |slot, t_max| {
-                let index = self.sphere_slots[slot as usize];
-                let primitive = index + self.triangles.len() as u32;
-                let distances = self.spheres[index as usize].intersect(ray, primitive == ray.from);
-                for (t, is_front) in distances.into_iter().zip([true, false]) {
-                    let Some(t) = t else { continue };
-                    // Both hits of one sphere carry the same id: the second lies behind the first unless they coincide.
-                    if is_behind(ray, t, primitive) && t <= *t_max {
-                        done |= search.found(Hit { t, primitive, barycentric: [0.0; 2], is_front }, t_max);
-                    }
-                }
-                done
-            },
-        );
+    pub(super) fn search_spheres<K: Kernel>(&self, ray: &Ray, mut t_max: f64, search: &mut impl Search) {
+        if self.spheres.is_empty() {
+            return;
+        }
+        let tree = &self.sphere_tree;
+        let boxes = BoxRay::new(ray, tree.center, tree.radius);
+        let mut stack = Stack::at_root();
+        while let Some(slot) = tree.next_leaf::<K>(&boxes, t_max, &mut stack, None) {
+            let index = self.sphere_slots[slot as usize];
+            let primitive = index + self.triangles.len() as u32;
+            let [enter, leave] = self.spheres[index as usize].intersect(ray, primitive == ray.from);
+            // Both hits of one sphere carry the same id: the second lies behind the first unless they coincide.
+            let is_over = meet_sphere(ray, primitive, enter, true, &mut t_max, search);
+            if meet_sphere(ray, primitive, leave, false, &mut t_max, search) || is_over {
+                return;
+            }
+        }
     }
 
     #[inline]
@@ -177,24 +169,19 @@ impl Geometry {
         if self.packs.is_empty() {
             for (index, ray) in rays.iter().enumerate() {
                 let mut search = start();
-                self.search_with::<K>(ray, t_max(index), &mut search);
+                self.search_spheres::<K>(ray, t_max(index), &mut search);
                 finish(index, &mut search);
             }
             return;
         }
         for (chunk, rays) in rays.chunks(GATHERED).enumerate() {
             let t_max = |index: usize| t_max(chunk * GATHERED + index);
-            let mut finish = |index: usize, search: &mut S, t_max: f64| {
-                if !self.spheres.is_empty() {
-                    self.search_spheres::<K>(&rays[index], t_max, search);
-                }
-                finish(chunk * GATHERED + index, search);
-            };
+            let mut finish = |index: usize, search: &mut S| finish(chunk * GATHERED + index, search);
             let gathered = Gathered::new(&self.triangle_tree, rays);
             for beam in gathered.beams() {
-                self.search_triangles_of_beam::<K, S>(rays, beam, t_max, &start, &mut finish);
+                self.search_beam::<K, S>(rays, beam, t_max, &start, &mut finish);
             }
-            self.search_triangles_of_many::<K, S>(rays, gathered.others(), t_max, &start, &mut finish);
+            self.search_others::<K, S>(rays, gathered.others(), t_max, &start, &mut finish);
         }
     }
 }
@@ -228,6 +215,22 @@ impl<D: Fn(usize) -> f64, B: Fn() -> S, F: FnMut(usize, &mut S), S: Search> Task
     fn run<K: Kernel>(self) {
         self.geometry.search_many_with::<K, S>(self.rays, self.t_max, self.start, self.finish);
     }
+}
+
+/// Reports where a ray enters or leaves a sphere, if it does; returns whether the search is over.
+#[inline(always)]
+fn meet_sphere(
+    ray: &Ray,
+    primitive: PrimitiveId,
+    t: Option<f64>,
+    is_front: bool,
+    t_max: &mut f64,
+    search: &mut impl Search,
+) -> bool {
+    let Some(t) = t else { return false };
+    is_behind(ray, t, primitive)
+        && t <= *t_max
+        && search.found(Hit { t, primitive, barycentric: [0.0; 2], is_front }, t_max)
 }
 
 /// Whether a hit comes after the ray's start in the order (distance, primitive).

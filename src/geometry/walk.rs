@@ -7,9 +7,10 @@ use std::hint::select_unpredictable;
 
 use glam::DVec3;
 
-use super::bvh::{BOX_MARGIN, LEAF, Tree, WIDTH};
+use super::bvh::{BOX_MARGIN, LEAF, Node, Tree, WIDTH};
 use super::kernel::Kernel;
 use super::ray::Ray;
+use super::triangle::TrianglePack;
 
 /// Relative growth of the range in which boxes are met: covers the rounding of its ends.
 const LIMIT_MARGIN: f32 = 1e-6;
@@ -109,41 +110,32 @@ impl BoxRay {
 }
 
 impl Tree {
-    /// Visits the leaf slots whose boxes `ray` meets between `ray.t_min` and `*t_max`, the nearest child of each node first. `visit` gets a slot
-    /// and may lower `t_max`; it ends the walk by returning `true`.
+    /// The next leaf slot whose box a ray meets between its `t_min` and `t_max`, which may become less from call to call; the nearest child of each
+    /// node first. `stack` is [`Stack::at_root`] before the first call. Where there are `packs`, those are fetched ahead.
     #[inline(always)]
-    pub(super) fn walk<K: Kernel>(
+    pub(super) fn next_leaf<K: Kernel>(
         &self,
-        ray: &Ray,
-        t_max: &mut f64,
-        fetch: impl Fn(u32),
-        mut visit: impl FnMut(u32, &mut f64) -> bool,
-    ) {
-        if self.nodes.is_empty() {
-            return;
-        }
-        let boxes = BoxRay::new(ray, self.center, self.radius);
-        let mut far_limit = boxes.far_limit(*t_max);
-        let mut stack = Stack::new();
-        let mut current = entry(0.0, 0);
+        boxes: &BoxRay,
+        t_max: f64,
+        stack: &mut Stack,
+        packs: Option<&[TrianglePack]>,
+    ) -> Option<u32> {
+        let far_limit = boxes.far_limit(t_max);
+        let mut current = stack.pop_within(far_limit);
         loop {
-            let child = current as u32;
-            if child & LEAF == 0 {
-                current = self.step::<K>(child, &boxes, far_limit, &mut stack);
-                fetch(stack.fixed[stack.length - 1] as u32);
-            } else {
-                if current == END {
-                    if !stack.refill() {
-                        return;
-                    }
-                } else {
-                    if visit(child & !LEAF, t_max) {
-                        return;
-                    }
-                    far_limit = boxes.far_limit(*t_max);
+            while current as u32 & LEAF == 0 {
+                current = self.step::<K>(current as u32, boxes, far_limit, stack);
+                if let Some(packs) = packs {
+                    self.fetch::<K>(packs, stack.fixed[stack.length - 1] as u32);
                 }
-                current = stack.pop_within(far_limit);
             }
+            if current != END {
+                return Some(current as u32 & !LEAF);
+            }
+            if !stack.refill() {
+                return None;
+            }
+            current = stack.pop_within(far_limit);
         }
     }
 
@@ -158,6 +150,15 @@ impl Tree {
         stack.length -= usize::from(is_nothing);
         let next = select_unpredictable(is_nothing, other, nearest);
         if next <= entry(far_limit, u32::MAX) { next } else { stack.pop_within(far_limit) }
+    }
+
+    /// Has the processor fetch a node or pack that will be visited soon.
+    #[inline(always)]
+    pub(super) fn fetch<K: Kernel>(&self, packs: &[TrianglePack], child: u32) {
+        let is_node = child & LEAF == 0;
+        let size = select_unpredictable(is_node, size_of::<Node>(), size_of::<TrianglePack>());
+        let start = select_unpredictable(is_node, self.nodes.as_ptr().cast::<u8>(), packs.as_ptr().cast::<u8>());
+        K::fetch(start.wrapping_add((child & !LEAF) as usize * size));
     }
 }
 
@@ -194,6 +195,14 @@ impl Stack {
             k += 1;
         }
         Self { fixed, length: Self::FIRST, more: Vec::new() }
+    }
+
+    /// Holds the root of a tree that is not empty.
+    #[inline(always)]
+    pub fn at_root() -> Self {
+        let mut stack = Self::new();
+        stack.push(entry(0.0, 0));
+        stack
     }
 
     /// Makes it as good as new.

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 
 use self::appearance::{Appearance, Filters};
 use super::metrics::{MetricError, require_finite};
+use crate::color::linear_from_srgb;
 use crate::render::Display;
 
 /// Pixels per degree of visual angle for a screen 0.7 m wide of 3840 pixels, seen from 0.7 m: the papers' viewing conditions.
@@ -75,10 +76,10 @@ enum Screen {
 impl Screen {
     fn appearance(self, image: &[[f32; 3]], width: usize, filters: &Filters) -> Appearance {
         match self {
-            Self::Encoded => Appearance::new(image, width, filters, linear_from_srgb),
+            Self::Encoded => Appearance::new(image, width, filters, decoded),
             Self::Displayed(display) => {
                 let shown = |rgb| display.encode(rgb).map(|byte| f32::from(byte) / 255.0);
-                Appearance::new(image, width, filters, |rgb| linear_from_srgb(shown(rgb)))
+                Appearance::new(image, width, filters, |rgb| decoded(shown(rgb)))
             }
             Self::Exposed(stops) => Appearance::new(image, width, filters, exposed(stops)),
         }
@@ -194,17 +195,13 @@ fn hyab(a: [f32; 3], b: [f32; 3]) -> f32 {
     (a[0] - b[0]).abs() + (a[1] - b[1]).hypot(a[2] - b[2])
 }
 
-/// That of pure green and pure blue.
+/// The difference of pure green and pure blue.
 fn greatest_color_difference() -> f32 {
     hyab(appearance::lab([0.0, 1.0, 0.0]), appearance::lab([0.0, 0.0, 1.0])).powf(QC)
 }
 
-/// The sRGB transfer function, inverted.
-fn linear_from_srgb(rgb: [f32; 3]) -> [f32; 3] {
-    rgb.map(|encoded| {
-        let encoded = encoded.clamp(0.0, 1.0);
-        if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
-    })
+fn decoded(srgb: [f32; 3]) -> [f32; 3] {
+    srgb.map(|encoded| linear_from_srgb(encoded.clamp(0.0, 1.0)))
 }
 
 /// ACES as Narkowicz fitted it, with its pre-exposure of 0.6 multiplied in: (ax² + bx)/(cx² + dx + e).

@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// How often an interval holds what it is an interval of.
+/// Probability with which an interval holds the true value.
 pub const CONFIDENCE: f64 = 0.95;
 
 /// An estimate and the bounds it lies between.

@@ -4,27 +4,8 @@
 
 use std::borrow::Cow::Borrowed;
 
+pub use super::ior::Entry;
 use super::ior::Ior;
-
-/// A catalogue entry.
-#[derive(Debug, PartialEq)]
-pub struct Entry {
-    /// The name used in scene files, such as `water`: lower case, words joined by `-`.
-    pub name: &'static str,
-    /// The name for people.
-    pub label: &'static str,
-    /// Who measured it, and under which conditions.
-    pub source: &'static str,
-    /// IOR against wavelength.
-    pub model: Ior,
-}
-
-impl Entry {
-    /// n at the d line, 587.56 nm.
-    pub fn ior(&self) -> f64 {
-        self.model.ior()
-    }
-}
 
 /// Squares a wavelength, for sources that print Sellmeier's C unsquared.
 const fn squared(wavelength_um: f64) -> f64 {
@@ -148,8 +129,8 @@ pub fn find(name: &str) -> Option<&'static Entry> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::ior::WAVELENGTH_D_UM;
     use super::*;
+    use crate::spectrum::WAVELENGTH_D_UM;
     use std::collections::HashSet;
 
     /// n as refractiveindex.info prints it, at the wavelength stated there: an agreement to half of the last printed digit.

@@ -4,11 +4,7 @@
 
 use std::borrow::Cow;
 
-use super::catalog;
-
-/// The helium d line, in micrometres (587.5618 nm, commonly written 587.56): the wavelength at which an IOR is taken where
-/// transport is in RGB, and at which glass makers print n.
-pub const WAVELENGTH_D_UM: f64 = 0.587_561_8;
+use crate::spectrum::WAVELENGTH_D_UM;
 
 /// Indices that are taken for real: far beyond any material and any test of stability, and far from where f64 gives out.
 pub const IOR_RANGE: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
@@ -24,8 +20,8 @@ pub enum Ior {
     Sellmeier(Cow<'static, [[f64; 2]]>),
     /// n = 1 + Σ K/(L − λ⁻²), pairs of K and L in µm⁻²: the form for gases, which only the catalogue uses.
     Gas(Cow<'static, [[f64; 2]]>),
-    /// By name, from [`catalog`].
-    Catalog(&'static catalog::Entry),
+    /// By name, from [`super::catalog`].
+    Catalog(&'static Entry),
 }
 
 impl Ior {
@@ -65,6 +61,26 @@ impl Ior {
     }
 }
 
+/// An entry of the catalogue.
+#[derive(Debug, PartialEq)]
+pub struct Entry {
+    /// The name used in scene files, such as `water`: lower case, words joined by `-`.
+    pub name: &'static str,
+    /// The name for people.
+    pub label: &'static str,
+    /// Who measured it, and under which conditions.
+    pub source: &'static str,
+    /// IOR against wavelength.
+    pub model: Ior,
+}
+
+impl Entry {
+    /// n at the d line, 587.56 nm.
+    pub fn ior(&self) -> f64 {
+        self.model.ior()
+    }
+}
+
 /// A + B/λ² + C/λ⁴ − 1.
 fn cauchy([a, b, c]: &[f64; 3], wavelength_um: f64) -> f64 {
     let inverse_square = 1.0 / (wavelength_um * wavelength_um);
@@ -80,6 +96,7 @@ fn sellmeier(terms: &[[f64; 2]], wavelength_um: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::catalog;
     use super::*;
 
     #[test]

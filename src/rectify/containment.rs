@@ -1,13 +1,14 @@
-//! Which refractors contain a point, or lie on a side of a surface: rays vote, and every refractor is asked in its own way.
+//! Which refractors contain a point, or lie on a side of a surface: rays vote, by rules that depend on how each refractor encloses its volume.
 
 use std::cell::RefCell;
 
 use glam::DVec3;
 
-use super::contact;
+use super::face::coincides;
+use super::random::Random;
+use super::subjects::is_refractor;
 use super::tolerance::largest;
 use crate::geometry::{Enclosure, Hit, NO_PRIMITIVE, Ray, SurfacePoint, uniform_direction};
-use crate::rectify::random::Random;
 use crate::scene::{MediumId, ObjectId, Scene, Surface};
 
 /// Rays of the first round. Odd, so that a vote among them decides.
@@ -55,7 +56,7 @@ impl Vote {
 
 /// What one ray has met of one object.
 #[derive(Clone, Copy)]
-struct Meeting {
+struct RayMeeting {
     /// Distance and facing of the first hit.
     t: f64,
     is_front: bool,
@@ -63,12 +64,12 @@ struct Meeting {
     exits: i32,
 }
 
-const NO_MEETING: Meeting = Meeting { t: f64::INFINITY, is_front: false, exits: 0 };
+const NO_MEETING: RayMeeting = RayMeeting { t: f64::INFINITY, is_front: false, exits: 0 };
 
 /// Counts votes. Reused from question to question, so that asking allocates nothing.
 #[derive(Default)]
 pub(super) struct Poll {
-    meetings: Vec<Meeting>,
+    meetings: Vec<RayMeeting>,
     met: Vec<u32>,
     votes: Vec<(u32, u32)>,
     /// Refractors with an entry in `votes`.
@@ -97,7 +98,7 @@ impl Poll {
         self.look(scene, ray, is_ignored, false);
     }
 
-    /// One ray's votes about sheets alone: those do not mind through what a ray goes.
+    /// One ray's votes about sheets only, which do not depend on what else the ray passes through.
     pub(super) fn ask_sheets(&mut self, scene: &Scene, ray: &Ray, is_ignored: impl Fn(&Hit) -> bool) {
         self.look(scene, ray, is_ignored, true);
     }
@@ -108,7 +109,7 @@ impl Poll {
         scene.geometry.for_each_hit(ray, |hit| {
             hits += 1;
             let object = scene.geometry.object_of(hit.primitive);
-            if !contact::is_refractor(scene, ObjectId(object)) {
+            if !is_refractor(scene, ObjectId(object)) {
                 nearest_opaque = nearest_opaque.min(hit.t);
                 return;
             }
@@ -132,7 +133,7 @@ impl Poll {
             let is_inside = match enclosure {
                 Enclosure::Closed => !meeting.is_front,
                 Enclosure::Union => meeting.exits > 0,
-                // What is opaque may be where the sheet ends.
+                // The sheet may end at the opaque surface: the ray abstains.
                 Enclosure::Sheet if nearest_opaque < meeting.t => continue,
                 Enclosure::Sheet => !meeting.is_front,
                 Enclosure::Holed => continue,
@@ -153,7 +154,7 @@ impl Poll {
         let mut votes: Vec<Vote> = (self.candidates.iter())
             .map(|&object| {
                 let (inside, asked) = self.votes[object as usize];
-                // Of a closed refractor every ray knows something.
+                // Every ray is a vote about a closed refractor, whether it meets it or not.
                 let is_sheet = scene.objects[object as usize].enclosure == Enclosure::Sheet;
                 Vote { refractor: ObjectId(object), inside, asked: if is_sheet { asked } else { self.rays } }
             })
@@ -193,13 +194,15 @@ pub fn containment_beside(scene: &Scene, point: &SurfacePoint, is_outer: bool) -
     settle(scene, point, votes, (!may_contain_itself).then_some(own))
 }
 
-/// Generalised winding number of a surface with holes around a point: next to it, on the outer side, where the point lies on that very surface.
+/// Generalised winding number of a surface with holes around a point; for a point on that very surface, of the point moved off it to the outer
+/// side.
 pub(super) fn winding_beside(scene: &Scene, holed: ObjectId, point: &SurfacePoint) -> f64 {
     let is_own = point.primitive != NO_PRIMITIVE && scene.geometry.object_of(point.primitive) == holed.0;
     if is_own { winding_on_side(scene, holed, point, true) } else { scene.object(holed).winding_at(point.position) }
 }
 
-/// The same on a side of a surface that faces of the object lie on: on them rounding would decide between the numbers of their two sides.
+/// The same where faces of the object coincide with the surface. The point is moved off it: on it rounding would decide between the numbers of
+/// the two sides.
 fn winding_on_side(scene: &Scene, holed: ObjectId, point: &SurfacePoint, is_outer: bool) -> f64 {
     /// Share of the object's radius: beyond the rounding of vertices.
     const BESIDE: f64 = 1e-6;
@@ -215,15 +218,16 @@ fn votes_beside(scene: &Scene, point: &SurfacePoint, is_outer: bool) -> Vec<Vote
 
 /// Whether a hit of a ray that leaves `point` is of a face that coincides with that of the point.
 pub(super) fn is_at_start(scene: &Scene, point: &SurfacePoint, hit: &Hit) -> bool {
-    // A coincident face lies within the tolerance, which is longer along a ray that grazes it; everything farther away is none.
+    // A coincident face lies within the tolerance, and a grazing ray may take many times that length to reach it. A hit farther away is of
+    // another face.
     const GRAZING: f64 = 32.0;
     let geometry = &*scene.geometry;
     let tolerance = |primitive| largest(geometry, geometry.object_of(primitive));
     hit.t < GRAZING * tolerance(point.primitive).max(tolerance(hit.primitive))
-        && contact::coincides(geometry, point.primitive, hit.primitive).is_some()
+        && coincides(geometry, point.primitive, hit.primitive).is_some()
 }
 
-/// Lends this thread's votes, cleared. Clearing costs as much as the last question touched, not as much as there are objects.
+/// Lends this thread's poll, cleared. Clearing costs time for the objects that the last question met, not for all objects.
 pub(super) fn with_poll<R>(scene: &Scene, ask: impl FnOnce(&mut Poll) -> R) -> R {
     POLL.with_borrow_mut(|poll| {
         poll.clear(scene);
@@ -243,7 +247,8 @@ fn poll(scene: &Scene, point: DVec3, ray: impl Fn(&mut Random) -> Ray, is_ignore
             }
         }
         if scene.has_sheets {
-            // Rays past a sheet say nothing, so a few are too few; and below a sheet it may be the rays back through the object that meet it.
+            // Rays that miss a sheet are no votes about it, so more are shot; below a sheet only rays back through the object may meet
+            // it.
             for _ in 0..LAST_ROUND {
                 let ray = ray(&mut random);
                 poll.ask_sheets(scene, &ray, &is_ignored);

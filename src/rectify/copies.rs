@@ -1,13 +1,15 @@
-//! Refractors that have the same surface at the same place. Of those that are equal to the last bit, the first stands for all wherever contacts are
-//! looked for: as many of them as there may be, they touch everything in the same way.
+//! Refractors with the same surface at the same place. Of bit-equal ones only the first is searched for contacts, however many there are: all
+//! have the same contacts.
 
 use std::collections::HashMap;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::contact::{Cover, Face, Relation, primitives_of};
-use super::surroundings::{State, Surroundings};
+use super::face::{Cover, Face};
+use super::relation::Relation;
+use super::subjects::primitives_of;
+use super::surroundings::{Membership, Surroundings};
 use super::tolerance::{Tolerance, largest};
 use crate::geometry::{Enclosure, Geometry, PrimitiveId};
 use crate::scene::{ObjectId, Scene};
@@ -34,7 +36,7 @@ impl Copies {
             }
         }
         let groups: Vec<Vec<ObjectId>> = alike.into_values().filter(|group| group.len() > 1).collect();
-        // Those in one box may be several sets of copies.
+        // Objects with equal bounds may still be of several sets of copies.
         let sets: Vec<Vec<ObjectId>> = (groups.into_par_iter())
             .flat_map_iter(|group| {
                 let mut sets: Vec<Vec<ObjectId>> = Vec::new();
@@ -84,12 +86,13 @@ impl Copies {
             return;
         }
         for &copy in self.of(surroundings.subject) {
-            surroundings.add(copy, State::InnerOnly);
+            surroundings.add(copy, Membership::InnerOnly);
         }
-        let sides = [(surroundings.outer.clone(), State::OuterOnly), (surroundings.inner.clone(), State::InnerOnly)];
-        for (side, state) in sides {
+        let sides =
+            [(surroundings.outer.clone(), Membership::OuterOnly), (surroundings.inner.clone(), Membership::InnerOnly)];
+        for (side, membership) in sides {
             for &copy in side.iter().flat_map(|first| self.of(*first)) {
-                surroundings.add(copy, state);
+                surroundings.add(copy, membership);
             }
         }
     }
@@ -127,7 +130,7 @@ pub fn have_same_surface(scene: &Scene, a: ObjectId, b: ObjectId) -> bool {
     if (area_a - area_b).abs() > SAME_AREA * area_a.max(area_b) {
         return false;
     }
-    // Where all of one lies on the other and is as large, it is the other.
+    // A surface of equal area that lies on the other everywhere is the same surface.
     primitives_of(geometry, a).into_par_iter().all(|face| lies_on(scene, face, b))
 }
 

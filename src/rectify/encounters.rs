@@ -2,10 +2,9 @@
 
 use super::copies::have_same_surface;
 use super::layout::Layout;
-use super::pretrace::SiteVotes;
+use super::site::SiteVotes;
+use super::subjects::is_refractor;
 use super::surroundings::Surroundings;
-use crate::rectify::cells::Node;
-use crate::rectify::contact::is_refractor;
 use crate::scene::{ObjectId, Scene};
 
 /// How two refractors meet.
@@ -38,13 +37,9 @@ struct Seen {
 
 /// All encounters, sorted; each pair once for each way in which it meets.
 pub(super) fn encounters(scene: &Scene, layout: &Layout, votes: &[SiteVotes]) -> Vec<Encounter> {
-    let used = layout.nodes.iter().filter_map(|node| match node {
-        Node::Known(answer) => layout.surroundings.get(*answer as usize - layout.sites.len()),
-        _ => None,
-    });
-    let mut of_cells: Vec<&Surroundings> = used.filter(|s| is_refractor(scene, s.subject)).collect();
+    let mut of_cells: Vec<&Surroundings> =
+        layout.surroundings.iter().filter(|s| is_refractor(scene, s.subject)).collect();
     of_cells.sort_unstable_by_key(|s| (s.subject, &s.outer, &s.inner, s.is_masked));
-    of_cells.dedup();
 
     let mut found = Vec::new();
     let mut tally = Tally::new(scene.objects.len());
@@ -54,7 +49,7 @@ pub(super) fn encounters(scene: &Scene, layout: &Layout, votes: &[SiteVotes]) ->
         let sites = first_site..first_site + layout.sites[first_site..].partition_point(|s| s.subject <= subject);
         first_site = sites.end;
         let cells = cells.next_if(|cells| cells[0].subject == subject).unwrap_or_default();
-        // All in one piece, which other surfaces do not touch.
+        // One patch without contacts: it meets nothing.
         if cells.is_empty() && sites.len() == 1 && layout.sites[sites.start].settled.is_empty() {
             continue;
         }
@@ -68,7 +63,7 @@ pub(super) fn encounters(scene: &Scene, layout: &Layout, votes: &[SiteVotes]) ->
             if seen.inside && seen.outside {
                 found.push(Encounter { a, b, meeting: Meeting::Overlap });
             }
-            // What is masked says nothing, so it takes a closer look.
+            // Masked pieces do not tell what they lie in, so the surfaces themselves are compared.
             let may_be_copy = seen.same && !seen.inside && !seen.outside && !seen.opposed;
             if may_be_copy && have_same_surface(scene, a, b) {
                 found.push(Encounter { a, b, meeting: Meeting::Copy });
@@ -90,8 +85,8 @@ struct Tally {
     seen: Vec<(Seen, usize)>,
     /// The objects that some piece names.
     named: Vec<ObjectId>,
-    /// Pieces that are not masked. A masked one does not say what else is there; of the others, those that name a refractor on neither side lie
-    /// outside it.
+    /// Number of pieces that are not masked. Such a piece lies outside every refractor that it names on neither side; a masked piece tells
+    /// nothing about what it does not name.
     telling: usize,
 }
 

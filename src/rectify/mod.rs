@@ -1,30 +1,44 @@
 //! IOR rectification: finding what lies on the other side of every refractor's surface, place by place.
 //!
 //! ```text
-//! contact    which faces do other surfaces touch                          ┐
-//! cells      touched faces, divided until each part has one answer         │ geometry alone
-//! layout     the rest, joined into connected patches                      ┘
-//! pretrace   rays from every patch vote about every refractor
-//! nest       where there are many, what lies in each other inherits its containers
-//! surroundings, table   votes, priorities and media come to two media for every place
+//! subjects, relation, face, tolerance   primitives, and how two of them meet                   ┐
+//! contact, copies                       which faces other surfaces touch                       │
+//! cells, asked, coarseness              touched faces, divided until each part has one answer  │ geometry alone
+//! split, site                           the other faces, joined into connected pieces          │
+//! layout                                all objects together                                   ┘
+//! containment                           which refractors contain a point: rays vote
+//! pretrace, nest                        votes about every piece; in deep nests containers are inherited
+//! surroundings, table, patch            votes, priorities and media come to two media for every place
+//! flat                                  the arrays that are looked up at a crossing, on the CPU and on the GPU
+//! object_table                          one exterior for each object, the source's method, to compare with
 //! ```
 
 mod adjacency;
+pub mod asked;
 pub mod cells;
+mod coarseness;
 pub mod contact;
 pub mod containment;
 pub mod copies;
 pub mod encounters;
+pub mod face;
+pub mod flat;
 pub mod layout;
 mod nest;
-pub mod object;
+pub mod object_table;
+pub mod patch;
 pub mod pretrace;
 pub mod progress;
 mod random;
+pub mod relation;
+pub mod site;
+pub mod split;
 pub mod start;
+pub mod subjects;
 pub mod surroundings;
 pub mod table;
 pub mod tolerance;
 
+pub use patch::{Patch, PatchKind};
 pub use progress::{Cancelled, Progress};
-pub use table::{InterfaceTable, Patch, PatchKind};
+pub use table::InterfaceTable;

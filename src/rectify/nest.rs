@@ -1,16 +1,17 @@
-//! Many objects in each other. What no surface touches and lies whole in something else that none touches has that one's containers and that
-//! one itself around it: they need neither be asked about nor listed again. Of N shells in each other that leaves N questions of N².
+//! Deep nests. An object that no surface touches, inside another that none touches, is contained by that one and by its containers. So only the
+//! innermost container is asked for and listed: N nested shells take N questions instead of N².
 
 use super::containment::{outward_ray, top};
-use super::layout::{Faces, Layout, Site};
-use super::object::container_along;
-use super::pretrace::SiteVotes;
+use super::object_table::container_along;
 use super::random::Random;
+use super::site::{Faces, Site, SiteVotes};
+use super::subjects::is_refractor;
+use super::surroundings::Fillers;
 use crate::geometry::Enclosure;
-use crate::rectify::contact::is_refractor;
 use crate::scene::{ObjectId, Scene};
 
-/// Refractors from which on containers are inherited. With fewer, every piece of surface asks about all, which finds more that is doubtful.
+/// Containers are inherited in scenes of at least this many refractors. In smaller ones every patch is asked about all of them, which finds more
+/// doubtful answers.
 const MANY: usize = 256;
 /// Rays that must find the same container.
 pub const RAYS: u32 = 3;
@@ -26,7 +27,7 @@ impl Nest {
     /// Of a scene in which `is_untouched` says of every closed refractor of one component whether no surface touches it.
     pub fn new(scene: &Scene, is_untouched: impl Fn(ObjectId) -> bool) -> Self {
         let refractors = || scene.refractors().map(|(refractor, _)| refractor);
-        // Of anything but a closed surface the first hit along a ray says too little.
+        // The first hit along a ray tells containment for closed surfaces only.
         let is_simple = refractors().all(|refractor| scene.object(refractor).enclosure == Enclosure::Closed);
         if !is_simple || refractors().count() < MANY {
             return Self::default();
@@ -40,12 +41,10 @@ impl Nest {
         Self { is_whole }
     }
 
-    /// Of a scene that has been laid out.
-    pub fn of_layout(scene: &Scene, layout: &Layout) -> Self {
-        Self::new(scene, |refractor| {
-            let site = layout.sites.get(layout.place_of_object[refractor.0 as usize] as usize);
-            site.is_some_and(can_inherit)
-        })
+    /// Of a scene that has been laid out into `sites`.
+    pub fn of_sites(scene: &Scene, sites: &[Site]) -> Self {
+        let whole = whole_sites(scene, sites);
+        Self::new(scene, |refractor| whole[refractor.0 as usize].is_some_and(|number| can_inherit(&sites[number])))
     }
 
     /// Asks for the innermost container of a site. `None` where that does not tell all of them; `Some(None)` where there is none.
@@ -75,34 +74,37 @@ fn can_inherit(site: &Site) -> bool {
     site.faces == Faces::Whole && site.settled.is_empty() && !site.fixed.is_masked
 }
 
-/// The refractors that fill the two sides of a site.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Fillers {
-    pub outer: Option<ObjectId>,
-    pub inner: Option<ObjectId>,
+/// The number of the site that is all of an object, by object; `None` where the object has several.
+fn whole_sites(scene: &Scene, sites: &[Site]) -> Vec<Option<usize>> {
+    let mut whole = vec![None; scene.objects.len()];
+    for (number, site) in sites.iter().enumerate().filter(|(_, site)| site.faces == Faces::Whole) {
+        whole[site.subject.0 as usize] = Some(number);
+    }
+    whole
 }
 
 /// What fills the two sides of every site, by priority and volume.
-pub fn fillers(scene: &Scene, layout: &Layout, votes: &[SiteVotes]) -> Vec<Fillers> {
+pub fn fillers(scene: &Scene, sites: &[Site], votes: &[SiteVotes]) -> Vec<Fillers> {
+    let whole = whole_sites(scene, sites);
     let of_listed = |(site, votes): (&Site, &SiteVotes)| {
         votes.within.is_none().then(|| {
             let surroundings = votes.surroundings(site);
             Fillers { outer: surroundings.outer_refractor(scene), inner: surroundings.inner_refractor(scene) }
         })
     };
-    let mut fillers: Vec<Option<Fillers>> = layout.sites.iter().zip(votes).map(of_listed).collect();
+    let mut fillers: Vec<Option<Fillers>> = sites.iter().zip(votes).map(of_listed).collect();
     for first in 0..fillers.len() {
-        // Outwards to one that is known, and back.
+        // Follow containers outwards to a resolved site, then resolve back inwards.
         let mut ways = Vec::new();
         let mut at = first;
         while let (None, Some(container)) = (fillers[at], votes[at].within) {
-            let around = layout.place_of_object[container.0 as usize] as usize;
+            let around = whole[container.0 as usize].expect("only objects of one site are inherited from");
             ways.push((at, container, around));
             at = around;
         }
         for (site, container, around) in ways.into_iter().rev() {
             let outer = top(scene, fillers[around].and_then(|around| around.outer).into_iter().chain([container]));
-            let inner = top(scene, outer.into_iter().chain([layout.sites[site].subject]));
+            let inner = top(scene, outer.into_iter().chain([sites[site].subject]));
             fillers[site] = Some(Fillers { outer, inner });
         }
     }
@@ -114,11 +116,11 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::formats;
     use crate::rectify::InterfaceTable;
     use crate::rectify::pretrace::vote;
     use crate::scene::compile::{changed_objects, compile};
     use crate::scene::description::{Description, Shape};
-    use crate::scene::load;
 
     /// Balls and meshes of balls in each other, in three heaps, and some beside them; those of the first heap have priorities.
     fn heaps(count: u32) -> Description {
@@ -143,7 +145,7 @@ mod tests {
             );
         }
         let light = "[[light]]\nname = \"lamp\"\nradiance = [1, 1, 1]\nshape = { sphere = { center = [0, 0, 0], radius = 0.001 } }\n";
-        load::parse(&(text + light), "heaps.toml".as_ref(), false).unwrap()
+        formats::parse(&(text + light), "heaps.toml".as_ref(), &formats::Disk).unwrap()
     }
 
     #[test]
@@ -153,7 +155,7 @@ mod tests {
         let (layout, votes) = table.parts();
         let inherited = votes.iter().filter(|votes| votes.within.is_some()).count();
         assert!(inherited > 100, "{inherited}");
-        let fillers = fillers(&scene, layout, votes);
+        let fillers = fillers(&scene, &layout.sites, votes);
         for (number, site) in layout.sites.iter().enumerate() {
             let all = vote(&scene, site, &Nest::default(), SiteVotes::default()).surroundings(site);
             let expected = Fillers { outer: all.outer_refractor(&scene), inner: all.inner_refractor(&scene) };
@@ -171,13 +173,15 @@ mod tests {
         let mover = 31;
         assert_eq!(mover % 5, 1);
         let place = |description: &Description, to: DVec3| {
-            let Shape::Sphere { center, .. } = description.refractors[mover].shape else { panic!("it is a ball") };
+            let Shape::Sphere { center, .. } = description.objects.refractors()[mover].shape else {
+                panic!("it is a ball")
+            };
             to - center
         };
         let across = DVec3::new(0.0097, 0.0, 0.97);
         for to in [across, DVec3::new(0.0, 9.0, 0.0), across * 1.0001, DVec3::new(0.5, 0.5, 2.0)] {
             let before = description.clone();
-            description.refractors[mover].transform.translate = place(&description, to);
+            description.objects.refractors_mut()[mover].transform.translate = place(&description, to);
             let moved = compile(&description, Some((&before, &scene))).unwrap();
             let changed = changed_objects(&before, &description).unwrap();
             let after = table.updated(&moved, &scene, &changed);

@@ -30,6 +30,25 @@ impl Stage {
     }
 }
 
+/// Time spent on each part, in seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+pub struct RectifySeconds {
+    /// Analysis of the meshes.
+    pub topology: f64,
+    /// Contacts, cells, patches.
+    pub patches: f64,
+    /// Rays and their votes.
+    pub pretrace: f64,
+    /// From votes to media.
+    pub resolve: f64,
+}
+
+impl RectifySeconds {
+    pub fn total(&self) -> f64 {
+        self.topology + self.patches + self.pretrace + self.resolve
+    }
+}
+
 /// The work was cancelled and has no result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("cancelled")]

@@ -9,14 +9,14 @@ use crate::scene::{MediumId, ObjectId, Scene, Surface};
 
 /// A ray starts on a surface where the surface lies this many of its roundings away or less.
 const ON_SURFACE: f64 = 4.0;
-/// A hit of that surface is the start itself, seen again, unless it lies farther along the ray than this many times the tolerance: then the
-/// ray grazes the surface, and meets it.
+/// A hit of that surface within this many times the tolerance is the ray's own origin and is ignored. One that is farther along is real: the ray
+/// grazes the surface and meets it.
 const GRAZING: f64 = 1e4;
 
 /// How a path starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Start {
-    /// The ray, behind the surfaces that it starts on.
+    /// The ray, beginning past the surfaces that its origin lies on.
     pub ray: Ray,
     pub medium: MediumId,
     /// Whether the voting rays did not agree about the medium.
@@ -107,8 +107,8 @@ fn tolerance(scene: &Scene, primitive: PrimitiveId, point: DVec3) -> f64 {
     ON_SURFACE * (scene.geometry.rounding(primitive) + of_point)
 }
 
-/// How far beyond `radius` around `center` the surfaces are to be looked for that rays may start on: as far as the [`tolerance`] of any
-/// refractor's surface that may lie there, which is larger the farther it reaches.
+/// How far beyond `radius` around `center` to search for surfaces that rays may start on: the largest [`tolerance`] of the refractors near it,
+/// which grows with their distance from the local origin.
 fn room_around(scene: &Scene, center: DVec3, radius: f64) -> f64 {
     let geometry = &scene.geometry;
     let room = |object: u32| {

@@ -1,12 +1,12 @@
 //! What lies on the two sides of a piece of surface: sets of refractors, and the media that they come to.
 
-use super::containment::{medium_of, top};
-use super::nest::Fillers;
+use super::containment::{fills_beside, medium_of, top};
+use crate::geometry::SurfacePoint;
 use crate::scene::{MediumId, ObjectId, Scene};
 
-/// How a refractor lies at a piece of another object's surface.
+/// On which sides of a piece of another object's surface a refractor lies. The numbers are those of [`super::flat`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum State {
+pub enum Membership {
     /// On neither side.
     Out = 0,
     /// On both sides.
@@ -17,7 +17,7 @@ pub enum State {
     OuterOnly = 3,
 }
 
-impl State {
+impl Membership {
     pub const ALL: [Self; 4] = [Self::Out, Self::In, Self::InnerOnly, Self::OuterOnly];
 
     pub fn of_coincident(same: bool) -> Self {
@@ -60,16 +60,16 @@ impl Surroundings {
     }
 
     /// Adds a refractor in its place. The subject always lies on its own inner side.
-    pub fn add(&mut self, refractor: ObjectId, state: State) {
+    pub fn add(&mut self, refractor: ObjectId, membership: Membership) {
         let insert = |set: &mut Vec<ObjectId>| {
             if let Err(at) = set.binary_search(&refractor) {
                 set.insert(at, refractor);
             }
         };
-        if state.is_outer() {
+        if membership.is_outer() {
             insert(&mut self.outer);
         }
-        if state.is_inner() && refractor != self.subject {
+        if membership.is_inner() && refractor != self.subject {
             insert(&mut self.inner);
         }
     }
@@ -90,15 +90,36 @@ impl Surroundings {
     }
 }
 
-/// The media on the two sides of a piece of surface.
+/// On which sides of a surface a refractor of several parts lies, at a point where faces of its own coincide with that surface. Both are asked about:
+/// several faces may coincide, of parts on either side, and other parts may contain all of it. `None` where the refractor is the subject itself
+/// and its coincident faces enclose nothing between them.
+pub(super) fn membership_of_parts(
+    scene: &Scene,
+    refractor: ObjectId,
+    subject: ObjectId,
+    point: &SurfacePoint,
+) -> Option<Membership> {
+    let [is_outer, is_inner] = [true, false].map(|is_outer| fills_beside(scene, refractor, point, is_outer));
+    (is_inner || refractor != subject).then(|| Membership::of_sides(is_outer, is_inner))
+}
+
+/// The refractors that fill the two sides of a piece of surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fillers {
+    pub outer: Option<ObjectId>,
+    pub inner: Option<ObjectId>,
+}
+
+/// The media on the two sides of a piece of surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Answer {
     pub outside: MediumId,
     pub inside: MediumId,
 }
 
 impl Answer {
-    /// Not to be met: a coincident surface stands for this one.
+    /// The crossing is skipped: a coincident surface stands for this one.
     pub const MASKED: Self = Self { outside: MediumId(u32::MAX), inside: MediumId(u32::MAX) };
 
     /// The media of what fills the two sides, unless the piece is masked.

@@ -67,7 +67,7 @@ impl Margins {
 
     /// Covers the tolerance between `object` and every object near it.
     pub fn of(&self, geometry: &Geometry, object: u32) -> f64 {
-        /// Room that is always left, so that only those few objects have to be looked at that reach much farther.
+        /// Margin in multiples of the own tolerance: only the few objects with a larger one have to be compared.
         const ROOM: f64 = 4.0;
         let own = ROOM * largest(geometry, object);
         let (min, max) = geometry.bounds_of(object);

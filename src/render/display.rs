@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::color::{NOT_A_NUMBER, srgb_from_linear};
+
 /// How radiance above 1 is brought into a screen's range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -68,17 +70,11 @@ impl Display {
     #[inline]
     pub fn encode(&self, rgb: [f32; 3]) -> [u8; 3] {
         if rgb.iter().any(|x| x.is_nan()) {
-            return [255, 0, 255];
+            return NOT_A_NUMBER;
         }
         let gain = self.exposure.exp2();
         rgb.map(|x| (srgb_from_linear(self.curve.apply((x * gain).min(1e6))) * 255.0 + 0.5) as u8)
     }
-}
-
-/// The transfer function of IEC 61966-2-1.
-#[inline]
-fn srgb_from_linear(x: f32) -> f32 {
-    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@
 use glam::DVec3;
 
 use crate::scene::Description;
-use crate::scene::description::Environment;
+use crate::scene::description::{Environment, Object};
 
 /// The unit stands so many powers of two below the brightest radiance.
 const BELOW_BRIGHTEST: i32 = 64;
@@ -37,7 +37,7 @@ pub fn unit_exponent(description: &Description) -> i32 {
             image.pixels.iter().for_each(|pixel| see(pixel.map(|component| f64::from(component) * scale)));
         }
     }
-    description.lights.iter().for_each(|light| see(light.radiance));
+    description.objects.iter().filter_map(Object::light).for_each(|light| see(light.radiance));
     // The exponent field of an f64, which is exact where a logarithm rounds.
     let exponent = ((brightest.to_bits() >> 52) & 0x7FF) as i32 - 1023;
     let exponent = if brightest == 0.0 { 0 } else { exponent };
@@ -52,6 +52,11 @@ fn power_of_two(exponent: i32) -> f64 {
 impl ExactSums {
     pub fn new(pixels: usize, unit_exponent: i32) -> Self {
         Self { unit_exponent, sums: vec![[0; 3]; pixels] }
+    }
+
+    /// Adds a sample to a pixel, unless it is not finite or too large: then nothing happens and the answer is `false`.
+    pub(super) fn add(&mut self, pixel: usize, radiance: DVec3) -> bool {
+        ExactRow { per_unit: power_of_two(-self.unit_exponent), sums: &mut self.sums }.add(pixel, radiance)
     }
 
     /// Rows of an image of that width.
@@ -93,7 +98,7 @@ impl ExactRow<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load;
+    use crate::formats;
 
     fn total(unit_exponent: i32, samples: impl Iterator<Item = f64>) -> i128 {
         let mut sums = ExactSums::new(1, unit_exponent);
@@ -136,8 +141,8 @@ mod tests {
 
     #[test]
     fn the_unit_follows_the_brightest_light() {
-        let mut scene = load::open("plain-glass").unwrap();
-        scene.lights.clear();
+        let mut scene = formats::open("plain-glass").unwrap();
+        scene.objects.clear(crate::scene::description::Kind::Light);
         for (brightest, exponent) in [(1.0, 0), (1.99, 0), (2.0, 1), (1e6, 19), (0.3, -2), (0.0, 0), (1e-320, -900)] {
             scene.environment = Environment::Color([0.0, brightest, 0.0]);
             assert_eq!(unit_exponent(&scene), exponent - 64, "{brightest}");

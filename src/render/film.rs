@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::allocation::{Allocation, PILOT, Pilot};
-use super::exact::ExactSums;
+use super::allocation::{Allocation, PILOT, Pilot, PilotRow};
+use super::exact::{ExactRow, ExactSums};
+use crate::spectrum::Spectrum;
 use crate::tracking::Events;
 
 /// Sums of radiance samples per pixel in f64, row 0 at the top.
@@ -22,7 +23,7 @@ pub struct Film {
     /// Samples taken of every pixel, finite or not; with an `allocation`, in the mean.
     pub samples: u32,
     pub events: Events,
-    /// What decides the allocation, where there is to be one and it has not been decided.
+    /// Pilot statistics until the allocation is computed; `None` if samples are spread evenly.
     pub pilot: Option<Pilot>,
     /// How samples are spread over the pixels; `None`: evenly.
     pub allocation: Option<Arc<Allocation>>,
@@ -73,20 +74,100 @@ impl Film {
         }
     }
 
-    /// Samples that may be taken at once from here: a decision that is due must not be passed over.
+    /// Most samples one pass may take before [`Self::allocate`] must run.
     pub fn samples_to_decision(&self) -> u32 {
         if self.pilot.is_some() && self.samples < PILOT { PILOT - self.samples } else { u32::MAX }
     }
 
-    /// Mean radiance of a pixel by index; black before the first sample.
+    /// The indices of the next `samples` samples of each pixel.
+    pub(super) fn next_samples(&self, samples: u32) -> NextSamples {
+        let first = self.first + self.samples;
+        NextSamples { allocation: self.allocation.clone(), first, last: first + samples }
+    }
+
+    /// Its rows, to be added to.
+    pub(super) fn rows(&mut self) -> Vec<FilmRow<'_>> {
+        let width = self.width as usize;
+        let mut pilot = self.pilot.as_mut().map(|pilot| pilot.rows(width));
+        let mut exact = self.exact.as_mut().map(|exact| exact.rows(width));
+        (self.sums.chunks_mut(width).zip(self.counts.chunks_mut(width)))
+            .map(|(sums, counts)| FilmRow {
+                sums,
+                counts,
+                pilot: pilot.as_mut().and_then(Iterator::next),
+                exact: exact.as_mut().and_then(Iterator::next),
+            })
+            .collect()
+    }
+
+    /// Adds light to a pixel by index, from a path that was not sampled through it, such as one that starts at a light. It is divided by the
+    /// pixel's samples as the rest of its sum, so samples must be spread evenly. Where sums are exact the order of splats does not
+    /// matter. One that is not finite, or too large for exact sums, is counted and left out.
+    pub fn splat(&mut self, pixel: usize, radiance: Spectrum) {
+        let radiance = DVec3::from(radiance.to_rgb());
+        if self.exact.as_mut().map_or_else(|| radiance.is_finite(), |exact| exact.add(pixel, radiance)) {
+            self.sums[pixel] += radiance;
+            self.events.radiance_overflow += u64::from(radiance.max_element() > f64::from(f32::MAX));
+        } else {
+            self.events.non_finite += 1;
+        }
+    }
+
+    /// Mean radiance of a pixel by index, from exact sums where there are any; black before the first sample.
     #[inline]
     pub fn mean(&self, pixel: usize) -> DVec3 {
-        self.sums[pixel] / f64::from(self.counts[pixel].max(1))
+        match &self.exact {
+            Some(exact) => exact.mean(pixel, self.counts[pixel]).into(),
+            None => self.sums[pixel] / f64::from(self.counts[pixel].max(1)),
+        }
     }
 
     /// Means of all pixels as linear RGB in f32, none beyond what that holds.
     pub fn to_rgb(&self) -> Vec<[f32; 3]> {
         (0..self.sums.len()).map(|pixel| capped(self.mean(pixel).to_array())).collect()
+    }
+}
+
+/// Which samples a pass takes.
+pub(super) struct NextSamples {
+    allocation: Option<Arc<Allocation>>,
+    first: u32,
+    last: u32,
+}
+
+impl NextSamples {
+    #[inline]
+    pub(super) fn of_pixel(&self, pixel: usize) -> std::ops::Range<u32> {
+        match &self.allocation {
+            Some(allocation) => allocation.samples(pixel, self.first)..allocation.samples(pixel, self.last),
+            None => self.first..self.last,
+        }
+    }
+}
+
+/// A row of a film, to be added to.
+pub(super) struct FilmRow<'a> {
+    sums: &'a mut [DVec3],
+    counts: &'a mut [u32],
+    pilot: Option<PilotRow<'a>>,
+    exact: Option<ExactRow<'a>>,
+}
+
+impl FilmRow<'_> {
+    /// Adds a sample whose path had so many segments. One that is not finite, or too large for exact sums, is counted in `events` and left out.
+    #[inline]
+    pub(super) fn add(&mut self, column: usize, radiance: Spectrum, segments: u32, events: &mut Events) {
+        let radiance = DVec3::from(radiance.to_rgb());
+        if self.exact.as_mut().map_or_else(|| radiance.is_finite(), |exact| exact.add(column, radiance)) {
+            self.sums[column] += radiance;
+            self.counts[column] += 1;
+            events.radiance_overflow += u64::from(radiance.max_element() > f64::from(f32::MAX));
+        } else {
+            events.non_finite += 1;
+        }
+        if let Some(pilot) = &mut self.pilot {
+            pilot.add(column, radiance, segments);
+        }
     }
 }
 
@@ -99,6 +180,33 @@ pub(super) fn capped(rgb: [f64; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Splats that are added in another order, and in two parts of an image that are then put together, give the same sums to the bit; in f64
+    /// they do not.
+    #[test]
+    fn splats_do_not_depend_on_their_order() {
+        let splats: Vec<(usize, Spectrum)> = (0..1000_u32)
+            .map(|i| {
+                (i as usize % 4, Spectrum::from_rgb([0.1_f64.powi(i as i32 % 18) * f64::from(i * 7919 % 1000); 3]))
+            })
+            .collect();
+        let with = |splats: &mut dyn Iterator<Item = &(usize, Spectrum)>| {
+            let mut film = Film::partial(2, 2, 0, -64);
+            film.counts = vec![3; 4];
+            splats.for_each(|(pixel, radiance)| film.splat(*pixel, *radiance));
+            film
+        };
+        let [forth, back] = [with(&mut splats.iter()), with(&mut splats.iter().rev())];
+        assert_eq!((&forth.exact, forth.to_rgb()), (&back.exact, back.to_rgb()));
+        assert_ne!(forth.sums, back.sums);
+        let (first, second) = splats.split_at(333);
+        let [first, second] = [first, second].map(|part| with(&mut part.iter()).exact.unwrap().sums);
+        let together: Vec<_> = first.iter().zip(&second).map(|(a, b)| [0, 1, 2].map(|k| a[k] + b[k])).collect();
+        assert_eq!(together, forth.exact.as_ref().unwrap().sums);
+        let mut film = with(&mut splats.iter());
+        film.splat(1, Spectrum::from_rgb([f64::NAN; 3]));
+        assert_eq!((film.events.non_finite, &film.exact), (1, &forth.exact));
+    }
 
     #[test]
     fn radiance_beyond_f32_is_capped_and_nothing_else_is() {

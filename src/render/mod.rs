@@ -1,4 +1,4 @@
-//! Samples in bulk: a scene made ready, a film, and passes over it on all cores.
+//! Images: their settings, the film that samples are added to, and what renders them.
 
 pub mod allocation;
 pub mod cpu;
@@ -7,10 +7,14 @@ pub mod exact;
 pub mod film;
 pub mod fingerprint;
 pub mod partial;
+pub mod renderer;
+pub mod settings;
 pub mod surfaces;
 
-pub use cpu::{RenderSettings, VarianceReduction, accumulate};
+pub use cpu::Cpu;
 pub use display::{Display, ToneCurve};
 pub use film::Film;
 pub use fingerprint::fingerprint;
 pub use partial::{CannotMerge, Partial, Recipe, SampleRange};
+pub use renderer::{RenderTask, Renderer, Unsupported};
+pub use settings::{Backend, Estimator, ImageSettings};

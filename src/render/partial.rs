@@ -4,9 +4,9 @@ use std::fmt;
 
 use super::exact::ExactSums;
 use super::film::{Film, capped};
+use super::settings::ImageSettings;
 use crate::scene::Fingerprint;
 use crate::tracking::Events;
-use crate::tracking::Mode;
 
 /// Indices of samples, from the first up to but without the second.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
@@ -37,14 +37,8 @@ pub struct Recipe {
     pub camera: Fingerprint,
     pub width: u32,
     pub height: u32,
-    pub mode: Mode,
-    pub estimator: String,
-    pub seed: u64,
-    pub max_depth: Option<u32>,
-    pub leave_out: bool,
-    pub splits: u32,
-    pub sampler: crate::transport::sampler::Sequence,
-    pub sample_environment: bool,
+    #[serde(flatten)]
+    pub settings: ImageSettings,
     /// The unit of the sums is 2 to the power of this.
     pub unit_exponent: i32,
 }
@@ -55,48 +49,22 @@ impl Recipe {
     pub fn require_same_image(&self, other: &Self) -> Result<(), CannotMerge> {
         // Taken apart so that no field can be forgotten.
         let fields = |recipe: &Self| {
-            let Self {
-                version,
-                scene: _,
-                content,
-                camera,
-                width,
-                height,
-                mode,
-                estimator,
-                seed,
-                max_depth,
-                leave_out,
-                splits,
-                sampler,
-                sample_environment,
-                unit_exponent,
-            } = recipe;
-            [
+            let Self { version, scene: _, content, camera, width, height, settings, unit_exponent } = recipe;
+            let mut fields = vec![
                 ("iorect's version", version.clone()),
                 ("the scene's content", content.short()),
                 ("the camera", camera.short()),
                 ("the size", format!("{width}×{height}")),
-                ("the mode", mode.to_string()),
-                ("the estimator", estimator.clone()),
-                ("the seed", seed.to_string()),
-                ("--max-depth", max_depth.map_or("none".into(), |depth| depth.to_string())),
-                ("--leave-out", on_or_off(*leave_out)),
-                ("--splits", splits.to_string()),
-                ("--sampler", format!("{sampler:?}").to_lowercase()),
-                ("--sample-environment", on_or_off(*sample_environment)),
-                ("the unit of the sums", format!("2^{unit_exponent}")),
-            ]
+            ];
+            fields.extend(settings.named());
+            fields.push(("the unit of the sums", format!("2^{unit_exponent}")));
+            fields
         };
         match fields(self).into_iter().zip(fields(other)).find(|((_, here), (_, there))| here != there) {
             Some(((field, here), (_, there))) => Err(CannotMerge::Differs { field, here, there }),
             None => Ok(()),
         }
     }
-}
-
-fn on_or_off(value: bool) -> String {
-    if value { "on" } else { "off" }.into()
 }
 
 /// Sums and counts of some samples of an image, without rounding.

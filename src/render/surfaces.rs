@@ -11,6 +11,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::color::{along, mixed};
 use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::rectify::surroundings::Answer;
 use crate::rectify::{Patch, PatchKind};
@@ -158,13 +159,7 @@ pub fn medium_color(medium: MediumId) -> [u8; 3] {
 pub fn confidence_color(part: f32) -> [u8; 3] {
     const STOPS: [[u8; 3]; 5] =
         [[0x00, 0x2a, 0x6b], [0x4b, 0x54, 0x6d], [0x7c, 0x7b, 0x78], [0xb7, 0xa7, 0x6f], [0xff, 0xe9, 0x45]];
-    let place = part.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32;
-    let index = (place as usize).min(STOPS.len() - 2);
-    mixed(STOPS[index], STOPS[index + 1], place - index as f32)
-}
-
-fn mixed(a: [u8; 3], b: [u8; 3], part: f32) -> [u8; 3] {
-    std::array::from_fn(|i| (f32::from(a[i]) + part * (f32::from(b[i]) - f32::from(a[i]))).round() as u8)
+    along(&STOPS, part * (STOPS.len() - 1) as f32)
 }
 
 /// What is known about a place on a refractor's surface.
@@ -350,7 +345,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::scene::load;
+    use crate::formats;
     use crate::tracking::prepare;
 
     const SCENE: &str = r#"
@@ -376,7 +371,7 @@ shape = { icosphere = { center = [0, 0, 0], radius = 1, subdivisions = 3 } }
 "#;
 
     fn prepared() -> Prepared {
-        let description = load::parse(SCENE, std::path::Path::new("pool.toml"), false).unwrap();
+        let description = formats::parse(SCENE, std::path::Path::new("pool.toml"), &formats::Disk).unwrap();
         prepare(Arc::new(description), None).unwrap()
     }
 

@@ -15,7 +15,7 @@ use super::stability::Stability;
 pub struct Origin {
     pub program: &'static str,
     pub version: &'static str,
-    /// Whether the program was built with optimisation: times of others mean little.
+    /// Whether the program was built with optimisation; without it times mean little.
     pub is_optimized: bool,
     pub machine: Machine,
     /// When the report was finished; some of its pieces may be older, if it was interrupted.
@@ -25,7 +25,7 @@ pub struct Origin {
     pub seed: u64,
     pub threads: usize,
     pub is_quick: bool,
-    /// Tasks that wanted to run at the start, in the mean of a minute, where the system tells: above 0, others were using the machine.
+    /// Load average over a minute at the start, if the system tells; above 0, other programs were using the machine.
     pub load_before: Option<f64>,
     /// Seconds that this run took; pieces that an earlier run had finished are not in it.
     pub seconds: f64,

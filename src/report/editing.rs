@@ -8,14 +8,15 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::progress::Progress;
-use super::timing::median;
+use crate::measure::statistics::median;
 use crate::optics::Ior;
-use crate::optics::ior::WAVELENGTH_D_UM;
+use crate::render::ImageSettings;
 use crate::scene::{Description, SceneError};
 use crate::session::{GroundTruthDemand, Request, Worker};
+use crate::spectrum::WAVELENGTH_D_UM;
 use crate::tracking::Mode;
 
-/// Longer than any answer takes.
+/// Time after which a missing image is an error.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// What is measured, and how long.
@@ -63,7 +64,7 @@ impl Edit {
     fn is_possible(self, description: &Description) -> bool {
         match self {
             Self::Ior => !description.media.is_empty(),
-            Self::Transform => !description.refractors.is_empty(),
+            Self::Transform => !description.objects.refractors().is_empty(),
             Self::Camera => true,
         }
     }
@@ -122,8 +123,7 @@ pub fn measure(
         modes: panes.clone(),
         surfaces: Vec::new(),
         size: plan.size,
-        seed: 0,
-        max_depth: None,
+        settings: ImageSettings::new(Mode::Rectified, 0),
         sample_limit: Some(4096),
         is_paused: false,
         ground_truth: GroundTruthDemand::Off,
@@ -133,7 +133,7 @@ pub fn measure(
         return Ok(None);
     }
     let mut answers = vec![Vec::new(); kinds.len()];
-    // The golden ratio's multiples: in the middle of something, which is another thing each time.
+    // Multiples of the golden ratio: each edit meets the renderer at another moment of its work.
     let mut moment = 0.0_f64;
     for index in 0..plan.edits {
         for (&edit, answers) in kinds.iter().zip(&mut answers) {
@@ -148,21 +148,21 @@ pub fn measure(
     Ok(Some(Editing { panes, size: plan.size, times }))
 }
 
-/// `None` of none.
+/// `None` without times.
 fn of_kind(edit: Edit, answers: &[Answer]) -> Option<EditTimes> {
-    let mut rectify: Vec<f64> = answers.iter().filter_map(|answer| answer.rectify_secs).collect();
-    let mut image: Vec<f64> = answers.iter().map(|answer| answer.image_secs).collect();
+    let rectify: Vec<f64> = answers.iter().filter_map(|answer| answer.rectify_secs).collect();
+    let image: Vec<f64> = answers.iter().map(|answer| answer.image_secs).collect();
     Some(EditTimes {
         edit,
         edits: answers.len(),
-        rectify_secs: (!rectify.is_empty()).then(|| median(&mut rectify)),
+        rectify_secs: median(&rectify),
         worst_secs: image.iter().copied().reduce(f64::max)?,
-        image_secs: median(&mut image),
+        image_secs: median(&image)?,
         width: answers.iter().map(|answer| answer.width).min()?,
     })
 }
 
-/// There and back again: no edit leads far away.
+/// Edits go back and forth, so that none leads far away.
 fn edited(before: &Request, edit: Edit, index: usize) -> Request {
     let mut request = Request { epoch: before.epoch + 1, ..before.clone() };
     let way = if index.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -175,9 +175,10 @@ fn edited(before: &Request, edit: Edit, index: usize) -> Request {
             request.description = Arc::new(description);
         }
         Edit::Transform => {
-            let refractor = index / 2 % description.refractors.len();
+            let refractor = index / 2 % description.objects.refractors().len();
             let step = 0.01 * (before.camera.target - before.camera.position).length();
-            description.refractors[refractor].transform.translate += DVec3::new(0.22, 0.14, 0.26) * (step * way);
+            description.objects.refractors_mut()[refractor].transform.translate +=
+                DVec3::new(0.22, 0.14, 0.26) * (step * way);
             request.description = Arc::new(description);
         }
         Edit::Camera => request.camera.position += (before.camera.target - before.camera.position) * (0.01 * way),
@@ -246,7 +247,7 @@ impl Window {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load;
+    use crate::formats;
     use std::sync::atomic::AtomicBool;
 
     const PLAN: EditingPlan = EditingPlan { size: [32, 18], edits: 2, within_secs: 0.01 };
@@ -258,7 +259,7 @@ mod tests {
 
     #[test]
     fn every_kind_of_edit_is_answered() {
-        let found = measured(load::open("nested-spheres").unwrap(), false).unwrap().unwrap();
+        let found = measured(formats::open("nested-spheres").unwrap(), false).unwrap().unwrap();
         assert_eq!(found.times.iter().map(|times| times.edit).collect::<Vec<_>>(), Edit::ALL);
         for times in &found.times {
             assert_eq!(times.edits, 2);
@@ -267,20 +268,20 @@ mod tests {
             // The camera alone needs no rectification.
             assert_eq!(times.rectify_secs.is_some(), times.edit != Edit::Camera, "{times:?}");
         }
-        assert!(measured(load::open("plain-glass").unwrap(), true).unwrap().is_none());
+        assert!(measured(formats::open("plain-glass").unwrap(), true).unwrap().is_none());
     }
 
     #[test]
     fn what_is_not_there_is_not_edited() {
-        let mut description = load::open("plain-glass").unwrap();
-        description.refractors.clear();
+        let mut description = formats::open("plain-glass").unwrap();
+        description.objects.clear(crate::scene::description::Kind::Refractor);
         let found = measured(description, false).unwrap().unwrap();
         assert_eq!(found.times.iter().map(|times| times.edit).collect::<Vec<_>>(), [Edit::Ior, Edit::Camera]);
     }
 
     #[test]
     fn edits_come_back_to_where_they_began() {
-        let description = Arc::new(load::open("nested-spheres").unwrap());
+        let description = Arc::new(formats::open("nested-spheres").unwrap());
         let request = |camera| Request {
             epoch: 1,
             description: Arc::clone(&description),
@@ -288,8 +289,7 @@ mod tests {
             modes: vec![],
             surfaces: vec![],
             size: [1, 1],
-            seed: 0,
-            max_depth: None,
+            settings: ImageSettings::new(Mode::Rectified, 0),
             sample_limit: None,
             is_paused: false,
             ground_truth: GroundTruthDemand::Off,
@@ -299,7 +299,7 @@ mod tests {
             let there = edited(&before, edit, 0);
             let back = edited(&there, edit, 1);
             let place = |request: &Request| {
-                let refractor = request.description.refractors[0].transform.translate;
+                let refractor = request.description.objects.refractors()[0].transform.translate;
                 let ior = request.description.media[0].ior.ior_minus_one(WAVELENGTH_D_UM);
                 (refractor, request.camera.position, ior)
             };

@@ -98,7 +98,7 @@ impl Extent {
         }
     }
 
-    /// Next to nothing of everything: for tests of what is done with the measurements.
+    /// As little as possible of everything, for tests.
     pub fn tiny(seed: u64, threads: usize) -> Self {
         Self {
             is_quick: true,

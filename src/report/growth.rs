@@ -10,13 +10,13 @@ use super::machine::{available_bytes, forget_peak, peak_bytes, resident_bytes};
 use super::progress::Progress;
 use super::timing::Timed;
 use crate::measure::statistics::power_law;
-use crate::render::{RenderSettings, VarianceReduction};
+use crate::render::ImageSettings;
 use crate::scene::camera::Camera;
 use crate::scene::{Description, SceneError};
 use crate::tracking::Mode;
 use crate::tracking::{Prepared, prepare};
 
-/// Memory below which the allocator's habits decide what is measured.
+/// Least memory that can be measured: below it the allocator's reserves hide it.
 const LEAST_MEMORY: u64 = 16 << 20;
 /// Bytes that a triangle takes at most while a scene is prepared, with room to spare.
 const BYTES_PER_TRIANGLE: u64 = 450;
@@ -238,13 +238,7 @@ fn of_scene(
     let rise = |to: Option<u64>| to?.checked_sub(before?).filter(|&bytes| bytes >= LEAST_MEMORY);
     let (memory_bytes, peak_bytes) = (rise(after), rise(peak));
     let (build_secs, rectify_secs) = best_of_preparing(&prepared, plan)?;
-    let settings = RenderSettings {
-        mode: Mode::Rectified,
-        seed: plan.seed,
-        max_depth: None,
-        leave_out: true,
-        variance: VarianceReduction::default(),
-    };
+    let settings = ImageSettings::new(Mode::Rectified, plan.seed);
     let mut timed = Timed::new(&prepared, &camera, settings, (plan.width, plan.height));
     let sample_secs = timed.sample_secs(plan.slices, plan.slice_secs, progress);
     Ok(sample_secs.map(|sample_secs| GrowthPoint {

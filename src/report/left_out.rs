@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::progress::Progress;
 use super::timing::{Ratio, Timed, pairs};
 use crate::rectify::InterfaceTable;
-use crate::render::{Film, RenderSettings, VarianceReduction};
+use crate::render::{Film, ImageSettings};
 use crate::scene::Scene;
 use crate::scene::camera::Camera;
 use crate::scene::needs::SceneNeeds;
@@ -130,15 +130,9 @@ fn put_back(
     progress: &Progress<'_>,
 ) -> Option<(Ratio, bool, u32)> {
     let size = (plan.width, plan.height);
-    let settings = |leave_out| RenderSettings {
-        mode: Mode::Rectified,
-        seed: plan.seed,
-        max_depth: None,
-        leave_out,
-        variance: VarianceReduction::default(),
-    };
+    let settings = |leave_out| ImageSettings { leave_out, ..ImageSettings::new(Mode::Rectified, plan.seed) };
     let is_everything = needs == SceneNeeds::EVERYTHING;
-    // The whole goes by the switch that users have.
+    // All needs together are put back as `--leave-out off` does it.
     let changed = match is_everything {
         true => prepared.clone(),
         false => Prepared { scene: Arc::new(Scene { needs, ..Scene::clone(&prepared.scene) }), ..prepared.clone() },
@@ -178,12 +172,12 @@ fn are_equal(a: &Film, b: &Film) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load;
+    use crate::formats;
     use crate::tracking::prepare;
     use std::sync::atomic::AtomicBool;
 
     fn measured(name: &str, plan: &LeftOutPlan, cancel: bool) -> Option<LeftOut> {
-        let prepared = prepare(load::open(name).unwrap().into(), None).unwrap();
+        let prepared = prepare(formats::open(name).unwrap().into(), None).unwrap();
         let camera = Camera::new(&prepared.description.camera).unwrap();
         let progress = Progress { cancel: &AtomicBool::new(cancel), tell: &|_, _| () };
         measure(&prepared, &camera, plan, &progress)

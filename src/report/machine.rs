@@ -1,7 +1,6 @@
 //! Where and when something was measured, as far as the system tells.
 
 use std::fs;
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
@@ -40,7 +39,7 @@ pub fn peak_bytes() -> Option<u64> {
     kilobytes("/proc/self/status", "VmHWM")
 }
 
-/// Makes [`peak_bytes`] begin anew; whether the system can do that.
+/// Resets [`peak_bytes`]; `false` where the system cannot.
 pub fn forget_peak() -> bool {
     // proc_pid_clear_refs(5): "reset the peak resident set size to the process's current resident set size value".
     cfg!(target_os = "linux") && fs::write("/proc/self/clear_refs", "5").is_ok()
@@ -51,7 +50,7 @@ pub fn available_bytes() -> Option<u64> {
     kilobytes("/proc/meminfo", "MemAvailable")
 }
 
-/// Tasks that wanted to run in the last minute, in the mean, this program's included: how quiet the machine is.
+/// Load average over the last minute, this program's tasks included; `None` where the system does not tell.
 pub fn load_average() -> Option<f64> {
     fs::read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.parse().ok()
 }
@@ -72,42 +71,12 @@ fn field(path: &str, name: &str, separator: char) -> Option<String> {
 
 /// The time now in UTC, as in `2026-11-23 14:05 UTC`.
 pub fn now() -> String {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    date(since.as_secs())
-}
-
-/// Gregorian date and time from seconds since 1970. Howard Hinnant, "chrono-compatible low-level date algorithms", `civil_from_days`.
-fn date(seconds: u64) -> String {
-    let (days, second) = (seconds / 86_400 + 719_468, seconds % 86_400);
-    // Eras of 400 years that begin on 1 March, so that a leap day is the last of its year.
-    let (era, day_of_era) = (days / 146_097, days % 146_097);
-    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let month_from_march = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
-    let month = if month_from_march < 10 { month_from_march + 3 } else { month_from_march - 9 };
-    let year = year_of_era + era * 400 + u64::from(month <= 2);
-    format!("{year:04}-{month:02}-{day:02} {:02}:{:02} UTC", second / 3600, second / 60 % 60)
+    jiff::Timestamp::now().strftime("%Y-%m-%d %H:%M UTC").to_string()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// `date -u -d @… '+%Y-%m-%d %H:%M'`.
-    #[test]
-    fn dates_are_those_of_the_calendar() {
-        for (seconds, expected) in [
-            (0, "1970-01-01 00:00 UTC"),
-            (951_782_399, "2000-02-28 23:59 UTC"),
-            (951_782_400, "2000-02-29 00:00 UTC"),
-            (951_868_800, "2000-03-01 00:00 UTC"),
-            (1_795_401_240, "2026-11-23 02:34 UTC"),
-            (4_107_542_400, "2100-03-01 00:00 UTC"),
-        ] {
-            assert_eq!(date(seconds), expected);
-        }
-    }
 
     #[cfg(target_os = "linux")]
     #[test]

@@ -20,11 +20,12 @@ use super::stability::{self, Stability};
 use super::store::Store;
 use crate::export::ExportError;
 use crate::export::words::grouped;
+use crate::formats::builtin;
 use crate::geometry::Ray;
 use crate::rectify::start::start;
 use crate::scene::camera::Camera;
 use crate::scene::fingerprint::Hasher;
-use crate::scene::{Description, SceneError, builtin};
+use crate::scene::{Description, SceneError};
 use crate::tracking::{Prepared, prepare};
 
 /// What a report can be about.
@@ -157,7 +158,7 @@ pub fn make(request: &Request, store: &Store, progress: &Progress<'_>) -> Result
     Ok(Some(Report { origin, scenes, stability, growth }))
 }
 
-/// Units of work that a request comes to, of about a second of a quick report each.
+/// Work of a request, for the progress bar, in units of about a second of a quick report.
 fn weight_of(request: &Request) -> f64 {
     let has = |part: Part| if request.parts.contains(&part) { 1.0 } else { 0.0 };
     let sizes = Quantity::ALL.iter().flat_map(|&quantity| request.extent.growth.sizes(quantity));
@@ -174,7 +175,7 @@ const PICTURES: f64 = 1.0;
 const LEFT_OUT: f64 = 0.5;
 const EDITING: f64 = 1.0;
 const CHECK: f64 = 0.4;
-/// However long one is ready to wait for error against time.
+/// Largest weight of error against time.
 const MOST_ERRORS: f64 = 1000.0;
 
 fn weight_of_size(size: u64) -> f64 {
@@ -322,7 +323,7 @@ fn all_growth(plan: &GrowthPlan, tally: &Tally<'_>) -> Result<Option<Vec<Growth>
             }
             let what = format!("growth · {} {}", grouped(size), quantity.name());
             let name = format!("growth-{}-{size}", quantity.name());
-            // Sizes that are measured later decide nothing.
+            // The other sizes do not decide this one's result.
             let inputs =
                 GrowthPlan { triangles: vec![], nesting: vec![], objects: vec![], threads: vec![], ..plan.clone() };
             let point = tally.piece(&what, weight_of_size(size), &name, &inputs, |progress| {
@@ -338,7 +339,7 @@ fn all_growth(plan: &GrowthPlan, tally: &Tally<'_>) -> Result<Option<Vec<Growth>
     Ok(Some(all))
 }
 
-/// Counts what is done.
+/// Progress over all pieces, and how many were made and reused.
 struct Tally<'a> {
     progress: Progress<'a>,
     store: &'a Store,

@@ -4,7 +4,6 @@
 //! [`pictures`] to look at), piece by piece; [`store`] keeps finished pieces, so that an interruption costs one of them at most. What comes of it is [`data`]: plain, whole, and all
 //! that [`page`] and [`csv`] see. Numbers are worked out where they are measured and shown as they are: the page computes none.
 
-mod checked;
 pub mod csv;
 pub mod data;
 pub mod editing;

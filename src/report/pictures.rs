@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use base64::prelude::{BASE64_STANDARD, Engine as _};
 use serde::{Deserialize, Serialize};
 
 use super::progress::Progress;
@@ -9,7 +10,7 @@ use super::timing::Timed;
 use crate::export::color_map::{diverging, luminance, round_up_to_125};
 use crate::export::{ExportError, Picture, png_bytes};
 use crate::measure::difference;
-use crate::render::{Display, Film, RenderSettings, VarianceReduction, accumulate};
+use crate::render::{Cpu, Display, Film, ImageSettings, RenderTask, Renderer};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
@@ -126,14 +127,14 @@ pub fn make(
             let pixels = picture.rgb.iter().zip(&right.rgb);
             let bytes = pixels.flat_map(|(a, b)| diverging((luminance(*a) - luminance(*b)) / scale)).collect();
             let image = image::RgbImage::from_raw(plan.width, plan.height, bytes).expect("three bytes a pixel");
-            other.difference = Some(base64(&png_bytes(&image, &[], title)?));
+            other.difference = Some(BASE64_STANDARD.encode(png_bytes(&image, &[], title)?));
         }
     }
     Ok(Some(Pictures {
         width: plan.width,
         height: plan.height,
         samples: films[0].samples,
-        rectified: base64(&png_bytes(&right.encode(&Display::default()), &[], title)?),
+        rectified: BASE64_STANDARD.encode(png_bytes(&right.encode(&Display::default()), &[], title)?),
         rectified_events: films[0].events,
         scale,
         others,
@@ -163,8 +164,8 @@ fn affordable(
     plan
 }
 
-fn settings(mode: Mode, seed: u64) -> RenderSettings {
-    RenderSettings { mode, seed, max_depth: None, leave_out: true, variance: VarianceReduction::default() }
+fn settings(mode: Mode, seed: u64) -> ImageSettings {
+    ImageSettings::new(mode, seed)
 }
 
 /// Films of all modes, with samples where the most wrong of them needs them, as `compare` spreads them.
@@ -180,7 +181,12 @@ fn render(
     while left > 0 {
         let slice = left.min(films[0].samples_to_decision());
         for (film, &mode) in films.iter_mut().zip(modes) {
-            if !accumulate(prepared, camera, &settings(mode, plan.seed), film, slice, progress.cancel) {
+            if !Cpu.pass(
+                &RenderTask { prepared, camera, settings: &settings(mode, plan.seed) },
+                film,
+                slice,
+                progress.cancel,
+            ) {
                 return None;
             }
         }
@@ -199,40 +205,4 @@ fn beyond(pictures: &[&Picture], right: &Picture) -> f32 {
     sizes.sort_by(f32::total_cmp);
     let rank = ((1.0 - BEYOND_SCALE) * sizes.len() as f64) as usize;
     sizes.get(rank).copied().unwrap_or(0.0)
-}
-
-/// RFC 4648, section 4.
-pub fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let word = (0..3).fold(0, |word, k| word << 8 | u32::from(chunk.get(k).copied().unwrap_or(0)));
-        for k in 0..4 {
-            let digit = DIGITS[(word >> (18 - 6 * k) & 63) as usize];
-            text.push(if k <= chunk.len() { char::from(digit) } else { '=' });
-        }
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The test vectors of RFC 4648, section 10.
-    #[test]
-    fn base64_is_that_of_the_standard() {
-        for (bytes, text) in [
-            ("", ""),
-            ("f", "Zg=="),
-            ("fo", "Zm8="),
-            ("foo", "Zm9v"),
-            ("foob", "Zm9vYg=="),
-            ("fooba", "Zm9vYmE="),
-            ("foobar", "Zm9vYmFy"),
-        ] {
-            assert_eq!(base64(bytes.as_bytes()), text);
-        }
-        assert_eq!(base64(&[0xfb, 0xff, 0xbf]), "+/+/");
-    }
 }

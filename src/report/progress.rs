@@ -1,8 +1,8 @@
-//! How long work tells how far it is, and is told to stop.
+//! Progress of long work, and its cancellation.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What a measurement is watched by. Shared by reference: telling must be cheap, and may come from any thread.
+/// Progress and cancellation of a measurement. `tell` must be cheap, and may be called from any thread.
 #[derive(Clone, Copy)]
 pub struct Progress<'a> {
     /// Set from outside when the work should end soon; what was finished by then is kept.

@@ -7,25 +7,24 @@
 //! build of this program, since another build may sample differently. The number of samples is not in it: a kept reference with too few
 //! is added to, whichever run left it behind, and one with more is used as it is.
 
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
-use super::checked::{Reader, Writer};
 use super::progress::Progress;
 use super::store::Store;
 use crate::export::ExportError;
-use crate::render::{Film, RenderSettings, VarianceReduction, accumulate, fingerprint};
+use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer, fingerprint};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
 
-/// The seeds of the two, which no run takes unless it is asked to.
+/// Seeds of the two references; those of runs count up from [`super::experiment::Effort::first_seed`].
 pub const SEEDS: [u64; 2] = [u64::MAX - 1, u64::MAX];
-/// What was rendered since the last time of keeping is lost at an interruption.
+/// Seconds of rendering after which a reference is kept; at most as much is lost at an interruption.
 const KEPT_EVERY_SECS: f64 = 5.0;
-/// Progress is told, and cancelling looked after, about so often.
+/// Seconds between reports of progress and checks for cancellation, about.
 const SLICE_SECS: f64 = 0.25;
 
 /// Images of which references are wanted.
@@ -88,7 +87,18 @@ pub fn references(
     }))
 }
 
+/// What is kept of a film: its fields of these names.
+#[derive(Serialize, Deserialize)]
 struct Kept {
+    samples: u32,
+    events: Events,
+    render_secs: f64,
+    sums: Vec<DVec3>,
+    counts: Vec<u32>,
+}
+
+/// A film and the seconds that it took.
+struct Reference {
     film: Film,
     render_secs: f64,
 }
@@ -98,79 +108,40 @@ fn reference(
     seed: u64,
     store: &Store,
     progress: Progress<'_>,
-) -> Result<Option<Kept>, ExportError> {
-    let settings = RenderSettings {
-        mode: Mode::Reference,
-        seed,
-        max_depth: wanted.max_depth,
-        leave_out: true,
-        variance: VarianceReduction::default(),
-    };
-    let path = path(wanted, &settings, store);
+) -> Result<Option<Reference>, ExportError> {
+    let settings = ImageSettings { max_depth: wanted.max_depth, ..ImageSettings::new(Mode::Reference, seed) };
+    let image = fingerprint(&wanted.prepared.description, wanted.camera, wanted.size, &settings);
     let [width, height] = wanted.size;
-    let mut kept =
-        read(&path, wanted.size).unwrap_or_else(|| Kept { film: Film::new(width, height), render_secs: 0.0 });
+    let (mut film, mut render_secs) = (Film::new(width, height), 0.0);
+    if let Some(kept) = store.find::<Kept>("reference", &image) {
+        render_secs = kept.render_secs;
+        film = Film { samples: kept.samples, events: kept.events, sums: kept.sums, counts: kept.counts, ..film };
+    }
     let mut unkept_secs = 0.0;
     let mut slice = 1;
-    while kept.film.samples < wanted.spp {
-        let samples = slice.min(wanted.spp - kept.film.samples);
+    while film.samples < wanted.spp {
+        let samples = slice.min(wanted.spp - film.samples);
         let start = Instant::now();
-        if !accumulate(wanted.prepared, wanted.camera, &settings, &mut kept.film, samples, progress.cancel) {
-            // The slice is half done and lost; what stood before it is worth keeping only if it was kept already.
+        if !Cpu.pass(
+            &RenderTask { prepared: wanted.prepared, camera: wanted.camera, settings: &settings },
+            &mut film,
+            samples,
+            progress.cancel,
+        ) {
+            // The half-done slice is lost; what was kept before it stays.
             return Ok(None);
         }
         let secs = start.elapsed().as_secs_f64();
-        kept.render_secs += secs;
+        render_secs += secs;
         unkept_secs += secs;
         slice = ((SLICE_SECS / secs.max(1e-9) * f64::from(samples)) as u32).max(1);
-        if unkept_secs >= KEPT_EVERY_SECS || kept.film.samples >= wanted.spp {
-            write(&path, &kept)?;
+        if unkept_secs >= KEPT_EVERY_SECS || film.samples >= wanted.spp {
+            let (sums, counts) = (film.sums.clone(), film.counts.clone());
+            let kept = Kept { samples: film.samples, events: film.events, render_secs, sums, counts };
+            store.keep("reference", &image, &kept)?;
             unkept_secs = 0.0;
         }
-        (progress.tell)("reference", f64::from(kept.film.samples) / f64::from(wanted.spp));
+        (progress.tell)("reference", f64::from(film.samples) / f64::from(wanted.spp));
     }
-    Ok(Some(kept))
-}
-
-fn path(wanted: &Wanted<'_>, settings: &RenderSettings, store: &Store) -> PathBuf {
-    let image = fingerprint(&wanted.prepared.description, wanted.camera, wanted.size, settings);
-    store.file("reference", image)
-}
-
-/// `None` where nothing fitting is kept.
-fn read(path: &Path, size: [u32; 2]) -> Option<Kept> {
-    let mut reader = Reader::open(path)?;
-    let kept = parse(&mut reader, size).filter(|_| reader.is_at_end());
-    if kept.is_none() {
-        log::warn!("{}: is not a reference of this size; it is made again", path.display());
-    }
-    kept
-}
-
-fn parse(reader: &mut Reader, size: [u32; 2]) -> Option<Kept> {
-    if [reader.small()?, reader.small()?] != size {
-        return None;
-    }
-    let mut film = Film::new(size[0], size[1]);
-    film.samples = reader.small()?;
-    film.events = reader.events()?;
-    let render_secs = reader.number()?;
-    for sum in &mut film.sums {
-        *sum = DVec3::new(reader.number()?, reader.number()?, reader.number()?);
-    }
-    for count in &mut film.counts {
-        *count = reader.small()?;
-    }
-    Some(Kept { film, render_secs })
-}
-
-fn write(path: &Path, kept: &Kept) -> Result<(), ExportError> {
-    let Kept { film, render_secs } = kept;
-    let mut writer = Writer::default();
-    [film.width, film.height, film.samples].into_iter().for_each(|value| writer.small(value));
-    writer.events(&film.events);
-    writer.number(*render_secs);
-    film.sums.iter().flat_map(DVec3::to_array).for_each(|value| writer.number(value));
-    film.counts.iter().for_each(|&count| writer.small(count));
-    writer.keep(path)
+    Ok(Some(Reference { film, render_secs }))
 }

@@ -1,18 +1,23 @@
 //! Finished pieces of a report on disk, so that an interrupted one goes on where it was.
 //!
-//! A piece is kept under the hash of everything that decides it, and with a hash of its own contents: what was made from another scene,
-//! by other settings, another build or another machine is never found, and a file that was damaged is made again.
+//! A piece is a file, named after the piece and the hash of everything that decides it: scene, settings, build, machine. It holds the SHA-256 of the
+//! rest, then what decided the piece as JSON and the piece itself, both in CBOR. A file that is damaged, or stands in the place of another, is
+//! made again.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
 
 use crate::export::ExportError;
+use crate::formats::disk::{self, FileError, MAX_DATA_BYTES};
 use crate::scene::Fingerprint;
-use crate::scene::files::{self, FileError, MAX_DATA_BYTES};
 use crate::writing::{WriteError, require_writable, write_atomically};
+
+/// Bytes of a SHA-256.
+const CHECKSUM: usize = 32;
 
 /// A folder of finished pieces.
 #[derive(Debug, Clone)]
@@ -22,14 +27,11 @@ pub struct Store {
     build: String,
 }
 
-#[derive(Serialize, Deserialize)]
-struct Kept {
-    /// What decided the piece, for people who look.
-    made_from: serde_json::Value,
-    /// SHA-256 of `piece`.
-    sha256: Fingerprint,
-    /// The piece as JSON.
-    piece: String,
+/// Where a piece is kept, and what decided it.
+struct Key {
+    path: PathBuf,
+    /// JSON.
+    made_from: String,
 }
 
 impl Store {
@@ -40,18 +42,14 @@ impl Store {
     pub fn open(folder: &Path) -> Result<Self, ExportError> {
         let failed = |reason| WriteError::System { path: folder.to_path_buf(), reason };
         fs::create_dir_all(folder).map_err(failed)?;
-        require_writable(&folder.join("piece.json"))?;
+        require_writable(&folder.join("piece"))?;
         Ok(Self { folder: folder.to_path_buf(), build: build() })
     }
 
-    pub fn folder(&self) -> &Path {
-        &self.folder
-    }
-
-    /// Where something of this build is kept that is no JSON and has a format of its own.
-    pub fn file(&self, name: &str, inputs: Fingerprint) -> PathBuf {
-        let key = Fingerprint::of_bytes(format!("{} {inputs}", self.build).as_bytes());
-        self.folder.join(format!("{name}-{}", key.short()))
+    fn key(&self, name: &str, inputs: &impl Serialize) -> Key {
+        let made_from = serde_json::json!({ "name": name, "build": self.build, "inputs": inputs }).to_string();
+        let path = self.folder.join(format!("{name}-{}", Fingerprint::of_bytes(made_from.as_bytes()).short()));
+        Key { path, made_from }
     }
 
     /// The piece called `name` that follows from `inputs`: as it was kept, else made now and kept. `None` where `make` gives up, as it
@@ -65,40 +63,66 @@ impl Store {
         inputs: &impl Serialize,
         make: impl FnOnce() -> Result<Option<T>, E>,
     ) -> Result<Option<T>, E> {
-        let made_from = serde_json::json!({ "name": name, "build": self.build, "inputs": inputs });
-        let key = Fingerprint::of_bytes(made_from.to_string().as_bytes());
-        let path = self.folder.join(format!("{name}-{}.json", key.short()));
-        match self.read(&path) {
-            Ok(Some(piece)) => return Ok(Some(piece)),
-            Ok(None) => {}
-            Err(reason) => log::warn!("{}: {reason}; it is made again", path.display()),
+        if let Some(piece) = self.find(name, inputs) {
+            return Ok(Some(piece));
         }
-        let Some(made) = make()? else { return Ok(None) };
-        self.write(&path, made_from, &made)?;
-        Ok(Some(made))
+        let made = make()?;
+        if let Some(piece) = &made {
+            self.keep(name, inputs, piece)?;
+        }
+        Ok(made)
     }
 
-    /// `Ok(None)` where nothing is kept.
-    fn read<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, String> {
-        let text = match files::read(path, MAX_DATA_BYTES) {
-            Ok(text) => text,
-            Err(FileError::NotFound) => return Ok(None),
-            Err(error) => return Err(error.to_string()),
+    /// The piece as it was kept; `None` where there is none, or one that cannot be used, which is logged.
+    pub fn find<T: DeserializeOwned>(&self, name: &str, inputs: &impl Serialize) -> Option<T> {
+        let key = self.key(name, inputs);
+        let problem = match disk::read(&key.path, MAX_DATA_BYTES) {
+            Ok(bytes) => match parse(&bytes, &key.made_from) {
+                Ok(piece) => return Some(piece),
+                Err(problem) => problem,
+            },
+            Err(FileError::NotFound) => return None,
+            Err(error) => error.to_string(),
         };
-        let kept: Kept = serde_json::from_slice(&text).map_err(|error| format!("is damaged ({error})"))?;
-        if Fingerprint::of_bytes(kept.piece.as_bytes()) != kept.sha256 {
-            return Err("is damaged (its contents are not those that were written)".to_owned());
-        }
-        serde_json::from_str(&kept.piece).map(Some).map_err(|error| format!("cannot be understood ({error})"))
+        log::warn!("{}: {problem}; it is made again", key.path.display());
+        None
     }
 
-    fn write(&self, path: &Path, made_from: serde_json::Value, piece: &impl Serialize) -> Result<(), ExportError> {
-        let failed = |error: serde_json::Error| WriteError::System { path: path.to_path_buf(), reason: error.into() };
-        let piece = serde_json::to_string(piece).map_err(failed)?;
-        let kept = Kept { made_from, sha256: Fingerprint::of_bytes(piece.as_bytes()), piece };
-        let text = serde_json::to_string(&kept).map_err(failed)?;
-        Ok(write_atomically(path, |writer| writer.write_all(text.as_bytes()))?)
+    /// Keeps a piece in place of the one kept under the same name and inputs.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn keep(&self, name: &str, inputs: &impl Serialize, piece: &impl Serialize) -> Result<(), ExportError> {
+        let Key { path, made_from } = self.key(name, inputs);
+        let mut bytes = Vec::new();
+        ciborium::into_writer(&(made_from, piece), &mut bytes)
+            .map_err(|error| WriteError::System { path: path.clone(), reason: std::io::Error::other(error) })?;
+        let checksum = Fingerprint::of_bytes(&bytes).to_bytes();
+        Ok(write_atomically(&path, |file| {
+            file.write_all(&checksum)?;
+            file.write_all(&bytes)
+        })?)
     }
+
+    /// Removes a piece, if it is kept.
+    pub fn forget(&self, name: &str, inputs: &impl Serialize) {
+        let path = self.key(name, inputs).path;
+        if let Err(error) = fs::remove_file(&path)
+            && error.kind() != ErrorKind::NotFound
+        {
+            log::warn!("{}: cannot be removed ({error}); it is of no more use", path.display());
+        }
+    }
+}
+
+fn parse<T: DeserializeOwned>(bytes: &[u8], made_from: &str) -> Result<T, String> {
+    let (checksum, rest) = bytes.split_at_checked(CHECKSUM).ok_or("is damaged (it is too short)")?;
+    if Fingerprint::of_bytes(rest).to_bytes() != checksum {
+        return Err("is damaged (its contents are not those that were written)".to_owned());
+    }
+    let (of, piece): (String, T) =
+        ciborium::from_reader(rest).map_err(|error| format!("cannot be understood ({error})"))?;
+    if of == made_from { Ok(piece) } else { Err("is another piece".to_owned()) }
 }
 
 /// What tells one build of the program from another: times of one say nothing about the next.
@@ -160,14 +184,22 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let store = Store::open(folder.path()).unwrap();
         assert_eq!(make(&store, "x", 1.25), 1.25);
-        let path = fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
-        let text = fs::read_to_string(&path).unwrap();
-        for damaged in [text.replace("1.25", "1.75"), text[..text.len() / 2].to_owned(), String::new()] {
-            assert_ne!(damaged, text);
+        let path = store.key("piece", &"x").path;
+        let whole = fs::read(&path).unwrap();
+        assert_eq!(make(&store, "y", 2.5), 2.5);
+        let another = fs::read(store.key("piece", &"y").path).unwrap();
+        let flipped = |bit: usize| {
+            let mut bytes = whole.clone();
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            bytes
+        };
+        let bits = [0, 8 * CHECKSUM, 8 * whole.len() - 1].map(flipped);
+        let ends = [0, CHECKSUM - 1, CHECKSUM, whole.len() - 1].map(|length| whole[..length].to_vec());
+        for damaged in bits.into_iter().chain(ends).chain([another]) {
             fs::write(&path, damaged).unwrap();
             assert_eq!(make(&store, "x", 3.5), 3.5);
-            fs::write(&path, &text).unwrap();
         }
+        fs::write(&path, &whole).unwrap();
         assert_eq!(make(&store, "x", 9.0), 1.25);
     }
 
@@ -178,5 +210,15 @@ mod tests {
         let made: Result<Option<f64>, ExportError> = store.piece("piece", &"x", || Ok(None));
         assert!(made.unwrap().is_none());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn what_is_forgotten_is_made_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        store.forget("piece", &"x");
+        assert_eq!(make(&store, "x", 1.0), 1.0);
+        store.forget("piece", &"x");
+        assert_eq!(make(&store, "x", 2.0), 2.0);
     }
 }

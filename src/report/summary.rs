@@ -5,8 +5,8 @@ use super::editing::{Edit, EditTimes};
 use super::experiment::{Curve, SceneErrors, Technique};
 use super::growth::{GrowthPoint, Measure, Quantity};
 use super::page::words::{bytes, fixed, number, time};
-use super::timing::median;
 use crate::export::words::grouped;
+use crate::measure::statistics::median;
 use crate::tracking::Mode;
 
 /// One sentence.
@@ -233,14 +233,11 @@ fn editing(report: &Report) -> Option<Finding> {
             let (least, most) = (found.iter().min_by(by_time)?, found.iter().max_by(by_time)?);
             let range = span(least.1.image_secs, most.1.image_secs, time);
             let where_most = if found.len() > 1 { format!(" ({})", most.0) } else { String::new() };
-            let mut rectify: Vec<f64> = found.iter().filter_map(|(_, times)| times.rectify_secs).collect();
-            let rectified = match rectify.is_empty() {
-                true => String::new(),
-                false => {
-                    let of_which = if found.len() > 1 { " in the median scene" } else { "" };
-                    format!(", of which rectification {}{of_which}", time(median(&mut rectify)))
-                }
-            };
+            let rectify: Vec<f64> = found.iter().filter_map(|(_, times)| times.rectify_secs).collect();
+            let rectified = median(&rectify).map_or(String::new(), |secs| {
+                let of_which = if found.len() > 1 { " in the median scene" } else { "" };
+                format!(", of which rectification {}{of_which}", time(secs))
+            });
             Some(format!("{} {range}{where_most}{rectified}", edit.about()))
         })
         .collect();

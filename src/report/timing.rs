@@ -5,7 +5,8 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use super::progress::Progress;
-use crate::render::{Film, RenderSettings, accumulate};
+use crate::measure::statistics::median;
+use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
 use crate::scene::camera::Camera;
 use crate::tracking::Prepared;
 
@@ -28,20 +29,18 @@ pub struct Ratio {
 impl Ratio {
     /// Of pairs (above, below) in seconds; `None` where there is none.
     pub fn of(pairs: &[(f64, f64)]) -> Option<Self> {
-        if pairs.is_empty() {
-            return None;
-        }
         let mut ratios: Vec<f64> = pairs.iter().map(|(above, below)| above / below).collect();
         ratios.sort_by(f64::total_cmp);
+        let of_ratios = median(&ratios)?;
         let (rank, confidence) = median_interval(ratios.len());
         Some(Self {
-            median: median(&mut ratios.clone()),
+            median: of_ratios,
             low: ratios[rank],
             high: ratios[ratios.len() - 1 - rank],
             confidence,
             pairs: pairs.len(),
-            above_secs: median(&mut pairs.iter().map(|pair| pair.0).collect::<Vec<_>>()),
-            below_secs: median(&mut pairs.iter().map(|pair| pair.1).collect::<Vec<_>>()),
+            above_secs: median(&pairs.iter().map(|pair| pair.0).collect::<Vec<_>>())?,
+            below_secs: median(&pairs.iter().map(|pair| pair.1).collect::<Vec<_>>())?,
         })
     }
 }
@@ -92,33 +91,28 @@ fn median_interval(count: usize) -> (usize, f64) {
     (best.0, best.1.max(0.0))
 }
 
-/// The middle value, or the mean of the two in the middle; NaN of none.
-pub fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return f64::NAN;
-    }
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
-}
-
 /// One image that is rendered in slices, each of them timed.
 pub struct Timed<'a> {
     pub prepared: &'a Prepared,
     pub camera: &'a Camera,
-    pub settings: RenderSettings,
+    pub settings: ImageSettings,
     pub film: Film,
 }
 
 impl<'a> Timed<'a> {
-    pub fn new(prepared: &'a Prepared, camera: &'a Camera, settings: RenderSettings, size: (u32, u32)) -> Self {
+    pub fn new(prepared: &'a Prepared, camera: &'a Camera, settings: ImageSettings, size: (u32, u32)) -> Self {
         Self { prepared, camera, settings, film: Film::new(size.0, size.1) }
     }
 
     /// Takes so many samples more of every pixel; returns the seconds that they took. The film stays as it is when cancelled.
     pub fn slice(&mut self, samples: u32, progress: &Progress<'_>) -> f64 {
         let start = Instant::now();
-        accumulate(self.prepared, self.camera, &self.settings, &mut self.film, samples, progress.cancel);
+        Cpu.pass(
+            &RenderTask { prepared: self.prepared, camera: self.camera, settings: &self.settings },
+            &mut self.film,
+            samples,
+            progress.cancel,
+        );
         start.elapsed().as_secs_f64()
     }
 
@@ -138,9 +132,9 @@ impl<'a> Timed<'a> {
     /// Median seconds of a sample of a pixel over `slices` slices of about `slice_secs`; `None` when cancelled.
     pub fn sample_secs(&mut self, slices: usize, slice_secs: f64, progress: &Progress<'_>) -> Option<f64> {
         let samples = self.samples_for(slice_secs, progress);
-        let mut times: Vec<f64> = (0..slices).map(|_| self.slice(samples, progress)).collect();
+        let times: Vec<f64> = (0..slices).map(|_| self.slice(samples, progress)).collect();
         let pixels = self.film.sums.len() as f64;
-        (!progress.is_cancelled()).then(|| median(&mut times) / (f64::from(samples) * pixels))
+        median(&times).filter(|_| !progress.is_cancelled()).map(|secs| secs / (f64::from(samples) * pixels))
     }
 }
 

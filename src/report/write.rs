@@ -33,7 +33,7 @@ pub fn write(report: &Report, folder: &Path) -> Result<Vec<PathBuf>, ExportError
         Ok(())
     };
     for table in &tables {
-        put(table.file, &table.text())?;
+        put(table.file, &table.text)?;
     }
     put("summary.md", &summary::markdown(report))?;
     put("report.json", &json(report))?;

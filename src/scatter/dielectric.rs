@@ -6,6 +6,14 @@ use super::normals::Normals;
 use crate::optics::Interface;
 use crate::optics::fresnel::{Refraction, reflected};
 
+/// The interface, seen along the ray that meets it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dielectric {
+    pub interface: Interface,
+    /// Number of the path's segment that ends here, from 1: see [`scatter`].
+    pub segment: u32,
+}
+
 /// Which way to go on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Choice {

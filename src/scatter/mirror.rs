@@ -4,6 +4,13 @@ use glam::DVec3;
 
 use super::normals::Normals;
 use crate::optics::fresnel::reflected;
+use crate::spectrum::Spectrum;
+
+/// A mirror that tints what it reflects.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mirror {
+    pub albedo: Spectrum,
+}
 
 /// Unit direction of the ray that a mirror sends back, above the face. Where the interpolated normal looks away, as at a silhouette, the ray
 /// grazes the mirror.

@@ -29,6 +29,18 @@ impl Normals {
         self.shading == self.face
     }
 
+    /// Factor on importance that is scattered about an interpolated normal s at a face with normal g,
+    /// |wo·s| |wi·g| / (|wo·g| |wi·s|), which makes scattering the adjoint of that of radiance (Veach 1997, section 5.3.2). 0 where it has no
+    /// value: along the surface no light flows.
+    #[inline]
+    pub fn importance_factor(&self, wo: DVec3, wi: DVec3) -> f64 {
+        if self.is_flat() {
+            return 1.0;
+        }
+        let factor = (wo.dot(self.shading) * wi.dot(self.face) / (wo.dot(self.face) * wi.dot(self.shading))).abs();
+        if factor.is_finite() { factor } else { 0.0 }
+    }
+
     /// Keeps the mirrored ray of unit `direction` on the side that it came from.
     #[inline]
     pub fn keep_reflected(&self, direction: DVec3, reflected: DVec3) -> DVec3 {

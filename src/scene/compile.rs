@@ -7,17 +7,17 @@ use std::time::Instant;
 use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 
-use super::description::{self, Description, Environment, MAX_RADIANCE, Shape, Transform};
-use super::environment::EnvironmentLight;
+use super::description::{self, Description, Environment, MAX_RADIANCE, Role, Shape, Transform};
 use super::error::SceneError;
-use super::light::Emitters;
+use super::lights::{Emitters, EnvironmentLight};
 use super::needs::SceneNeeds;
-use super::scene::{Interfaces, MediumId, Object, ObjectId, Paint, Scene, SceneMedium, Surface};
+use super::scene::{Albedo, Interfaces, MediumId, Object, ObjectId, Scene, SceneMedium, Surface};
 use super::shapes::{self, MIN_LENGTH};
 use crate::geometry::topology::MAX_FACES;
 use crate::geometry::{Enclosure, Frame, Geometry, Mesh, ObjectRange, Part, Topology, WindingTree};
-use crate::optics::ior::{IOR_RANGE, WAVELENGTH_D_UM};
+use crate::optics::ior::IOR_RANGE;
 use crate::optics::{Ior, medium};
+use crate::spectrum::{Spectrum, WAVELENGTH_D_UM};
 
 /// Least radius of a sphere relative to a coordinate of its centre: a few roundings.
 const LEAST_RADIUS: f64 = 8.0 * f64::EPSILON;
@@ -42,7 +42,7 @@ pub fn compile(description: &Description, previous: Option<(&Description, &Scene
                 .map(|(index, part)| analyses.get(index).is_none_or(Option::is_none).then(|| unanalysed(part)))
                 .collect();
             // Digits are wanted where media are told apart.
-            let frame = Frame::about(&parts[..description.refractors.len()]).or_else(|| Frame::about(&parts));
+            let frame = Frame::about(&parts[..description.objects.refractors().len()]).or_else(|| Frame::about(&parts));
             let geometry = Arc::new(Geometry::build_in(frame.unwrap_or_default(), parts));
             (Arc::clone(&geometry), bodies(description, unanalysed, &geometry, analyses), topology_secs)
         }
@@ -64,7 +64,7 @@ pub fn compile(description: &Description, previous: Option<(&Description, &Scene
         }),
     );
     let needs = SceneNeeds::of(&geometry, &objects, &media, &emitters, &environment);
-    let world_is_vacuum = media[0].ior_minus_one == 0.0 && media[0].absorption == DVec3::ZERO;
+    let world_is_vacuum = media[0].ior_minus_one == 0.0 && media[0].absorption.is_black();
     let refractors_that = |enclosure: Enclosure| {
         (objects.iter().enumerate())
             .filter(|(_, o)| o.enclosure == enclosure && matches!(o.surface, Surface::Refractor { .. }))
@@ -106,14 +106,22 @@ fn require_radiances(description: &Description) -> Result<(), SceneError> {
         }
         Environment::Image { scale, .. } => require(&environment, [scale * f64::from(f32::MAX); 3])?,
     }
-    description.lights.iter().try_for_each(|light| require(&|| format!("light `{}`", light.name), light.radiance))
+    (description.objects.iter()).try_for_each(|object| match &object.role {
+        Role::Light(light) => require(&|| format!("light `{}`", object.name), light.radiance),
+        Role::Refractor(_) | Role::Solid(_) => Ok(()),
+    })
 }
 
 fn compile_media(description: &Description) -> Result<Vec<SceneMedium>, SceneError> {
     let world = &description.world;
     let mut media = vec![
         compile_medium(medium::WORLD, &world.ior, world.absorption)?,
-        SceneMedium { name: medium::VACUUM.into(), ior_minus_one: 0.0, absorption: DVec3::ZERO },
+        SceneMedium {
+            name: medium::VACUUM.into(),
+            model: Ior::Constant(1.0),
+            ior_minus_one: 0.0,
+            absorption: Spectrum::ZERO,
+        },
     ];
     for m in &description.media {
         media.push(compile_medium(&m.name, &m.ior, m.absorption)?);
@@ -135,7 +143,7 @@ fn compile_medium(name: &str, ior: &Ior, absorption: [f64; 3]) -> Result<SceneMe
             "medium `{name}`: the absorption is [{r}, {g}, {b}], each must be 0 or more"
         )));
     }
-    Ok(SceneMedium { name: name.into(), ior_minus_one, absorption: absorption.into() })
+    Ok(SceneMedium { name: name.into(), model: ior.clone(), ior_minus_one, absorption: Spectrum::from_rgb(absorption) })
 }
 
 /// A refractor's mesh, and what is known of it; `None` for an analytic sphere.
@@ -145,13 +153,13 @@ type Analysis = Option<Arc<Topology>>;
 fn analyse(description: &Description, previous: Option<(&Description, &Scene)>) -> Result<Vec<Analysis>, SceneError> {
     let mut known = Known::default();
     if let Some((before, scene)) = previous {
-        for (refractor, object) in before.refractors.iter().zip(&scene.objects) {
+        for (refractor, object) in before.objects.refractors().iter().zip(&scene.objects) {
             if let Some(topology) = &object.topology {
                 known.add(&refractor.name, &refractor.shape, topology);
             }
         }
     }
-    (description.refractors.iter())
+    (description.objects.refractors().iter())
         .map(|refractor| {
             if !refractor.visible {
                 return Ok(None);
@@ -205,22 +213,17 @@ impl<'a> Known<'a> {
 
 /// Every object's surface in scene coordinates, in the order of object ids.
 fn parts(description: &Description, analyses: &[Analysis]) -> Result<Vec<Part>, SceneError> {
-    let refractors = (description.refractors.iter().zip(analyses)).map(|(r, analysis)| {
-        let repaired = analysis.as_ref().and_then(|topology| topology.repaired.as_deref());
-        (&r.name, &r.shape, repaired, &r.transform, r.smooth, r.visible)
-    });
-    let solids = description.solids.iter().map(|s| (&s.name, &s.shape, None, &s.transform, s.smooth, s.visible));
-    let lights = description.lights.iter().map(|l| (&l.name, &l.shape, None, &l.transform, false, l.visible));
     let mut triangles = 0;
-    refractors
-        .chain(solids)
-        .chain(lights)
-        .map(|(name, shape, repaired, transform, smooth, visible)| {
-            if !visible {
+    (description.objects.iter().zip(analyses.iter().chain(std::iter::repeat(&None))))
+        .map(|(object, analysis)| {
+            if !object.visible {
                 // It keeps its id and has no primitives.
                 return Ok(Part::Mesh { mesh: Mesh::default(), smooth: false });
             }
-            let part = part(shape, repaired, transform, smooth).map_err(|error| of_object(name, error))?;
+            let name = &object.name;
+            let repaired = analysis.as_ref().and_then(|topology| topology.repaired.as_deref());
+            let part = part(&object.shape, repaired, &object.transform, object.is_smooth())
+                .map_err(|error| of_object(name, error))?;
             if let Part::Mesh { mesh, .. } = &part {
                 triangles += mesh.triangles.len().max(mesh.positions.len());
                 if triangles > MAX_FACES {
@@ -298,7 +301,7 @@ fn transform_mesh(mesh: &mut Mesh, matrix: &DAffine3) {
 
 /// Refuses spheres so small for their place that all their points round to their centre.
 fn require_distinct_spheres(description: &Description, geometry: &Geometry) -> Result<(), SceneError> {
-    for (name, object) in description.object_names().zip(0..) {
+    for (name, object) in description.objects.iter().map(|object| &object.name).zip(0..) {
         let ObjectRange::Sphere(id) = geometry.range(object) else { continue };
         let Some(sphere) = geometry.sphere(*id) else { continue };
         let distance = sphere.center.abs().max_element();
@@ -336,23 +339,24 @@ fn bodies(
     geometry: &Geometry,
     analyses: Vec<Analysis>,
 ) -> Vec<Body> {
-    let analysed = description.refractors.iter().zip(analyses).enumerate().map(|(index, (refractor, topology))| {
-        let topology = topology?;
-        let volume = topology.volume * refractor.transform.matrix().matrix3.determinant().abs();
-        let winding = (topology.enclosure == Enclosure::Holed).then(|| {
-            let triangles: Vec<[DVec3; 3]> = match geometry.range(index as u32) {
-                ObjectRange::Triangles(range) => range.clone().map(|triangle| geometry.corners(triangle)).collect(),
-                ObjectRange::Sphere(_) => Vec::new(),
-            };
-            Arc::new(WindingTree::build(&triangles))
+    let analysed =
+        description.objects.refractors().iter().zip(analyses).enumerate().map(|(index, (refractor, topology))| {
+            let topology = topology?;
+            let volume = topology.volume * refractor.transform.matrix().matrix3.determinant().abs();
+            let winding = (topology.enclosure == Enclosure::Holed).then(|| {
+                let triangles: Vec<[DVec3; 3]> = match geometry.range(index as u32) {
+                    ObjectRange::Triangles(range) => range.clone().map(|triangle| geometry.corners(triangle)).collect(),
+                    ObjectRange::Sphere(_) => Vec::new(),
+                };
+                Arc::new(WindingTree::build(&triangles))
+            });
+            Some(Body {
+                volume: if volume > 0.0 { volume } else { f64::INFINITY },
+                enclosure: topology.enclosure,
+                topology: Some(topology),
+                winding,
+            })
         });
-        Some(Body {
-            volume: if volume > 0.0 { volume } else { f64::INFINITY },
-            enclosure: topology.enclosure,
-            topology: Some(topology),
-            winding,
-        })
-    });
     let analysed = analysed.chain(std::iter::repeat_with(|| None));
     unanalysed.into_iter().zip(analysed).filter_map(|(unanalysed, analysed)| unanalysed.or(analysed)).collect()
 }
@@ -370,45 +374,43 @@ fn unanalysed(part: &Part) -> Body {
 }
 
 fn objects(description: &Description, origin: DVec3, bodies: Vec<Body>) -> Result<Vec<Object>, SceneError> {
-    let mut objects = Vec::with_capacity(bodies.len());
-    let mut bodies = bodies.into_iter();
-    let mut add = |name: &str, surface| {
-        // There is a body for each object.
-        if let Some(Body { volume, enclosure, topology, winding }) = bodies.next() {
-            objects.push(Object { name: name.into(), surface, volume, enclosure, topology, winding });
-        }
-    };
     // Of media of one name, which the loader refuses, the first.
     let mut media: HashMap<&str, u32> = HashMap::with_capacity(description.media.len());
     for (medium, index) in description.media.iter().zip(2..) {
         media.entry(&medium.name).or_insert(index);
     }
-    for r in &description.refractors {
-        let medium = *media.get(r.medium.as_str()).ok_or_else(|| {
-            let valid: Vec<&str> = description.media.iter().map(|m| m.name.as_str()).collect();
-            SceneError::new(format!(
-                "refractor `{}`: unknown medium `{}`; valid: {}",
-                r.name,
-                r.medium,
-                valid.join(", ")
-            ))
-        })?;
-        add(&r.name, Surface::Refractor { medium: MediumId(medium), priority: r.priority, smooth: r.smooth });
-    }
-    for s in &description.solids {
-        let paint = paint(&s.paint, &s.shape, &s.transform, origin);
-        let smooth = s.smooth;
-        add(&s.name, if s.mirror { Surface::Mirror { paint, smooth } } else { Surface::Diffuse { paint, smooth } });
-    }
-    for l in &description.lights {
-        add(&l.name, Surface::Light { radiance: l.radiance.into() });
-    }
-    Ok(objects)
+    // There is a body for each object.
+    (description.objects.iter().zip(bodies))
+        .map(|(object, Body { volume, enclosure, topology, winding })| {
+            let surface = match &object.role {
+                Role::Refractor(refractor) => {
+                    let medium = *media.get(refractor.medium.as_str()).ok_or_else(|| {
+                        let valid: Vec<&str> = description.media.iter().map(|m| m.name.as_str()).collect();
+                        SceneError::new(format!(
+                            "refractor `{}`: unknown medium `{}`; valid: {}",
+                            object.name,
+                            refractor.medium,
+                            valid.join(", ")
+                        ))
+                    })?;
+                    let description::Refractor { priority, smooth, .. } = *refractor;
+                    Surface::Refractor { medium: MediumId(medium), priority, smooth }
+                }
+                Role::Solid(solid) => {
+                    let albedo = albedo(&solid.paint, &object.shape, &object.transform, origin);
+                    let smooth = solid.smooth;
+                    if solid.mirror { Surface::Mirror { albedo, smooth } } else { Surface::Diffuse { albedo, smooth } }
+                }
+                Role::Light(light) => Surface::Light { radiance: Spectrum::from_rgb(light.radiance) },
+            };
+            Ok(Object { name: object.name.clone(), surface, volume, enclosure, topology, winding })
+        })
+        .collect()
 }
 
-fn paint(paint: &description::Paint, shape: &Shape, transform: &Transform, local_origin: DVec3) -> Paint {
+fn albedo(paint: &description::Paint, shape: &Shape, transform: &Transform, local_origin: DVec3) -> Albedo {
     match *paint {
-        description::Paint::Color(color) => Paint::Color(color.into()),
+        description::Paint::Color(color) => Albedo::Color(Spectrum::from_rgb(color)),
         description::Paint::Checker { a, b, size } => {
             let (corner, u, v) = match shape {
                 Shape::Quad { center, edge_u, edge_v } => {
@@ -419,9 +421,9 @@ fn paint(paint: &description::Paint, shape: &Shape, transform: &Transform, local
             let world_from_object = transform.matrix();
             // A plane's coordinate transforms by the inverse transpose.
             let plane_from_object = world_from_object.matrix3.inverse().transpose();
-            Paint::Checker {
-                a: a.into(),
-                b: b.into(),
+            Albedo::Checker {
+                a: Spectrum::from_rgb(a),
+                b: Spectrum::from_rgb(b),
                 origin: world_from_object.transform_point3(corner) - local_origin,
                 u_axis: plane_from_object * u / size,
                 v_axis: plane_from_object * v / size,
@@ -437,26 +439,17 @@ fn has_same_geometry(a: &Description, b: &Description) -> bool {
 
 /// The objects whose primitives differ between two descriptions, in ascending order; `None` where the objects themselves are others.
 pub fn changed_objects(a: &Description, b: &Description) -> Option<Vec<ObjectId>> {
-    let counts = |d: &Description| [d.refractors.len(), d.solids.len(), d.lights.len()];
-    let is_same = |((shape_a, rest_a), (shape_b, rest_b)): &(Surfaced, Surfaced)| {
-        rest_a == rest_b && is_same_shape(shape_a, shape_b)
+    let is_same = |a: &description::Object, b: &description::Object| -> bool {
+        (a.transform, a.is_smooth(), a.visible) == (b.transform, b.is_smooth(), b.visible)
+            && is_same_shape(&a.shape, &b.shape)
     };
-    (counts(a) == counts(b)).then(|| {
-        (surfaces(a).zip(surfaces(b)).zip(0..))
-            .filter(|(pair, _)| !is_same(pair))
+    let has_same_kinds = a.objects.iter().map(|o| o.kind()).eq(b.objects.iter().map(|o| o.kind()));
+    has_same_kinds.then(|| {
+        (a.objects.iter().zip(&*b.objects).zip(0..))
+            .filter(|((a, b), _)| !is_same(a, b))
             .map(|(_, index)| ObjectId(index))
             .collect()
     })
-}
-
-/// Shape; transform, smoothness and visibility.
-type Surfaced<'a> = (&'a Shape, (&'a Transform, bool, bool));
-
-/// What decides the primitives of every object, in the order of object ids.
-fn surfaces(description: &Description) -> impl Iterator<Item = Surfaced<'_>> {
-    (description.refractors.iter().map(|r| (&r.shape, (&r.transform, r.smooth, r.visible))))
-        .chain(description.solids.iter().map(|s| (&s.shape, (&s.transform, s.smooth, s.visible))))
-        .chain(description.lights.iter().map(|l| (&l.shape, (&l.transform, false, l.visible))))
 }
 
 fn is_same_shape(a: &Shape, b: &Shape) -> bool {

@@ -45,3 +45,21 @@ impl SceneError {
         Self { place: Some(Place { file: file.into(), line_column: Some((line, column)) }), message: message.into() }
     }
 }
+
+/// What is wrong with a table of a scene.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct Fault {
+    /// The key that is to blame, such as `radius`; empty where it is the table as a whole.
+    pub key: &'static str,
+    /// What is wrong and what would be right.
+    pub message: String,
+}
+
+impl Fault {
+    /// # Errors
+    /// Always: the fault.
+    pub fn at(key: &'static str, message: impl Into<String>) -> Result<(), Self> {
+        Err(Self { key, message: message.into() })
+    }
+}

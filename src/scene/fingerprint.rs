@@ -4,8 +4,8 @@
 //! changes the fingerprint and no picture, which costs no more than a reference that is made again.
 //!
 //! Every number goes in with its bits, so 0 and −0 are told apart; every list with its length, and every choice with its name, so that
-//! no two descriptions can run together. The structs are taken apart field by field: a new field does not compile until it is decided
-//! here whether it matters.
+//! no two descriptions can run together. What is hashed are the fields of the scene's tables, each of which is said once for all (see
+//! [`super::fields`]), so that none can be forgotten here.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -16,11 +16,12 @@ use glam::DVec3;
 use sha2::{Digest, Sha256};
 
 use super::camera::Camera;
-use super::description::{Description, Environment, Light, Paint, Refractor, Shape, Solid, Transform, WorldMedium};
+use super::description::Description;
 use super::environment::EnvironmentImage;
+use super::fields::{Entry, Field, Plain, Slot, Visitor};
+use super::tables::medium_fields;
 use crate::geometry::Mesh;
 use crate::optics::Ior;
-use crate::optics::medium::Medium;
 
 /// A SHA-256 sum, shown as 64 hexadecimal digits.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -157,56 +158,25 @@ impl Description {
     /// Of all that decides what can be seen, but for the camera, which is often moved: see [`Camera::hash_into`]. Contents of meshes and
     /// images count, their paths do not, nor do names.
     pub fn fingerprint(&self) -> Fingerprint {
-        let Self { name: _, camera: _, world, environment, media, refractors, solids, lights, source: _ } = self;
-        let mut hasher = Hasher::new("iorect scene 1");
-        let WorldMedium { ior, absorption } = world;
-        hash_ior(&mut hasher, ior);
-        hasher.numbers(*absorption);
-        hash_environment(&mut hasher, environment);
-        hasher.integer(media.len() as u64);
-        for Medium { name: _, ior, absorption } in media {
-            hash_ior(&mut hasher, ior);
-            hasher.numbers(*absorption);
+        let Self { name: _, camera: _, mut world, mut environment, mut media, mut objects, source: _ } = self.clone();
+        let hasher = Hasher::new("iorect scene 2");
+        let mut hasher = FieldHasher { hasher, media: HashMap::new(), meshes: HashMap::new() };
+        world.fields(&mut hasher);
+        environment.fields(&mut hasher);
+        hasher.hasher.integer(media.len() as u64);
+        for medium in &mut media {
+            medium_fields(medium, &mut hasher);
         }
-        let mut shapes = Shapes::default();
-        hasher.integer(refractors.len() as u64);
-        for Refractor { name: _, medium, shape, priority, smooth, visible, transform } in refractors {
-            let medium = media.iter().position(|m| m.name == *medium);
-            hasher.integer(medium.map_or(u64::MAX, |index| index as u64));
-            shapes.hash(&mut hasher, shape);
-            hasher.integer(i64::from(*priority) as u64);
-            hasher.flag(*smooth);
-            hasher.flag(*visible);
-            hash_transform(&mut hasher, transform);
+        for (index, medium) in media.into_iter().enumerate().rev() {
+            // Of equal names, which the loader refuses, the first.
+            hasher.media.insert(medium.name, index as u64);
         }
-        hasher.integer(solids.len() as u64);
-        for Solid { name: _, shape, paint, mirror, smooth, visible, transform } in solids {
-            shapes.hash(&mut hasher, shape);
-            match paint {
-                Paint::Color(color) => {
-                    hasher.text("color");
-                    hasher.numbers(*color);
-                }
-                Paint::Checker { a, b, size } => {
-                    hasher.text("checker");
-                    hasher.numbers(*a);
-                    hasher.numbers(*b);
-                    hasher.number(*size);
-                }
-            }
-            hasher.flag(*mirror);
-            hasher.flag(*smooth);
-            hasher.flag(*visible);
-            hash_transform(&mut hasher, transform);
+        hasher.hasher.integer(objects.len() as u64);
+        for object in &mut objects {
+            hasher.hasher.text(object.kind().name());
+            object.fields(&mut hasher);
         }
-        hasher.integer(lights.len() as u64);
-        for Light { name: _, shape, radiance, visible, transform } in lights {
-            shapes.hash(&mut hasher, shape);
-            hasher.numbers(*radiance);
-            hasher.flag(*visible);
-            hash_transform(&mut hasher, transform);
-        }
-        hasher.finish()
+        hasher.hasher.finish()
     }
 }
 
@@ -225,107 +195,70 @@ impl Camera {
     }
 }
 
-fn hash_ior(hasher: &mut Hasher, ior: &Ior) {
-    let terms = |hasher: &mut Hasher, terms: &[[f64; 2]]| hasher.list(terms, |term| term.map(f64::to_bits));
-    match ior {
-        Ior::Constant(n) => {
-            hasher.text("constant");
-            hasher.number(*n);
-        }
-        Ior::Cauchy(coefficients) => {
-            hasher.text("cauchy");
-            hasher.numbers(*coefficients);
-        }
-        Ior::Sellmeier(pairs) => {
-            hasher.text("sellmeier");
-            terms(hasher, pairs);
-        }
-        Ior::Gas(pairs) => {
-            hasher.text("gas");
-            terms(hasher, pairs);
-        }
-        // The formula and not the entry's name: a later version may know better numbers.
-        Ior::Catalog(entry) => hash_ior(hasher, &entry.model),
-    }
-}
-
-fn hash_environment(hasher: &mut Hasher, environment: &Environment) {
-    match environment {
-        Environment::Color(color) => {
-            hasher.text("color");
-            hasher.numbers(*color);
-        }
-        Environment::Gradient { zenith, horizon, nadir } => {
-            hasher.text("gradient");
-            [zenith, horizon, nadir].into_iter().for_each(|color| hasher.numbers(*color));
-        }
-        Environment::Image { path: _, image, rotation, scale } => {
-            let EnvironmentImage { width, height, pixels, notes: _ } = &**image;
-            hasher.text("image");
-            hasher.integer(*width as u64);
-            hasher.integer(*height as u64);
-            hasher.list(pixels, |pixel| pixel.map(|component| u64::from(component.to_bits())));
-            hasher.numbers([*rotation, *scale]);
-        }
-    }
-}
-
-fn hash_transform(hasher: &mut Hasher, transform: &Transform) {
-    let Transform { scale, rotate, translate } = *transform;
-    [scale, rotate, translate].into_iter().for_each(|vector| hasher.vector(vector));
-}
-
-/// Meshes that have been read already: thousands of objects may share one.
-#[derive(Default)]
-struct Shapes {
+/// Hashes fields: keys, forms and values.
+struct FieldHasher {
+    hasher: Hasher,
+    /// Media by name: what is named is hashed, not the name.
+    media: HashMap<String, u64>,
+    /// Meshes that have been read already: thousands of objects may share one.
     meshes: HashMap<*const Mesh, Fingerprint>,
 }
 
-impl Shapes {
-    fn hash(&mut self, hasher: &mut Hasher, shape: &Shape) {
-        match shape {
-            Shape::Sphere { center, radius } => {
-                hasher.text("sphere");
-                hasher.vector(*center);
-                hasher.number(*radius);
+impl Visitor for FieldHasher {
+    fn field(&mut self, Field { key, slot, is_default: _ }: Field<'_>) -> bool {
+        if matches!(slot, Slot::Name(_)) {
+            return true;
+        }
+        let hasher = &mut self.hasher;
+        hasher.text(key);
+        match slot {
+            Slot::Medium(name) => hasher.integer(self.media.get(name).copied().unwrap_or(u64::MAX)),
+            Slot::Ior(ior) => {
+                // The formula and not the entry's name: a later version may know better numbers.
+                let model = if let Ior::Catalog(entry) = ior { &entry.model } else { &*ior };
+                match model {
+                    Ior::Gas(terms) => hasher.list(terms, |term| term.map(f64::to_bits)),
+                    _ => hash_plain(hasher, Slot::Ior(&mut model.clone()).plain().as_ref()),
+                }
             }
-            Shape::Icosphere { center, radius, subdivisions } => {
-                hasher.text("icosphere");
-                hasher.vector(*center);
-                hasher.number(*radius);
-                hasher.integer(u64::from(*subdivisions));
-            }
-            Shape::Box { min, max } => {
-                hasher.text("box");
-                hasher.vector(*min);
-                hasher.vector(*max);
-            }
-            Shape::Cylinder { center, radius, height, segments } => {
-                hasher.text("cylinder");
-                hasher.vector(*center);
-                hasher.numbers([*radius, *height]);
-                hasher.integer(u64::from(*segments));
-            }
-            Shape::Torus { center, major, minor, segments, rings } => {
-                hasher.text("torus");
-                hasher.vector(*center);
-                hasher.numbers([*major, *minor]);
-                hasher.integer(u64::from(*segments));
-                hasher.integer(u64::from(*rings));
-            }
-            Shape::Lathe { profile, segments } => {
-                hasher.text("lathe");
-                hasher.list(profile, |point| point.map(f64::to_bits));
-                hasher.integer(u64::from(*segments));
-            }
-            Shape::Quad { center, edge_u, edge_v } => {
-                hasher.text("quad");
-                [center, edge_u, edge_v].into_iter().for_each(|vector| hasher.vector(*vector));
-            }
-            Shape::Mesh { path: _, mesh, notes: _ } => {
-                hasher.text("mesh");
+            Slot::Mesh { mesh, .. } => {
                 let of_mesh = self.meshes.entry(Arc::as_ptr(mesh)).or_insert_with(|| of_mesh(mesh));
                 hasher.fingerprint(*of_mesh);
+            }
+            Slot::Image { image, .. } => {
+                let EnvironmentImage { width, height, pixels, notes: _ } = &**image;
+                hasher.integer(*width as u64);
+                hasher.integer(*height as u64);
+                hasher.list(pixels, |pixel| pixel.map(|component| u64::from(component.to_bits())));
+            }
+            Slot::Table(fields) => fields(self),
+            slot => hash_plain(hasher, slot.plain().as_ref()),
+        }
+        true
+    }
+
+    fn form(&mut self, _: &[&'static str], current: &'static str, _: Option<&'static str>) -> &'static str {
+        self.hasher.text(current);
+        current
+    }
+}
+
+fn hash_plain(hasher: &mut Hasher, plain: Option<&Plain>) {
+    match plain {
+        None => hasher.text("none"),
+        Some(Plain::Flag(value)) => hasher.flag(*value),
+        Some(Plain::Integer(value)) => hasher.integer(*value as u64),
+        Some(Plain::Number(value)) => hasher.number(*value),
+        Some(Plain::Text(value)) => hasher.text(value),
+        Some(Plain::List(items)) => {
+            hasher.integer(items.len() as u64);
+            items.iter().for_each(|item| hash_plain(hasher, Some(item)));
+        }
+        Some(Plain::Table(entries)) => {
+            hasher.integer(entries.len() as u64);
+            for Entry { key, value, is_default: _ } in entries {
+                hasher.text(key);
+                hash_plain(hasher, Some(value));
             }
         }
     }
@@ -345,34 +278,50 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::scene::{LoadNote, builtin, load};
+    use crate::optics::Medium;
+    use crate::scene::LoadNote;
+    use crate::scene::description::{
+        CameraDescription, Environment, Object, Paint, Refractor, Shape, Solid, WorldMedium,
+    };
 
-    fn described(name: &str) -> Description {
-        load::open(name).unwrap()
-    }
-
-    #[test]
-    fn every_built_in_scene_has_its_own() {
-        let all: BTreeSet<Fingerprint> =
-            builtin::all().iter().map(|scene| described(scene.name).fingerprint()).collect();
-        assert_eq!(all.len(), builtin::all().len());
+    /// A ball of glass in one of water, over a floor.
+    fn described() -> Description {
+        let ball = |radius: f64| Shape::Sphere { center: DVec3::ZERO, radius };
+        let floor = Shape::Quad { center: DVec3::NEG_Y, edge_u: DVec3::Z, edge_v: DVec3::X };
+        let medium = |(name, ior): (&str, f64)| Medium {
+            name: name.to_owned(),
+            ior: Ior::Constant(ior),
+            absorption: [0.0, 0.1, 0.2],
+        };
+        Description {
+            name: "Balls".to_owned(),
+            camera: CameraDescription::blank(),
+            world: WorldMedium::DEFAULT,
+            environment: Environment::Color([1.0; 3]),
+            media: [("water", 1.333), ("glass", 1.5)].map(medium).to_vec(),
+            objects: [
+                Object::new("water", ball(2.0), Refractor::of("water")),
+                Object::new("glass", ball(1.0), Refractor::of("glass")),
+                Object::new("floor", floor, Solid::of(Paint::Color([0.5; 3]))),
+            ]
+            .into_iter()
+            .collect(),
+            source: None,
+        }
     }
 
     #[test]
     fn names_and_places_of_files_do_not_matter() {
-        let description = described("iced-water");
+        let description = described();
         let before = description.fingerprint();
         let mut renamed = description.clone();
         renamed.name = "Other".into();
-        renamed.source = None;
         renamed.camera.position.x += 1.0;
         for medium in &mut renamed.media {
             medium.name += " renamed";
         }
-        for refractor in &mut renamed.refractors {
-            refractor.medium += " renamed";
-            refractor.name += " renamed";
-        }
+        renamed.objects.refractor_roles_mut().for_each(|refractor| refractor.medium += " renamed");
+        renamed.objects.iter_mut().for_each(|object| object.name += " renamed");
         assert_eq!(renamed.fingerprint(), before);
     }
 
@@ -386,8 +335,8 @@ mod tests {
                 triangles: vec![[0, 1, 2]],
             })
         };
-        let mut scene = described("iced-water");
-        scene.refractors[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(1.0), notes: Vec::new() };
+        let mut scene = described();
+        scene.objects[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(1.0), notes: Vec::new() };
         let image = |blue: f32| EnvironmentImage { width: 1, height: 1, pixels: vec![[1.0, 1.0, blue]], notes: vec![] };
         let with_image = |blue: f32| Environment::Image {
             path: "e.hdr".into(),
@@ -395,6 +344,12 @@ mod tests {
             rotation: 0.0,
             scale: 1.0,
         };
+        fn refractor(d: &mut Description, index: usize) -> &mut Refractor {
+            d.objects[index].refractor_mut().unwrap()
+        }
+        fn solid(d: &mut Description) -> &mut Solid {
+            d.objects.solids_mut()[0].solid_mut().unwrap()
+        }
         type Edit<'a> = Box<dyn Fn(&mut Description) + 'a>;
         let edits: Vec<Edit<'_>> = vec![
             Box::new(|_| ()),
@@ -403,18 +358,16 @@ mod tests {
             Box::new(|d| d.media[0].absorption[0] += 1e-9),
             Box::new(|d| d.media[0].ior = Ior::Cauchy([1.5, 0.0, 0.0])),
             Box::new(|d| d.media[0].ior = Ior::Sellmeier(vec![[1.5, 0.0]].into())),
-            Box::new(|d| d.refractors[0].medium = d.refractors[1].medium.clone()),
-            Box::new(|d| {
-                d.refractors[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(2.0), notes: Vec::new() }
-            }),
-            Box::new(|d| d.refractors[0].priority -= 7),
-            Box::new(|d| d.refractors[0].smooth ^= true),
-            Box::new(|d| d.refractors[0].visible ^= true),
-            Box::new(|d| d.refractors[0].transform.rotate.y += 1.0),
-            Box::new(|d| d.refractors.swap(0, 1)),
-            Box::new(|d| d.solids[0].mirror ^= true),
-            Box::new(|d| d.solids[0].paint = Paint::Color([0.125; 3])),
-            Box::new(|d| _ = d.refractors.pop()),
+            Box::new(|d| refractor(d, 0).medium = refractor(d, 1).medium.clone()),
+            Box::new(|d| d.objects[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(2.0), notes: Vec::new() }),
+            Box::new(|d| refractor(d, 0).priority -= 7),
+            Box::new(|d| refractor(d, 0).smooth ^= true),
+            Box::new(|d| d.objects[0].visible ^= true),
+            Box::new(|d| d.objects[0].transform.rotate.y += 1.0),
+            Box::new(|d| d.objects.swap(0, 1)),
+            Box::new(|d| solid(d).mirror ^= true),
+            Box::new(|d| solid(d).paint = Paint::Color([0.125; 3])),
+            Box::new(|d| _ = d.objects.remove(0)),
             Box::new(|d| d.environment = Environment::Color([0.25; 3])),
             Box::new(|d| d.environment = with_image(1.0)),
             Box::new(|d| d.environment = with_image(2.0)),
@@ -430,7 +383,7 @@ mod tests {
         // The same contents from another file.
         let mut moved = scene.clone();
         let note = LoadNote { kind: "short_faces", count: 1, first_line: None, message: String::new() };
-        moved.refractors[0].shape = Shape::Mesh { path: "b.obj".into(), mesh: mesh(1.0), notes: vec![note] };
+        moved.objects[0].shape = Shape::Mesh { path: "b.obj".into(), mesh: mesh(1.0), notes: vec![note] };
         assert_eq!(moved.fingerprint(), scene.fingerprint());
     }
 

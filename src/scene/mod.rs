@@ -1,24 +1,24 @@
-//! The scene: as written ([`Description`]), read from files ([`load`]), built in ([`builtin`]), and compiled for tracing ([`Scene`]).
+//! The scene: as written ([`Description`]), and compiled for tracing ([`Scene`]).
 
-pub mod builtin;
 pub mod camera;
 pub mod compile;
 pub mod description;
 pub mod environment;
 pub mod error;
-pub mod files;
+pub mod fields;
 pub mod fingerprint;
-pub mod light;
-pub mod load;
+mod ids;
+pub mod lights;
 pub mod needs;
 pub mod note;
-pub mod save;
 mod scene;
 pub mod shapes;
+mod survey;
+pub mod tables;
 
 pub use description::Description;
-pub use error::SceneError;
+pub use error::{Fault, SceneError};
 pub use fingerprint::Fingerprint;
 pub use needs::SceneNeeds;
 pub use note::LoadNote;
-pub use scene::{MediumId, Object, ObjectId, Paint, Scene, SceneMedium, Surface};
+pub use scene::{Albedo, MediumId, Object, ObjectId, Scene, SceneMedium, Surface};

@@ -4,36 +4,24 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::environment::EnvironmentLight;
-use super::light::Emitters;
+pub use super::ids::{MediumId, ObjectId};
+use super::lights::{Emitters, EnvironmentLight, Light};
 use super::needs::SceneNeeds;
 use crate::geometry::{Enclosure, Geometry, Topology, WindingTree};
-use crate::optics::Interface;
-
-/// Index into [`Scene::media`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct MediumId(pub u32);
-
-impl MediumId {
-    /// The global medium.
-    pub const WORLD: Self = Self(0);
-    /// The reserved exterior of `naive`.
-    pub const VACUUM: Self = Self(1);
-}
-
-/// Index into [`Scene::objects`]: refractors first, then solids, then lights, each in file order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct ObjectId(pub u32);
+use crate::optics::{Interface, Ior};
+use crate::spectrum::{Spectrum, Wavelengths};
 
 /// A medium with its numbers worked out for transport in RGB.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneMedium {
     /// As in the scene; the global medium is `"world"`, the reserved one `"vacuum"`.
     pub name: String,
-    /// n − 1, which keeps the digits of an IOR near 1.
+    /// At every wavelength.
+    pub model: Ior,
+    /// n − 1 at the d line, which keeps the digits of an IOR near 1.
     pub ior_minus_one: f64,
     /// σ per scene unit.
-    pub absorption: DVec3,
+    pub absorption: Spectrum,
 }
 
 impl SceneMedium {
@@ -68,23 +56,37 @@ impl Interfaces {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Surface {
     Refractor { medium: MediumId, priority: i32, smooth: bool },
-    Diffuse { paint: Paint, smooth: bool },
-    Mirror { paint: Paint, smooth: bool },
-    Light { radiance: DVec3 },
+    Diffuse { albedo: Albedo, smooth: bool },
+    Mirror { albedo: Albedo, smooth: bool },
+    Light { radiance: Spectrum },
 }
 
 /// Albedo by place.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Paint {
-    Color(DVec3),
+pub enum Albedo {
+    Color(Spectrum),
     /// Squares over object-space coordinates (u, v) = (dot(p − origin, u_axis), dot(p − origin, v_axis)) / size.
     Checker {
-        a: DVec3,
-        b: DVec3,
+        a: Spectrum,
+        b: Spectrum,
         origin: DVec3,
         u_axis: DVec3,
         v_axis: DVec3,
     },
+}
+
+impl Albedo {
+    #[inline]
+    pub fn at(&self, position: DVec3) -> Spectrum {
+        match self {
+            Self::Color(color) => *color,
+            Self::Checker { a, b, origin, u_axis, v_axis } => {
+                let p = position - *origin;
+                let squares = p.dot(*u_axis).floor() + p.dot(*v_axis).floor();
+                if squares.rem_euclid(2.0) == 0.0 { *a } else { *b }
+            }
+        }
+    }
 }
 
 /// One object of the scene.
@@ -153,13 +155,27 @@ impl Scene {
         &self.media[id.0 as usize]
     }
 
-    /// The interface between two media.
+    /// The interface between two media, as light of these wavelengths meets it.
     #[inline]
-    pub fn interface(&self, from: MediumId, to: MediumId) -> Interface {
-        match self.interfaces.pairs.get(from.0 as usize * self.interfaces.media + to.0 as usize) {
-            Some(interface) => *interface,
-            None => Interface::new(self.medium(from).ior_minus_one, self.medium(to).ior_minus_one),
+    pub fn interface(&self, from: MediumId, to: MediumId, wavelengths: Wavelengths) -> Interface {
+        match wavelengths {
+            Wavelengths::Rgb => {
+                match self.interfaces.pairs.get(from.0 as usize * self.interfaces.media + to.0 as usize) {
+                    Some(interface) => *interface,
+                    None => Interface::new(self.medium(from).ior_minus_one, self.medium(to).ior_minus_one),
+                }
+            }
+            Wavelengths::Single { um } => {
+                let [from, to] = [from, to].map(|id| self.medium(id).model.ior_minus_one(um));
+                Interface::new(from, to)
+            }
         }
+    }
+
+    /// What lies all around.
+    #[inline]
+    pub fn environment_light(&self) -> Light<'_> {
+        Light::Environment(&self.environment)
     }
 
     /// Whether leaving the medium `left` is what a path in the medium `current` must do. Media are compared by identity; the reserved
@@ -167,6 +183,12 @@ impl Scene {
     #[inline]
     pub fn is_consistent(&self, current: MediumId, left: MediumId) -> bool {
         current == left || (self.world_is_vacuum && current.0 <= MediumId::VACUUM.0 && left.0 <= MediumId::VACUUM.0)
+    }
+
+    /// Whether this object is a refractor.
+    #[inline]
+    pub fn is_refractor(&self, id: ObjectId) -> bool {
+        matches!(self.object(id).surface, Surface::Refractor { .. })
     }
 
     /// Ids and interior media of the refractors.

@@ -136,7 +136,7 @@ impl Board {
 /// What has been published.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum News {
-    /// A scene, that one is being prepared, its problems, a failure, or that the ground truth has come on.
+    /// A new scene, a preparation, problems, a failure, or samples of the ground truth.
     Scene,
     /// Images, of the ground truth too.
     Images,

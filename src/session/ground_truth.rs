@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::job::{Job, LaneMessage, attempted, cancellable};
 use super::mailbox::{Mailbox, Taken};
 use super::{Board, News, Wake};
-use crate::render::{Film, accumulate};
+use crate::render::{Cpu, Film, RenderTask, Renderer};
 use crate::tracking::Mode;
 
 /// Whether a ground truth is wanted.
@@ -15,7 +15,7 @@ use crate::tracking::Mode;
 pub enum GroundTruthDemand {
     #[default]
     Off,
-    /// What there is stays as it is.
+    /// Paused: the samples taken so far are kept.
     Paused,
     On,
 }
@@ -66,7 +66,7 @@ struct Progress {
     job: Job,
     films: [Film; 2],
     truth: GroundTruth,
-    /// Samples from which on images are published again.
+    /// Samples at which images are published next.
     next_images: u32,
     is_settled: bool,
 }
@@ -141,13 +141,18 @@ impl Progress {
         let job = &self.job;
         let begin = Instant::now();
         for (half, film) in self.films.iter_mut().enumerate() {
-            let settings = job.settings(Mode::Reference, seed_of(job.request.seed, half));
+            let settings = job.settings(Mode::Reference, seed_of(job.request.settings.seed, half));
             let is_other = |message: &LaneMessage| match message {
                 LaneMessage::Hold => true,
                 LaneMessage::Render(other) => !job.shows_the_same(other),
             };
             let is_complete = cancellable(pool, mailbox, is_other, begin, None, |cancel| {
-                accumulate(&job.prepared, &job.camera, &settings, film, samples, cancel)
+                Cpu.pass(
+                    &RenderTask { prepared: &job.prepared, camera: &job.camera, settings: &settings },
+                    film,
+                    samples,
+                    cancel,
+                )
             });
             if !is_complete {
                 return false;
@@ -191,7 +196,7 @@ impl Progress {
     }
 }
 
-/// Neither the panes' seed nor the other half's.
+/// The seed of a half: different from the panes' and from the other half's.
 fn seed_of(seed: u64, half: usize) -> u64 {
     seed.wrapping_add((half as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }

@@ -1,4 +1,4 @@
-//! What the lanes have in common: messages, jobs, and passes that a newer message cancels.
+//! What the threads tell each other: requests, messages to the lanes, jobs, and passes that a newer message cancels.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -6,17 +6,23 @@ use std::time::{Duration, Instant};
 
 use super::mailbox::{Alarm, Mailbox};
 use super::{Board, Request, Wake, guarded};
-use crate::render::{RenderSettings, VarianceReduction};
+use crate::render::ImageSettings;
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::Prepared;
 
 /// When the first image of an epoch is there, counted from the request: the rest of 100 ms is for display and the screen.
 pub(super) const FIRST_IMAGE: Duration = Duration::from_millis(60);
-/// What the first image may take at least, however late it is already: after a long preparation, or in a stream of edits.
+/// Least time for the first image where its deadline has passed or is near: after a long preparation, or in a stream of edits.
 const LEAST_FIRST_IMAGE: Duration = Duration::from_millis(30);
 /// Coarsest preview: one pixel for this many squared.
 pub(super) const MAX_DIVISOR: u32 = 40;
+
+/// A request, and when it came.
+pub(super) struct Asked {
+    pub(super) request: Request,
+    pub(super) at: Instant,
+}
 
 /// What a lane is told.
 #[derive(Debug, Clone)]
@@ -43,8 +49,7 @@ impl Job {
         Arc::ptr_eq(&self.prepared.description, &other.prepared.description)
             && self.request.camera == other.request.camera
             && self.request.size == other.request.size
-            && self.request.max_depth == other.request.max_depth
-            && self.request.seed == other.request.seed
+            && self.request.settings == other.request.settings
     }
 
     /// When the first image must be there, if work on it begins at `begun`.
@@ -53,14 +58,8 @@ impl Job {
     }
 
     /// How to render a film of this picture.
-    pub(super) fn settings(&self, mode: Mode, seed: u64) -> RenderSettings {
-        RenderSettings {
-            mode,
-            seed,
-            max_depth: self.request.max_depth,
-            variance: VarianceReduction::default(),
-            leave_out: true,
-        }
+    pub(super) fn settings(&self, mode: Mode, seed: u64) -> ImageSettings {
+        ImageSettings { mode, seed, ..self.request.settings }
     }
 }
 
@@ -111,7 +110,7 @@ pub(super) fn cancellable(
     is_complete
 }
 
-/// The least divisor at which what takes `full_seconds` at full size takes at most `seconds`.
+/// Smallest divisor at which a pass of `full_seconds` at full size takes at most `seconds`.
 pub(super) fn divisor_for(full_seconds: f64, seconds: f64) -> u32 {
     (full_seconds / seconds.max(1e-6)).sqrt().ceil().max(1.0) as u32
 }

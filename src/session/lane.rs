@@ -7,13 +7,13 @@ use std::time::{Duration, Instant};
 use super::job::{FIRST_IMAGE, Job, LaneMessage, MAX_DIVISOR, attempted, cancellable, divisor_for, of_another_epoch};
 use super::mailbox::{Alarm, Mailbox, Taken};
 use super::{Board, News, Snapshot, Wake};
-use crate::render::{Film, accumulate};
+use crate::render::{Cpu, Film, RenderTask, Renderer};
 use crate::scene::description::Source;
 use crate::tracking::Mode;
 
-/// The pilot's share of the time for the first image.
+/// Fraction of the time for the first image that the pilot takes.
 const PILOT_SHARE: f64 = 0.2;
-/// How much of the time that the pilot has left the first image may be expected to take: other lanes and programs may want the cores.
+/// Fraction of the budget that the pilot leaves for the first image; the rest is slack for other lanes and programs.
 const FIRST_IMAGE_SHARE: f64 = 0.7;
 /// Time that a slice of samples should take, in seconds.
 const SLICE_SECONDS: f64 = 0.08;
@@ -29,12 +29,12 @@ struct Progress {
     seconds: Vec<f64>,
     /// Films have 1/divisor of the full size each way.
     divisor: u32,
-    /// What the next films have, where it is known.
+    /// Divisor of the next films, if it is known.
     next_divisor: Option<u32>,
     begun: Instant,
-    /// When the first image must be there: the pilot, if there is none better.
+    /// Deadline of the first image; at it the pilot is shown if nothing finer is ready.
     first_image_due: Instant,
-    /// Kept back for as long.
+    /// Images of the pilot, held back until then.
     pilot: Option<Vec<Snapshot>>,
     last_published: Option<Instant>,
     /// Time that the last publication took.
@@ -139,7 +139,7 @@ impl Progress {
             (None, None) => self.begun + FIRST_IMAGE_GRACE,
         };
         for ((film, seconds), mode) in self.films.iter_mut().zip(&mut self.seconds).zip(&self.job.modes) {
-            let settings = self.job.settings(*mode, self.job.request.seed);
+            let settings = self.job.settings(*mode, self.job.request.settings.seed);
             let begin = Instant::now();
             let (pilot, last_published) = (&mut self.pilot, &mut self.last_published);
             let alarm = pilot.is_some().then(|| Alarm {
@@ -151,7 +151,12 @@ impl Progress {
             });
             let is_other = of_another_epoch(self.job.request.epoch);
             let is_complete = cancellable(pool, mailbox, is_other, grace_end, alarm, |cancel| {
-                accumulate(&self.job.prepared, &self.job.camera, &settings, film, samples, cancel)
+                Cpu.pass(
+                    &RenderTask { prepared: &self.job.prepared, camera: &self.job.camera, settings: &settings },
+                    film,
+                    samples,
+                    cancel,
+                )
             });
             if !is_complete {
                 return false;
@@ -214,7 +219,7 @@ impl Progress {
 fn post(board: &Board, wake: &Wake, snapshots: Vec<Snapshot>) {
     let mut state = board.lock();
     for snapshot in snapshots {
-        // The other lane may be ahead, or the mode may have moved there.
+        // A mode that moved to the other lane may have newer images from there.
         let is_stale = state.snapshots.get(&snapshot.mode).is_some_and(|old| old.epoch > snapshot.epoch);
         if !is_stale {
             state.snapshots.insert(snapshot.mode, Arc::new(snapshot));

@@ -26,7 +26,7 @@ pub(super) enum Taken<T> {
 }
 
 impl<T> From<Option<T>> for Taken<T> {
-    /// As [`Mailbox::wait`] says it.
+    /// `None`, from [`Mailbox::wait`], means closed.
     fn from(message: Option<T>) -> Self {
         message.map_or(Self::Closed, Self::Message)
     }

@@ -33,11 +33,13 @@ use std::time::Instant;
 pub use self::board::{Board, News, PaintedSurfaces, SceneReport, Snapshot, Wake};
 pub use self::ground_truth::{GroundTruth, GroundTruthDemand, Halves, MOST_SAMPLES as MOST_GROUND_TRUTH_SAMPLES};
 use self::ground_truth::{Pools, run_ground_truth};
+use self::job::Asked;
 use self::lane::run_lane;
 use self::mailbox::Mailbox;
 use self::painter::run_painter;
 pub use self::preparation::Preparation;
-use self::preparer::{Asked, Lanes, prepare_scenes};
+use self::preparer::{Lanes, prepare_scenes};
+use crate::render::ImageSettings;
 use crate::render::surfaces::SurfaceQuantity;
 use crate::scene::description::CameraDescription;
 use crate::scene::{Description, SceneError};
@@ -46,8 +48,7 @@ use crate::tracking::Mode;
 /// What to render.
 #[derive(Debug, Clone)]
 pub struct Request {
-    /// Different whenever anything else than `surfaces`, `sample_limit`, `is_paused` and `ground_truth` is: a new epoch starts from
-    /// nothing.
+    /// Changes with every field but `surfaces`, `sample_limit`, `is_paused` and `ground_truth`; films of a new epoch start anew.
     pub epoch: u64,
     /// Prepared anew when it is another allocation than the last request's.
     pub description: Arc<Description>,
@@ -59,9 +60,8 @@ pub struct Request {
     pub surfaces: Vec<SurfaceQuantity>,
     /// Width and height of the films in pixels, at least 1.
     pub size: [u32; 2],
-    pub seed: u64,
-    /// As in [`super::RenderSettings`].
-    pub max_depth: Option<u32>,
+    /// Of every film; `mode` is each of `modes` in turn.
+    pub settings: ImageSettings,
     /// Samples per pixel at which to stop; `None`: go on for ever.
     pub sample_limit: Option<u32>,
     /// Stops after the first sample at full resolution.

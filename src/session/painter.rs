@@ -11,7 +11,7 @@ use crate::render::surfaces::{OFFSETS, Painting, SurfaceQuantity};
 
 /// Seconds that a ray is expected to take before one has been timed.
 const UNTIMED_SECONDS: f64 = 1e-5;
-/// How much of the time for first pictures they may be expected to take: the other lanes want the cores at the same time.
+/// Fraction of the time for first pictures that they are planned to take; the rest is slack, since other lanes use the cores at the same time.
 const FIRST_PICTURE_SHARE: f64 = 0.5;
 /// As in the other lanes: a first picture is finished even if it is out of date by then.
 const FIRST_PASS_GRACE: Duration = Duration::from_millis(60);

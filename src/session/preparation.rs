@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::job::Asked;
 use super::mailbox::Mailbox;
-use super::preparer::Asked;
 use crate::rectify::Progress;
 use crate::rectify::progress::Stage;
 use crate::scene::{Description, SceneError};

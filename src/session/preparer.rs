@@ -3,22 +3,16 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::job::{Job, LaneMessage};
+use super::job::{Asked, Job, LaneMessage};
 use super::mailbox::{Mailbox, Taken};
 use super::preparation::watched;
-use super::{Board, GroundTruthDemand, News, Preparation, Request, SceneReport, Wake, guarded};
+use super::{Board, GroundTruthDemand, News, Preparation, SceneReport, Wake, guarded};
 use crate::check::{Problem, check_watched};
 use crate::rectify::Progress;
 use crate::scene::SceneError;
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::Prepared;
-
-/// A request, and when it came.
-pub(super) struct Asked {
-    pub(super) request: Request,
-    pub(super) at: Instant,
-}
 
 /// What the lanes are told: main, reference, surfaces, ground truth.
 pub(super) type Lanes = [Arc<Mailbox<LaneMessage>>; 4];

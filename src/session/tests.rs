@@ -9,13 +9,14 @@ use super::mailbox::Taken;
 use super::preparation::GRACE;
 use super::preparer::REPEATS;
 use super::*;
+use crate::render::{Cpu, Film, RenderTask, Renderer};
 use crate::scene::camera::Camera;
 use crate::scene::description::Shape;
 use crate::tracking::prepare;
 use glam::DVec3;
 
 fn request(epoch: u64, modes: &[Mode]) -> Request {
-    let description = Arc::new(crate::scene::load::open("nested-spheres").expect("a built-in scene"));
+    let description = Arc::new(crate::formats::open("nested-spheres").expect("a built-in scene"));
     Request {
         epoch,
         camera: description.camera,
@@ -23,8 +24,7 @@ fn request(epoch: u64, modes: &[Mode]) -> Request {
         modes: modes.to_vec(),
         surfaces: Vec::new(),
         size: [96, 64],
-        seed: 0,
-        max_depth: Some(8),
+        settings: ImageSettings { max_depth: Some(8), ..ImageSettings::new(Mode::Rectified, 0) },
         sample_limit: Some(3),
         is_paused: false,
         ground_truth: GroundTruthDemand::Off,
@@ -33,9 +33,9 @@ fn request(epoch: u64, modes: &[Mode]) -> Request {
 
 /// A scene that takes a while to prepare, on any machine.
 fn slow_scene(shift: f64) -> Arc<Description> {
-    let mut description = crate::scene::load::open("nested-spheres").expect("a built-in scene");
+    let mut description = crate::formats::open("nested-spheres").expect("a built-in scene");
     let ball = |x: f64| Shape::Icosphere { center: DVec3::new(x, 0.0, 0.0), radius: 1.0, subdivisions: 5 };
-    for (refractor, x) in description.refractors.iter_mut().zip([0.0, shift]) {
+    for (refractor, x) in description.objects.refractors_mut().iter_mut().zip([0.0, shift]) {
         refractor.shape = ball(x);
     }
     Arc::new(description)
@@ -146,16 +146,15 @@ fn previews_are_images_of_their_size() {
     let prepared = prepare(Arc::clone(&first.description), None).unwrap();
     for (epoch, snapshot) in seen {
         let camera = Camera::new(&asked(epoch).camera).unwrap();
-        let settings = crate::render::RenderSettings {
-            mode: snapshot.mode,
-            seed: first.seed,
-            max_depth: first.max_depth,
-            variance: crate::render::VarianceReduction::default(),
-            leave_out: true,
-        };
-        let mut film = crate::render::Film::new(snapshot.size[0], snapshot.size[1]);
+        let settings = ImageSettings { mode: snapshot.mode, ..first.settings };
+        let mut film = Film::new(snapshot.size[0], snapshot.size[1]);
         let never = std::sync::atomic::AtomicBool::new(false);
-        crate::render::accumulate(&prepared, &camera, &settings, &mut film, snapshot.samples, &never);
+        Cpu.pass(
+            &RenderTask { prepared: &prepared, camera: &camera, settings: &settings },
+            &mut film,
+            snapshot.samples,
+            &never,
+        );
         assert_eq!(film.to_rgb(), snapshot.rgb, "{} at {:?}", snapshot.mode, snapshot.size);
     }
 }

@@ -3,10 +3,10 @@
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
+use super::reference::bodies::Bodies;
 use crate::rectify::{Cancelled, InterfaceTable, Progress};
 use crate::scene::compile::{changed_objects, compile};
 use crate::scene::{Description, Scene, SceneError};
-use crate::tracking::reference::{Bodies, Reference};
 
 /// A compiled and rectified scene. Cheap to clone.
 #[derive(Debug, Clone)]
@@ -80,9 +80,8 @@ pub fn prepare_watched(
 }
 
 impl Prepared {
-    /// Mode `reference` at work. The first call reads all refractors' meshes anew.
-    pub fn reference(&self) -> Reference<'_> {
-        let bodies = self.bodies.get_or_init(|| Bodies::new(&self.description, &self.scene));
-        Reference { scene: &self.scene, bodies }
+    /// What mode `reference` asks. The first call reads all refractors' meshes anew.
+    pub fn bodies(&self) -> &Bodies {
+        self.bodies.get_or_init(|| Bodies::new(&self.description, &self.scene))
     }
 }

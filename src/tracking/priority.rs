@@ -13,9 +13,10 @@
 //! - An exit from what is not in the list is counted and changes nothing. The path must have started inside, before everything in the
 //!   list was entered, so the crossing is an interface if nothing in the list has at least this priority.
 
-use super::{Crossing, Sides, Tracker};
+use super::events::Events;
+use super::prepare::Prepared;
+use super::tracker::{Crossing, Sides, Tracker, TrackingMode};
 use crate::scene::{MediumId, ObjectId, Scene, Surface};
-use crate::tracking::Events;
 
 #[derive(Debug, Clone, Copy)]
 pub struct Priority<'a> {
@@ -46,6 +47,15 @@ impl Priority<'_> {
 #[inline]
 fn position(list: &[Entry], refractor: ObjectId) -> Option<usize> {
     list.iter().rposition(|entry| entry.refractor == refractor)
+}
+
+impl<'a> TrackingMode<'a> for Priority<'a> {
+    const NAME: &'static str = "priority";
+    const ABOUT: &'static str = "Carries the refractors entered so far and lets the highest priority win: right where volumes overlap, wrong when the path starts inside a dielectric.";
+
+    fn of(prepared: &'a Prepared) -> Self {
+        Self { scene: &prepared.scene }
+    }
 }
 
 impl Tracker for Priority<'_> {
@@ -110,9 +120,9 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::formats;
     use crate::geometry::{Ray, SurfacePoint};
     use crate::scene::compile::compile;
-    use crate::scene::load;
 
     /// A scene of refractors `0, 1, …`, each with its own medium, a shape in the words of a scene file, and a priority.
     fn scene(refractors: &[(&str, i32)]) -> Scene {
@@ -123,7 +133,7 @@ mod tests {
             let head = format!("[[refractor]]\nname = \"r{index}\"\nmedium = \"m{index}\"\npriority = {priority}");
             write!(text, "{head}\nshape = {{ {shape} }}\n").unwrap();
         }
-        compile(&load::parse(&text, Path::new("test.toml"), false).unwrap(), None).unwrap()
+        compile(&formats::parse(&text, Path::new("test.toml"), &formats::Disk).unwrap(), None).unwrap()
     }
 
     /// The same, where only the priorities matter.

@@ -1,16 +1,27 @@
-//! `rectified` and `rectified-object`: the media are looked up in what rectification stored. No state per path.
+//! `rectified`: the media are looked up in what rectification stored for each place. No state per path.
 
-use super::{Crossing, Sides, Tracker};
+use super::events::Events;
+use super::prepare::Prepared;
+use super::tracker::{Crossing, Sides, Tracker, TrackingMode};
 use crate::geometry::Mask;
 use crate::rectify::InterfaceTable;
-use crate::scene::{MediumId, Scene};
-use crate::tracking::Events;
+use crate::scene::Scene;
 
 /// An answer for every place on every refractor.
 #[derive(Debug, Clone, Copy)]
 pub struct Rectified<'a> {
     pub scene: &'a Scene,
     pub table: &'a InterfaceTable,
+}
+
+impl<'a> TrackingMode<'a> for Rectified<'a> {
+    const NAME: &'static str = "rectified";
+    const ABOUT: &'static str =
+        "Looks up what rectification found outside each refractor: no state per path, right wherever it starts.";
+
+    fn of(prepared: &'a Prepared) -> Self {
+        Self { scene: &prepared.scene, table: &prepared.table }
+    }
 }
 
 impl Tracker for Rectified<'_> {
@@ -42,32 +53,4 @@ impl Tracker for Rectified<'_> {
     fn can_skip(&self) -> bool {
         self.table.has_passable()
     }
-}
-
-/// One exterior for the whole of each object: right wherever an object lies wholly inside another, or inside none.
-#[derive(Debug, Clone)]
-pub struct RectifiedObject {
-    /// By object id.
-    outsides: Vec<MediumId>,
-}
-
-impl RectifiedObject {
-    pub fn new(scene: &Scene, table: &InterfaceTable) -> Self {
-        Self { outsides: table.per_object(scene).outsides(scene) }
-    }
-}
-
-impl Tracker for RectifiedObject {
-    type State = ();
-
-    #[inline]
-    fn start(&self, (): &mut ()) {}
-
-    #[inline]
-    fn sides(&self, (): &(), crossing: &Crossing, _: &mut Events) -> Option<Sides> {
-        Some(crossing.sides(self.outsides[crossing.refractor.0 as usize]))
-    }
-
-    #[inline]
-    fn transmit(&self, (): &mut (), _: &Crossing) {}
 }

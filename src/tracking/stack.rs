@@ -1,11 +1,22 @@
 //! `stack`: the media entered so far. Every path starts with the global medium alone, wherever it starts.
 
-use super::{Crossing, Sides, Tracker};
+use super::events::Events;
+use super::prepare::Prepared;
+use super::tracker::{Crossing, Sides, Tracker, TrackingMode};
 use crate::scene::MediumId;
-use crate::tracking::Events;
 
 #[derive(Debug, Clone, Copy)]
 pub struct Stack;
+
+impl<'a> TrackingMode<'a> for Stack {
+    const NAME: &'static str = "stack";
+    const ABOUT: &'static str =
+        "Carries the media entered so far along each path: wrong when the path starts inside a dielectric.";
+
+    fn of(_: &'a Prepared) -> Self {
+        Self
+    }
+}
 
 impl Tracker for Stack {
     /// Media above the global one, innermost last. Grows as needed: nothing overflows.

@@ -1,20 +1,15 @@
-//! One path, vertex by vertex, for people to read. It asks the same questions in the same order as the path tracer.
+//! One path, vertex by vertex, for people to read.
 
-use super::crossing::Met;
-use super::path::{PathTracer, dimension};
+use super::dimension;
+use super::interaction::{Interaction, TrackedScene, Traveller};
 use super::sampler::Sampler;
-use crate::geometry::Ray;
+use crate::geometry::{Hit, Ray};
 use crate::rectify::containment::medium_at;
 use crate::rectify::start::{Start, start_by_asking};
-use crate::scatter::dielectric::{self, Choice};
-use crate::scatter::mirror;
-use crate::scene::{ObjectId, Surface};
-use crate::tracking::naive::Naive;
-use crate::tracking::priority::Priority;
-use crate::tracking::rectified::{Rectified, RectifiedObject};
-use crate::tracking::stack::Stack;
-use crate::tracking::{Events, Prepared};
-use crate::tracking::{Mode, Tracker};
+use crate::scatter::{Choice, Transport};
+use crate::scene::{MediumId, ObjectId, Scene, SceneMedium, Surface};
+use crate::spectrum::Wavelengths;
+use crate::tracking::{Events, Mode, Prepared, Sides, Tracker, WithTracker};
 
 /// Segments at the most: a path may be trapped for ever.
 pub const MOST_SEGMENTS: u32 = 100_000;
@@ -91,31 +86,26 @@ pub fn trace(
     seed: u64,
     max_depth: Option<u32>,
 ) -> TracedPath {
-    let tracing =
-        Tracing { prepared, mode, follow, seed, max_depth: max_depth.unwrap_or(MOST_SEGMENTS).min(MOST_SEGMENTS) };
-    match mode {
-        Mode::Naive => tracing.run(&Naive, ray),
-        Mode::Stack => tracing.run(&Stack, ray),
-        Mode::Priority => tracing.run(&Priority { scene: &prepared.scene }, ray),
-        Mode::RectifiedObject => tracing.run(&RectifiedObject::new(&prepared.scene, &prepared.table), ray),
-        Mode::Rectified => tracing.run(&Rectified { scene: &prepared.scene, table: &prepared.table }, ray),
-        Mode::Reference => tracing.run(&prepared.reference(), ray),
-    }
+    let max_depth = max_depth.unwrap_or(MOST_SEGMENTS).min(MOST_SEGMENTS);
+    prepared.with_tracker(mode, Inspection { prepared, mode, ray, follow, seed, max_depth })
 }
 
-struct Tracing<'a> {
+struct Inspection<'a> {
     prepared: &'a Prepared,
     mode: Mode,
+    ray: Ray,
     follow: Follow,
     seed: u64,
     max_depth: u32,
 }
 
-impl Tracing<'_> {
-    fn run<T: Tracker>(&self, tracker: &T, ray: Ray) -> TracedPath {
+impl WithTracker for Inspection<'_> {
+    type Output = TracedPath;
+
+    fn run<T: Tracker>(self, tracker: &T) -> TracedPath {
         let scene = &*self.prepared.scene;
-        let tracer = PathTracer { scene, tracker, needs: scene.needs, max_depth: self.max_depth, splits: 0 };
-        let ray = Ray::new(ray.origin - scene.geometry.origin, ray.direction.normalize());
+        let tracked = TrackedScene { scene, tracker, needs: scene.needs };
+        let ray = Ray::new(self.ray.origin - scene.geometry.origin, self.ray.direction.normalize());
         let mut state = T::State::default();
         tracker.start(&mut state);
         let ask = |point| tracker.medium_at(point).unwrap_or_else(|| medium_at(scene, point));
@@ -130,86 +120,54 @@ impl Tracing<'_> {
         };
         let sampler = Sampler::new(self.seed, 0, 0);
         let mut segment = 1;
+        // Masked faces are shown too, as skipped.
         while let Some(hit) = scene.geometry.closest(&ray) {
-            let point = scene.geometry.surface(&ray, &hit);
-            let object = ObjectId(scene.geometry.object_of(hit.primitive));
-            let name = &scene.object(object).name;
-            let mut vertex = Vertex {
-                position: (point.position + scene.geometry.origin).to_array(),
-                refractor: None,
-                patch: None,
-                solid: None,
-                from: None,
-                to: None,
-                ior_from: None,
-                ior_to: None,
-                fresnel: None,
-                event: VertexEvent::Scatter,
-                is_consistent: true,
-            };
-            let next = match scene.object(object).surface {
-                Surface::Light { .. } => {
+            let traveller = Traveller { state: &state, medium, segment, wavelengths: Wavelengths::Rgb };
+            let interaction = tracked.interaction(&ray, &hit, &traveller, &mut path.events);
+            if let Interaction::Grazes { ray: behind } = interaction {
+                ray = behind;
+                continue;
+            }
+            let mut vertex = self.vertex_at(&ray, &hit);
+            let next = match interaction {
+                Interaction::Emits { .. } | Interaction::Grazes { .. } => {
                     vertex.event = VertexEvent::Emit;
-                    vertex.solid = Some(name.clone());
                     None
                 }
-                Surface::Diffuse { .. } => {
-                    vertex.solid = Some(name.clone());
-                    None
+                Interaction::Passes { ray, crossing, sides } => {
+                    vertex.event = VertexEvent::Skip;
+                    vertex.fresnel = Some(0.0);
+                    vertex.tell_sides(scene, sides, medium);
+                    tracker.transmit(&mut state, &crossing);
+                    medium = sides.map_or(medium, |sides| sides.to);
+                    Some(ray)
                 }
-                Surface::Mirror { smooth, .. } => {
-                    vertex.solid = Some(name.clone());
-                    vertex.event = VertexEvent::Reflect;
-                    vertex.fresnel = Some(1.0);
-                    let direction = mirror::reflect(ray.direction, &tracer.normals(&hit, &point, smooth));
-                    Some(Ray::leaving(point.position, direction, hit.primitive))
-                }
-                Surface::Refractor { smooth, .. } => {
-                    let Met { crossing, interface } = match tracer.meet(&ray, &hit, &state, medium, &mut path.events) {
-                        Ok(met) => met,
-                        Err(behind) => {
-                            ray = behind;
-                            continue;
+                Interaction::Scatters(at) => {
+                    vertex.tell_sides(scene, at.crossing.map(|(_, sides)| sides), medium);
+                    let choice = match self.follow {
+                        Follow::Transmit => Choice::Transmit,
+                        Follow::Reflect => Choice::Reflect,
+                        Follow::Sample => {
+                            Choice::Sample(sampler.get_1d(dimension::of_segment(segment) + dimension::SCATTER))
                         }
                     };
-                    vertex.refractor = Some(name.clone());
-                    vertex.patch =
-                        self.prepared.table.patch_of(&scene.geometry, hit.primitive).map(|patch| patch.index);
-                    if let Some((sides, _)) = interface {
-                        vertex.is_consistent = scene.is_consistent(medium, sides.from);
-                        let (from, to) = (scene.medium(sides.from), scene.medium(sides.to));
-                        vertex.from = Some(from.name.clone());
-                        vertex.to = Some(to.name.clone());
-                        vertex.ior_from = Some(from.ior());
-                        vertex.ior_to = Some(to.ior());
-                    }
-                    if let Some((sides, interface)) = interface.filter(|(_, interface)| !interface.is_matched()) {
-                        let normals = tracer.normals(&hit, &point, smooth);
-                        let choice = match self.follow {
-                            Follow::Transmit => Choice::Transmit,
-                            Follow::Reflect => Choice::Reflect,
-                            Follow::Sample => Choice::Sample(sampler.get_1d(
-                                dimension::FIRST_SEGMENT + (segment - 1) * dimension::PER_SEGMENT + dimension::SCATTER,
-                            )),
-                        };
-                        let scattered = dielectric::scatter(&interface, ray.direction, &normals, segment, choice);
-                        vertex.fresnel = Some(scattered.reflectance);
-                        vertex.event = match (scattered.is_transmitted, scattered.is_total) {
+                    let u = || sampler.get_2d(dimension::of_segment(segment) + dimension::DIRECTION);
+                    let sampled = at.scattering.sample(&at.normals, -ray.direction, choice, u, Transport::Radiance);
+                    // A path is told up to where it would spread over all directions.
+                    if at.scattering.is_delta() {
+                        vertex.fresnel = Some(sampled.reflectance);
+                        vertex.event = match (sampled.is_transmitted, at.crossing.is_some() && sampled.is_total) {
                             (true, _) => VertexEvent::Transmit,
                             (false, true) => VertexEvent::TotalReflection,
                             (false, false) => VertexEvent::Reflect,
                         };
-                        if scattered.is_transmitted {
+                        if let Some((crossing, sides)) = at.crossing.filter(|_| sampled.is_transmitted) {
                             tracker.transmit(&mut state, &crossing);
                             medium = sides.to;
                         }
-                        Some(Ray::leaving(point.position, scattered.direction, hit.primitive))
+                        Some(at.leave(sampled.wi))
                     } else {
-                        vertex.event = VertexEvent::Skip;
-                        vertex.fresnel = Some(0.0);
-                        tracker.transmit(&mut state, &crossing);
-                        medium = interface.map_or(medium, |(sides, _)| sides.to);
-                        Some(ray.beyond(&hit))
+                        None
                     }
                 }
             };
@@ -227,5 +185,40 @@ impl Tracing<'_> {
         }
         path.escaped = true;
         path
+    }
+}
+
+impl Inspection<'_> {
+    /// What is known of a hit without any tracker.
+    fn vertex_at(&self, ray: &Ray, hit: &Hit) -> Vertex {
+        let scene = &*self.prepared.scene;
+        let point = scene.geometry.surface(ray, hit);
+        let object = scene.object(ObjectId(scene.geometry.object_of(hit.primitive)));
+        let is_refractor = matches!(object.surface, Surface::Refractor { .. });
+        let patch = is_refractor.then(|| self.prepared.table.patch_of(&scene.geometry, hit.primitive)).flatten();
+        Vertex {
+            position: (point.position + scene.geometry.origin).to_array(),
+            refractor: is_refractor.then(|| object.name.clone()),
+            patch: patch.map(|patch| patch.index),
+            solid: (!is_refractor).then(|| object.name.clone()),
+            from: None,
+            to: None,
+            ior_from: None,
+            ior_to: None,
+            fresnel: None,
+            event: VertexEvent::Scatter,
+            is_consistent: true,
+        }
+    }
+}
+
+impl Vertex {
+    /// Takes up the media on both sides of a crossing, met by a path in `medium`.
+    fn tell_sides(&mut self, scene: &Scene, sides: Option<Sides>, medium: MediumId) {
+        let Some(Sides { from, to }) = sides else { return };
+        self.is_consistent = scene.is_consistent(medium, from);
+        let [from, to]: [&SceneMedium; 2] = [from, to].map(|id| scene.medium(id));
+        (self.from, self.to) = (Some(from.name.clone()), Some(to.name.clone()));
+        (self.ior_from, self.ior_to) = (Some(from.ior()), Some(to.ior()));
     }
 }

@@ -9,17 +9,16 @@
 
 use glam::DVec3;
 
-use super::crossing::Met;
-use super::direct::{Receiver, power_heuristic};
+use super::dimension;
+use super::direct::power_heuristic;
+use super::interaction::{Interaction, TrackedScene, Traveller, Vertex};
 use super::sampler::Sampler;
-use crate::geometry::{Hit, Ray, SurfacePoint};
+use crate::geometry::{Hit, Ray};
 use crate::rectify::start::Start;
-use crate::scatter::dielectric::{self, Choice, Scattered};
-use crate::scatter::normals::Normals;
-use crate::scatter::{diffuse, mirror};
-use crate::scene::{MediumId, ObjectId, Paint, Scene, SceneNeeds, Surface};
-use crate::tracking::Events;
-use crate::tracking::Tracker;
+use crate::scatter::{Choice, ScatterSample, Transport};
+use crate::scene::MediumId;
+use crate::spectrum::{Spectrum, Wavelengths};
+use crate::tracking::{Events, Tracker};
 
 /// Segments after which Russian roulette looks at the throughput.
 const ROULETTE_FROM: u32 = 4;
@@ -42,26 +41,10 @@ fn survival_of_long_path(segment: u32) -> f64 {
 /// Least share of a path's light that is worth a path of its own: a branch of less is followed now and then, by chance.
 const SPLIT_SHARE: f64 = 0.03;
 
-/// Random dimensions of a path: the camera's, then a block for each segment.
-pub mod dimension {
-    pub const PIXEL: u32 = 0;
-    pub const LENS: u32 = 1;
-    pub const FIRST_SEGMENT: u32 = 2;
-    pub const PER_SEGMENT: u32 = 6;
-    pub const SCATTER: u32 = 0;
-    pub const DIRECTION: u32 = 1;
-    pub const EMITTER_CHOICE: u32 = 2;
-    pub const EMITTER: u32 = 3;
-    pub const ENVIRONMENT: u32 = 4;
-    pub const ROULETTE: u32 = 5;
-}
-
 /// What all samples of an image share.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub struct PathTracer<'a, T> {
-    pub scene: &'a Scene,
-    pub tracker: &'a T,
-    pub needs: SceneNeeds,
+    pub tracked: TrackedScene<'a, T>,
     /// Cap on segments; `u32::MAX` for none.
     pub max_depth: u32,
     /// How many interfaces from the camera on a path may split at, into one that is reflected and one that goes through.
@@ -84,18 +67,19 @@ struct Path<S> {
     /// How many times it may still split.
     splits: u32,
     medium: MediumId,
+    wavelengths: Wavelengths,
     /// Segments so far, the camera's first being one.
     segment: u32,
-    /// Throughput, and apart from it the product of (n_from/n_to)².
-    beta: DVec3,
-    scale: f64,
+    /// Throughput, without the product of (n_from/n_to)², which is `radiance_scale`.
+    beta: Spectrum,
+    radiance_scale: f64,
     last: Option<LastScatter>,
     /// Throughput below which Russian roulette sets in. A branch's share counts as throughput: a small one is not followed for long.
     roulette_below: f64,
     has_scattered: bool,
-    /// Of its root's light at the splits so far.
+    /// Product of the shares that it took where it split, in (0, 1].
     share: f64,
-    radiance: DVec3,
+    radiance: Spectrum,
     state: S,
 }
 
@@ -152,14 +136,14 @@ impl<S: Default> Batch<S> {
         let path = &mut self.paths[self.count];
         let state = std::mem::take(&mut path.state);
         *path = Path { state, splits: tracer.splits, ..Path::new(number, sampler, start.medium) };
-        tracer.tracker.start(&mut path.state);
+        tracer.tracked.tracker.start(&mut path.state);
         self.count += 1;
         self.used = self.count;
     }
 
-    /// Empties the batch; gives the radiance and the segments of each path that was added, with its branches', in the order in which they were
+    /// Empties the batch; gives the radiance and the segments of each path that was added, its branches' included, in the order in which they were
     /// added.
-    pub fn drain(&mut self) -> impl Iterator<Item = (DVec3, u32)> + '_ {
+    pub fn drain(&mut self) -> impl Iterator<Item = (Spectrum, u32)> + '_ {
         let count = std::mem::take(&mut self.count);
         let (roots, branches) = self.paths[..std::mem::take(&mut self.used)].split_at_mut(count);
         for branch in branches {
@@ -180,14 +164,15 @@ impl<S: Default> Path<S> {
             root,
             splits: 0,
             medium,
+            wavelengths: Wavelengths::Rgb,
             segment: 1,
-            beta: DVec3::ONE,
-            scale: 1.0,
+            beta: Spectrum::ONE,
+            radiance_scale: 1.0,
             last: None,
             roulette_below: ROULETTE_SHARE,
             has_scattered: false,
             share: 1.0,
-            radiance: DVec3::ZERO,
+            radiance: Spectrum::ZERO,
             state: S::default(),
         }
     }
@@ -198,7 +183,7 @@ impl<T: Tracker> PathTracer<'_, T> {
     pub fn trace(&self, batch: &mut Batch<T::State>) {
         let Batch { paths, used, alive, rays, hits, shadow, events, .. } = batch;
         while !alive.is_empty() {
-            self.closest_many(rays, hits);
+            self.tracked.closest_many(rays, hits);
             let mut kept = 0;
             let last = alive.len();
             for index in 0..last {
@@ -238,185 +223,112 @@ impl<T: Tracker> PathTracer<'_, T> {
         events: &mut Events,
         branch: &mut Option<(Path<T::State>, Ray)>,
     ) -> Option<Ray> {
-        let scene = self.scene;
+        let tracked = &self.tracked;
+        path.beta *= tracked.transmittance(path.medium, ray, hit.map_or(f64::INFINITY, |hit| hit.t));
         let Some(hit) = hit else {
-            path.beta *= self.transmittance(path.medium, ray, f64::INFINITY);
-            let weight = path.last.map_or(1.0, |l| power_heuristic(l.pdf, self.environment_pdf(ray.direction)));
-            path.radiance += path.beta * scene.environment.radiance(ray.direction) * (path.scale * weight);
+            let weight = path.last.map_or(1.0, |l| power_heuristic(l.pdf, tracked.environment_pdf(ray.direction)));
+            let radiance = tracked.scene.environment.radiance(ray.direction);
+            path.radiance += path.beta * radiance * (path.radiance_scale * weight);
             return None;
         };
-        path.beta *= self.transmittance(path.medium, ray, hit.t);
-        let object = ObjectId(scene.geometry.object_of(hit.primitive));
-        let surface = &scene.object(object).surface;
-
-        if let Surface::Light { radiance } = *surface {
-            if hit.is_front {
-                let weight = path.last.map_or(1.0, |l| {
-                    let point = scene.geometry.surface(ray, hit);
-                    power_heuristic(l.pdf, self.emitter_pdf(l.position, ray.direction, object, &point))
-                });
-                path.radiance += path.beta * radiance * (path.scale * weight);
-            }
-            return None;
-        }
-
-        let mut met = None;
-        if let Surface::Refractor { smooth, .. } = *surface {
-            let Met { crossing, interface } = match self.meet(ray, hit, &path.state, path.medium, events) {
-                Ok(met) => met,
-                Err(behind) => return Some(behind),
-            };
-            match interface {
-                Some((sides, interface)) if !interface.is_matched() => {
-                    met = Some((crossing, sides, interface, smooth));
+        let vertex = match tracked.interaction(ray, hit, &path.traveller(), events) {
+            Interaction::Emits { light, radiance, is_front } => {
+                if is_front {
+                    let weight = path.last.map_or(1.0, |l| {
+                        let point = tracked.scene.geometry.surface(ray, hit);
+                        power_heuristic(l.pdf, tracked.emitter_pdf(l.position, ray.direction, light, &point))
+                    });
+                    path.radiance += path.beta * radiance * (path.radiance_scale * weight);
                 }
-                passed => {
-                    // Straight on: the same ray, no depth, no random numbers.
-                    self.tracker.transmit(&mut path.state, &crossing);
-                    path.medium = passed.map_or(path.medium, |(sides, _)| sides.to);
-                    return Some(ray.beyond(hit));
-                }
+                return None;
             }
-        }
-
-        // From here on the path turns: a new segment.
+            Interaction::Grazes { ray } => return Some(ray),
+            // The same ray goes on; neither depth nor random numbers are used up.
+            Interaction::Passes { ray, crossing, sides } => {
+                tracked.tracker.transmit(&mut path.state, &crossing);
+                path.medium = sides.map_or(path.medium, |sides| sides.to);
+                return Some(ray);
+            }
+            Interaction::Scatters(vertex) => vertex,
+        };
         if path.segment >= self.max_depth {
             return None;
         }
-        let segment = path.segment;
-        let dimensions = dimension::FIRST_SEGMENT + (segment - 1) * dimension::PER_SEGMENT;
+        let dimensions = dimension::of_segment(path.segment);
         path.segment += 1;
         if !path.survives(dimensions) {
             return None;
         }
-
-        if let Some((crossing, sides, interface, smooth)) = met {
-            let point = crossing.point;
-            let normals = self.normals(hit, &point, smooth);
-            let scatter = |choice| dielectric::scatter(&interface, ray.direction, &normals, segment, choice);
-            let scattered = match self.split(path, scatter) {
-                Some([through, back]) => {
-                    let mut reflected = Path { radiance: DVec3::ZERO, last: None, ..path.clone() };
-                    reflected.take_share(back.reflectance);
-                    path.take_share(1.0 - through.reflectance);
-                    *branch = Some((reflected, Ray::leaving(point.position, back.direction, hit.primitive)));
-                    through
-                }
-                None => scatter(Choice::Sample(path.sampler.get_1d(dimensions + dimension::SCATTER))),
-            };
-            if scattered.is_transmitted {
-                self.tracker.transmit(&mut path.state, &crossing);
-                path.scale *= interface.radiance_factor();
-                path.medium = sides.to;
-            }
-            path.last = None;
-            return Some(Ray::leaving(point.position, scattered.direction, hit.primitive));
-        }
-
-        let point = scene.geometry.surface(ray, hit);
-        match *surface {
-            Surface::Mirror { ref paint, smooth } => {
-                let normals = self.normals(hit, &point, smooth);
-                path.beta *= albedo(paint, point.position);
-                path.last = None;
-                let direction = mirror::reflect(ray.direction, &normals);
-                Some(Ray::leaving(point.position, direction, hit.primitive))
-            }
-            Surface::Diffuse { ref paint, smooth } => {
-                let normals = self.normals(hit, &point, smooth);
-                path.beta *= albedo(paint, point.position);
-                if path.beta == DVec3::ZERO {
-                    return None;
-                }
-                if !path.has_scattered {
-                    path.roulette_below = ROULETTE_SHARE * path.beta.max_element() / path.share;
-                    path.has_scattered = true;
-                }
-                let receiver = Receiver { point: &point, normals, medium: path.medium, state: &path.state };
-                let direct = self.direct(&receiver, dimensions, &path.sampler, shadow);
-                path.radiance += path.beta * direct * path.scale;
-                let (direction, pdf) =
-                    diffuse::sample(&normals, path.sampler.get_2d(dimensions + dimension::DIRECTION));
-                path.last = Some(LastScatter { position: point.position, pdf });
-                Some(Ray::leaving(point.position, direction, hit.primitive))
-            }
-            // Dealt with above.
-            Surface::Light { .. } | Surface::Refractor { .. } => None,
-        }
-    }
-
-    /// Both ways on from an interface, through and back, where a path is to split: where both bring enough to be worth a path of their own.
-    #[inline]
-    fn split(&self, path: &mut Path<T::State>, scatter: impl Fn(Choice) -> Scattered) -> Option<[Scattered; 2]> {
-        if path.splits == 0 || path.has_scattered {
-            return None;
-        }
-        let through = scatter(Choice::Transmit);
-        if !through.is_transmitted || through.reflectance.min(1.0 - through.reflectance) * path.share <= SPLIT_SHARE {
-            return None;
-        }
-        let back = scatter(Choice::Reflect);
-        path.splits -= 1;
-        Some([through, back])
-    }
-
-    /// The first surface that a ray meets and that may matter to the tracker.
-    #[inline]
-    pub(super) fn closest(&self, ray: &Ray) -> Option<Hit> {
-        match self.tracker.mask() {
-            Some(mask) => self.scene.geometry.closest_but(ray, mask),
-            None => self.scene.geometry.closest(ray),
-        }
-    }
-
-    /// The same for each ray.
-    #[inline]
-    fn closest_many(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
-        hits.resize(rays.len(), None);
-        match self.tracker.mask() {
-            Some(mask) => self.scene.geometry.closest_many_but(rays, mask, hits),
-            None => self.scene.geometry.closest_many(rays, hits),
-        }
-    }
-
-    /// What is left of light after the part of `ray` from its start to `t`.
-    #[inline]
-    pub(super) fn transmittance(&self, medium: MediumId, ray: &Ray, t: f64) -> DVec3 {
-        if !self.needs.absorption {
-            return DVec3::ONE;
-        }
-        let absorption = self.scene.medium(medium).absorption;
-        if absorption == DVec3::ZERO {
-            return DVec3::ONE;
-        }
-        let length = match self.scene.geometry.bounding_sphere() {
-            // The global medium fills the bounding sphere and no more, or nothing would be left of the environment.
-            Some(sphere) if medium == MediumId::WORLD => {
-                let whole_line = Ray { t_min: 0.0, ..*ray };
-                match sphere.intersect(&whole_line, false) {
-                    [Some(enter), Some(leave)] => (t.min(leave) - ray.t_min.max(enter)).max(0.0),
-                    _ => 0.0,
-                }
-            }
-            _ => t - ray.t_min,
+        let sampler = path.sampler;
+        let wo = -ray.direction;
+        let sample = |choice: Choice| {
+            let u = || sampler.get_2d(dimensions + dimension::DIRECTION);
+            vertex.scattering.sample(&vertex.normals, wo, choice, u, Transport::Radiance)
         };
-        if length.is_finite() { (absorption * -length).exp() } else { DVec3::ZERO }
-    }
-
-    /// The normals at a hit that scattering uses, on the side that the ray comes from.
-    #[inline]
-    pub(super) fn normals(&self, hit: &Hit, point: &SurfacePoint, smooth: bool) -> Normals {
-        let outward = if hit.is_front { 1.0 } else { -1.0 };
-        let face = point.normal * outward;
-        if smooth && self.needs.smooth_normals {
-            Normals { face, shading: self.scene.geometry.shading_normal(hit, point.normal) * outward }
+        let sampled = if vertex.crossing.is_none() {
+            sample(Choice::Reflect)
+        } else if let Some([through, back]) = vertex.scattering.is_delta().then(|| path.split(sample)).flatten() {
+            let mut reflected = Path { radiance: Spectrum::ZERO, last: None, ..path.clone() };
+            reflected.take_share(back.share());
+            path.take_share(through.share());
+            *branch = Some((reflected, vertex.leave(back.wi)));
+            through
         } else {
-            Normals::flat(face)
+            sample(Choice::Sample(sampler.get_1d(dimensions + dimension::SCATTER)))
+        };
+        if vertex.scattering.is_delta() {
+            path.last = None;
+        } else {
+            if sampled.weight.is_black() {
+                return None;
+            }
+            let traveller = Traveller { segment: path.segment - 1, ..path.traveller() };
+            let direct = tracked.direct(&vertex, wo, &traveller, dimensions, &sampler, shadow);
+            path.radiance += path.beta * direct * path.radiance_scale;
+            path.last = Some(LastScatter { position: vertex.point.position, pdf: sampled.pdf });
         }
+        path.scatter(tracked.tracker, &vertex, &sampled);
+        Some(vertex.leave(sampled.wi))
     }
 }
 
-impl<S> Path<S> {
+impl<S: Clone> Path<S> {
+    #[inline]
+    fn traveller(&self) -> Traveller<'_, S> {
+        Traveller { state: &self.state, medium: self.medium, segment: self.segment, wavelengths: self.wavelengths }
+    }
+
+    /// Both ways on from an interface, through and back, where the path is to split: where both bring enough to be worth a path of their own.
+    #[inline]
+    fn split(&mut self, sample: impl Fn(Choice) -> ScatterSample) -> Option<[ScatterSample; 2]> {
+        if self.splits == 0 || self.has_scattered {
+            return None;
+        }
+        let through = sample(Choice::Transmit);
+        if !through.is_transmitted || through.reflectance.min(1.0 - through.reflectance) * self.share <= SPLIT_SHARE {
+            return None;
+        }
+        self.splits -= 1;
+        Some([through, sample(Choice::Reflect)])
+    }
+
+    /// Goes on as was sampled at `vertex`.
+    #[inline]
+    fn scatter<T: Tracker<State = S>>(&mut self, tracker: &T, vertex: &Vertex, sampled: &ScatterSample) {
+        self.beta *= sampled.weight;
+        self.radiance_scale *= sampled.radiance_scale;
+        if sampled.is_transmitted
+            && let Some((crossing, sides)) = &vertex.crossing
+        {
+            tracker.transmit(&mut self.state, crossing);
+            self.medium = sides.to;
+        }
+        if !self.has_scattered && !vertex.scattering.is_delta() {
+            self.roulette_below = ROULETTE_SHARE * self.beta.max_component() / self.share;
+            self.has_scattered = true;
+        }
+    }
+
     /// Leaves the rest of its light to another branch.
     #[inline]
     fn take_share(&mut self, share: f64) {
@@ -431,7 +343,7 @@ impl<S> Path<S> {
         if self.segment <= ROULETTE_FROM {
             return true;
         }
-        let mut survival = (self.beta.max_element() / self.roulette_below).min(1.0);
+        let mut survival = (self.beta.max_component() / self.roulette_below).min(1.0);
         if self.segment > LONG_PATH {
             survival = survival.min(survival_of_long_path(self.segment));
         }
@@ -442,17 +354,5 @@ impl<S> Path<S> {
             self.beta /= survival;
         }
         true
-    }
-}
-
-#[inline]
-fn albedo(paint: &Paint, position: DVec3) -> DVec3 {
-    match paint {
-        Paint::Color(color) => *color,
-        Paint::Checker { a, b, origin, u_axis, v_axis } => {
-            let p = position - *origin;
-            let squares = p.dot(*u_axis).floor() + p.dot(*v_axis).floor();
-            if squares.rem_euclid(2.0) == 0.0 { *a } else { *b }
-        }
     }
 }

@@ -1,4 +1,4 @@
-//! What is left of a program that is told to stop: nothing half written.
+//! Clean-up when the program is told to stop: temporary files are removed.
 
 use std::io;
 
@@ -16,7 +16,7 @@ pub fn clean_up_when_interrupted() -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
     use signal_hook::iterator::Signals;
 
-    // That there is a handler at all is what keeps the process alive; the failed write tells the rest.
+    // Any handler keeps the process alive; the write then fails with an error.
     signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
     let ignored = ignored_signals();
     let is_heeded = |signal: &i32| ignored >> (signal - 1) & 1 == 0;

@@ -8,9 +8,9 @@ use std::time::{Duration, SystemTime};
 
 use super::temporary::{PREFIX, SUFFIX};
 
-/// A file that nobody has locked is left alone for so long: whoever made it may not have come to lock it.
+/// Least age at which an unlocked file is stale: a younger one may be about to be locked.
 const UNLOCKED_AGE: Duration = Duration::from_secs(60);
-/// Where files cannot be locked, nobody writes to one file for longer.
+/// Least age at which a file is stale where files cannot be locked.
 const WRITING_AGE: Duration = Duration::from_secs(24 * 3600);
 
 /// Removes temporary files from `folder` that no program writes to any more. A folder is looked through once in a process.
@@ -23,7 +23,7 @@ pub(super) fn clear_stale(folder: &Path) {
 }
 
 fn clear(folder: &Path, now: SystemTime) {
-    // A folder that may be written to but not listed is no reason to write nothing.
+    // A folder that cannot be listed may still be written to.
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
         let name = entry.file_name();
@@ -36,7 +36,7 @@ fn clear(folder: &Path, now: SystemTime) {
 }
 
 fn is_stale(entry: &DirEntry, now: SystemTime) -> bool {
-    // Of the entry itself: links are followed nowhere.
+    // The entry's own metadata: symbolic links are not followed.
     let Ok(metadata) = entry.metadata() else { return false };
     let Ok(modified) = metadata.modified() else { return false };
     let age = now.duration_since(modified).unwrap_or_default();
@@ -47,7 +47,7 @@ fn is_stale(entry: &DirEntry, now: SystemTime) -> bool {
         Ok(Ok(())) => true,
         Ok(Err(TryLockError::WouldBlock)) => false,
         Ok(Err(TryLockError::Error(_))) => age > WRITING_AGE,
-        // Of somebody else.
+        // Another user's file.
         Err(_) => false,
     }
 }

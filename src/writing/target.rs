@@ -1,4 +1,4 @@
-//! What stands where something is to be written.
+//! The target of a write: a file to replace or to make, a stream, or something that is refused.
 
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io;
@@ -132,7 +132,7 @@ impl Replaced {
         let folder = fs::metadata(folder_of(&self.path)).map_err(failed)?;
         let user = ours.metadata().map_err(failed)?.uid();
         let may_rename = folder.mode() & STICKY == 0 || [0, folder.uid(), existing.uid()].contains(&user);
-        // Root may everything, and a user what is theirs.
+        // Root may replace every file, a user their own.
         if may_rename || user == 0 { Ok(()) } else { Err(WriteError::NotOwned { path: asked.to_path_buf() }) }
     }
 
@@ -153,7 +153,7 @@ impl Replaced {
                 let is_kept = fchown(file, Some(existing.uid()), Some(existing.gid())).is_ok()
                     || fchown(file, None, Some(existing.gid())).is_ok();
                 if !is_kept && new.gid() != existing.gid() {
-                    // What one group was allowed, another is not.
+                    // The new group does not get the old group's permissions.
                     mode &= !0o070;
                 }
             }

@@ -13,7 +13,7 @@ use super::target::{Replaced, folder_of};
 pub(super) const PREFIX: &str = ".iorect-";
 pub(super) const SUFFIX: &str = ".tmp";
 
-/// All that there are, for [`remove_all`].
+/// Paths of this process's temporary files, for [`remove_all`].
 static ALIVE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// A temporary file, removed when dropped unless it was renamed.
@@ -31,16 +31,16 @@ impl Temporary {
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
-            // Of a new file, what the umask leaves. What replaces another is private until it has its permissions.
+            // A new file gets what the umask leaves; a replacement is private until it is given the old file's permissions.
             let mode = if target.existing.is_some() { 0o600 } else { 0o666 };
             builder.permissions(std::fs::Permissions::from_mode(mode));
         }
-        // Held from before it is made until it is listed: none escapes an interruption.
+        // The list stays locked until the file is on it, so that an interruption finds every file.
         let mut alive = alive();
         let (file, path) = builder.tempfile_in(folder_of(&target.path)).map_err(without_path)?.into_parts();
         alive.push(path.to_path_buf());
         drop(alive);
-        // Where there are no locks, its age must tell.
+        // Where there are no locks, `stale` goes by the file's age.
         let _ = file.try_lock();
         Ok(Self { file, _listed: Listed(path.to_path_buf()), path })
     }
@@ -71,7 +71,7 @@ fn alive() -> MutexGuard<'static, Vec<PathBuf>> {
     ALIVE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all there are. As long as the answer is held, none can be made.
+/// Removes all temporary files. While the returned guard is held, no more can be made.
 pub(super) fn remove_all() -> MutexGuard<'static, Vec<PathBuf>> {
     let alive = alive();
     for path in &*alive {

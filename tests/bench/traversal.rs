@@ -6,6 +6,9 @@
 //! another (as far as there, where only occlusion is asked), `bounces` leave random points of the surfaces, spread as by a diffuse reflection.
 //! `closest` and `any` ask a ray at a time; `many` and `any many` ask for all at once, beside Embree's single rays as well.
 //!
+//! Then come the kernels: the same questions of meshes, of analytic spheres and of both, to every kernel that the processor can run, with its time
+//! over that of the portable one. All must find the same.
+//!
 //! Times are those in which the thread had its core, where the system tells (Linux), so that other programs disturb little.
 //!
 //! Embree is opened at run time if a library of version 3 or 4 is installed (on Debian: `libembree-dev`); without it iorect's own figures are
@@ -23,7 +26,7 @@ use std::time::Instant;
 
 use embree::{Embree, Scene};
 use glam::{DQuat, DVec3};
-use iorect::geometry::{Geometry, Hit, Mesh, Part, Ray, uniform_direction};
+use iorect::geometry::{Geometry, Hit, KernelChoice, Mesh, Part, Ray, uniform_direction};
 use iorect::scene::description::Shape;
 use iorect::scene::shapes::tessellate;
 
@@ -33,7 +36,7 @@ Rays a second on one core, beside Embree where it is installed.
 Usage: cargo bench --bench traversal -- [OPTIONS]
 
   --quick        fewer rays, and no mesh of a million triangles
-  --mesh NAME    only meshes whose name contains NAME
+  --mesh NAME    only scenes whose name contains NAME
   --rays N       rays of each kind [1000000]
   --rounds N     turns; the fastest of each counts [5]
   --alone        do not look for Embree
@@ -95,6 +98,7 @@ fn main() {
         }
         run(name, &make(), embree.as_ref(), &options);
     }
+    kernels(&options);
 }
 
 fn number(text: &str) -> usize {
@@ -179,14 +183,14 @@ fn run(name: &str, mesh: &Mesh, embree: Option<&Embree>, options: &Options) {
         None => println!(),
     }
     let scene = scene.map(|(scene, _)| scene);
-    for (kind, questions) in [("pairs", pairs(mesh, options.rays)), ("bounces", bounces(&geometry, options.rays))] {
+    for (kind, questions) in [("pairs", pairs(&geometry, options.rays)), ("bounces", bounces(&geometry, options.rays))]
+    {
         compare(kind, &geometry, scene.as_ref(), &questions, options.rounds);
     }
 }
 
-fn pairs(mesh: &Mesh, count: usize) -> Vec<Question> {
-    let (min, max) =
-        (mesh.positions.iter()).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(*p), b.max(*p)));
+fn pairs(geometry: &Geometry, count: usize) -> Vec<Question> {
+    let (min, max) = geometry.bounds_of(0);
     let mut numbers = Numbers(1);
     let question = |_| {
         let [from, to] = [numbers.point(), numbers.point()].map(|p| min + p * (max - min));
@@ -252,6 +256,57 @@ fn compare(kind: &str, geometry: &Geometry, scene: Option<&Scene>, questions: &[
         if scene.is_some() {
             println!("{:>9.2}{:>8.2}{:>9.3}%", rate(their_seconds), their_seconds / seconds, 100.0 * same);
         } else {
+            println!();
+        }
+    }
+}
+
+/// Every kernel's time for each question, over that of the portable one.
+fn kernels(options: &Options) {
+    println!(
+        "\n{:<10}{:<10}{:>9}{:>9}{:>9}{:>9}  time over the portable kernel's",
+        "scene", "kernel", "closest", "many", "any", "any many"
+    );
+    let mesh = || Part::Mesh { mesh: nest(5), smooth: false };
+    let sphere = |radius: f64| Part::Sphere { center: DVec3::X * 0.1 * radius, radius };
+    let spheres = [1.1, 0.8, 0.5].map(sphere);
+    let both = [vec![mesh()], spheres.to_vec()].concat();
+    for (name, parts) in [("nest-60k", vec![mesh()]), ("spheres", spheres.to_vec()), ("both", both)] {
+        if !name.contains(options.mesh.as_str()) {
+            continue;
+        }
+        let mut geometry = Geometry::build(parts);
+        let questions = pairs(&geometry, options.rays);
+        let (rays, reaches): (Vec<Ray>, Vec<f64>) = questions.iter().map(|q| (q.ray, q.reach)).unzip();
+        let mut hits: Vec<Option<Hit>> = vec![None; rays.len()];
+        let mut occluded = vec![false; rays.len()];
+        let kernels = KernelChoice::available();
+        let mut seconds = vec![[f64::INFINITY; 4]; kernels.len()];
+        let mut expected = None;
+        for _ in 0..options.rounds {
+            for (kernel, [closest, many, any, any_many]) in kernels.iter().zip(&mut seconds) {
+                geometry.set_kernel(*kernel);
+                time(closest, || hits.iter_mut().zip(&rays).for_each(|(hit, ray)| *hit = geometry.closest(ray)));
+                time(any, || {
+                    occluded
+                        .iter_mut()
+                        .zip(&questions)
+                        .for_each(|(any, q)| *any = geometry.is_occluded(&q.ray, q.reach));
+                });
+                let alone = (hits.clone(), occluded.clone());
+                time(many, || geometry.closest_many(&rays, &mut hits));
+                time(any_many, || geometry.is_occluded_many(&rays, &reaches, &mut occluded));
+                let many = (hits.clone(), occluded.clone());
+                let expected = expected.get_or_insert_with(|| alone.clone());
+                assert!(
+                    alone == *expected && many == *expected,
+                    "{name}: {kernel:?} finds what the portable kernel does"
+                );
+            }
+        }
+        for (kernel, times) in kernels.iter().zip(&seconds) {
+            print!("{name:<10}{:<10}", format!("{kernel:?}"));
+            times.iter().zip(&seconds[0]).for_each(|(time, portable)| print!("{:>9.3}", time / portable));
             println!();
         }
     }

@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use image::{DynamicImage, ImageFormat, Rgb, Rgb32FImage, RgbImage};
 use iorect::export::write_sums;
 use iorect::render::exact::unit_exponent;
-use iorect::render::{Film, Partial, Recipe, RenderSettings, VarianceReduction, accumulate};
+use iorect::render::{Cpu, Film, ImageSettings, Partial, Recipe, RenderTask, Renderer};
 use iorect::scene::camera::Camera;
 use iorect::tracking::Mode;
 use iorect::tracking::prepare;
@@ -195,14 +195,20 @@ fn exr_files() -> Vec<(&'static str, &'static str, Vec<u8>)> {
 
 /// Two samples of a small scene, from `first` on.
 fn sums(first: u32) -> Vec<u8> {
-    let description = Arc::new(iorect::scene::load::parse(SHAPES, Path::new("assets/scenes/fuzz.toml"), true).unwrap());
+    let description = Arc::new(
+        iorect::formats::parse(SHAPES, Path::new("assets/scenes/fuzz.toml"), &iorect::formats::BuiltIn).unwrap(),
+    );
     let prepared = prepare(Arc::clone(&description), None).unwrap();
     let camera = Camera::new(&description.camera).unwrap();
-    let variance = VarianceReduction::default();
-    let settings = RenderSettings { mode: Mode::Rectified, seed: 0, max_depth: Some(8), variance, leave_out: true };
+    let settings = ImageSettings { max_depth: Some(8), ..ImageSettings::new(Mode::Rectified, 0) };
     let unit_exponent = unit_exponent(&description);
     let mut film = Film::partial(5, 4, first, unit_exponent);
-    assert!(accumulate(&prepared, &camera, &settings, &mut film, 2, &AtomicBool::new(false)));
+    assert!(Cpu.pass(
+        &RenderTask { prepared: &prepared, camera: &camera, settings: &settings },
+        &mut film,
+        2,
+        &AtomicBool::new(false)
+    ));
     let recipe = Recipe {
         version: "corpus".to_owned(),
         scene: description.name.clone(),
@@ -210,14 +216,7 @@ fn sums(first: u32) -> Vec<u8> {
         camera: camera.fingerprint(),
         width: film.width,
         height: film.height,
-        mode: settings.mode,
-        estimator: "path".to_owned(),
-        seed: settings.seed,
-        max_depth: settings.max_depth,
-        leave_out: settings.leave_out,
-        splits: variance.splits,
-        sampler: variance.sequence,
-        sample_environment: variance.sample_environment,
+        settings,
         unit_exponent,
     };
     let file = tempfile::Builder::new().suffix(".exr").tempfile().unwrap();

@@ -6,17 +6,16 @@ use std::io::Write;
 use std::path::Path;
 
 use iorect::export::{read_sums, write_sums};
-use iorect::scene::load::{image_from_bytes, mesh_from_bytes, parse};
-use iorect::scene::save::to_text;
+use iorect::formats::{BuiltIn, image_from_bytes, mesh_from_bytes, parse, to_text};
 
 /// A scene file. Files that it names are looked for among those compiled into the program, never on the disk.
 pub fn scene(bytes: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(bytes) else { return false };
     let path = Path::new("assets/scenes/fuzz.toml");
-    let Ok(scene) = parse(text, path, true) else { return false };
+    let Ok(scene) = parse(text, path, &BuiltIn) else { return false };
     let saved = to_text(&scene);
     let again =
-        parse(&saved, path, true).unwrap_or_else(|error| panic!("what was saved cannot be read: {error}\n{saved}"));
+        parse(&saved, path, &BuiltIn).unwrap_or_else(|error| panic!("what was saved cannot be read: {error}\n{saved}"));
     assert_eq!(again.fingerprint(), scene.fingerprint(), "what was saved is another scene:\n{saved}");
     true
 }

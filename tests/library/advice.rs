@@ -7,11 +7,11 @@ use std::sync::Arc;
 use crate::common::{Numbers, add, case, empty, joined, nest, ready, render, reversed, sphere};
 use glam::DVec3;
 use iorect::check::{Problem, Severity, check};
+use iorect::formats::{self, builtin};
 use iorect::geometry::{Mesh, Ray};
 use iorect::optics::Ior;
 use iorect::rectify::containment::medium_at;
-use iorect::scene::builtin;
-use iorect::scene::description::{Description, Environment, Light, Paint, Shape, Solid, Transform};
+use iorect::scene::description::{Description, Environment, Light, Object, Paint, Shape, Solid};
 use iorect::scene::shapes::tessellate;
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
@@ -95,7 +95,7 @@ fn number(message: &str, words: &str) -> f64 {
 }
 
 fn priority_of<'a>(description: &'a mut Description, name: &str) -> &'a mut i32 {
-    &mut description.refractors.iter_mut().find(|r| r.name == name).unwrap().priority
+    &mut description.objects.find_mut(name).unwrap().refractor_mut().unwrap().priority
 }
 
 fn set_ior(description: &mut Description, medium: &str, ior: f64) {
@@ -103,7 +103,7 @@ fn set_ior(description: &mut Description, medium: &str, ior: f64) {
 }
 
 fn remove(description: &mut Description, names: &[&str]) {
-    description.refractors.retain(|r| !names.contains(&r.name.as_str()));
+    description.objects.retain(|r| !names.contains(&r.name.as_str()));
 }
 
 fn block(min: [f64; 3], max: [f64; 3]) -> Shape {
@@ -114,20 +114,12 @@ fn lathe(profile: &[[f64; 2]], segments: u32) -> Shape {
     Shape::Lathe { profile: profile.to_vec(), segments }
 }
 
-fn solid(name: &str, shape: Shape) -> Solid {
-    Solid {
-        name: name.into(),
-        shape,
-        paint: Paint::Color([0.7; 3]),
-        mirror: false,
-        smooth: false,
-        visible: true,
-        transform: Transform::IDENTITY,
-    }
+fn solid(name: &str, shape: Shape) -> Object {
+    Object::new(name, shape, Solid::of(Paint::Color([0.7; 3])))
 }
 
-fn lamp(shape: Shape) -> Light {
-    Light { name: "lamp".into(), shape, radiance: [9.0; 3], visible: true, transform: Transform::IDENTITY }
+fn lamp(shape: Shape) -> Object {
+    Object::new("lamp", shape, Light { radiance: [9.0; 3] })
 }
 
 fn quad(center: [f64; 3], edge_u: [f64; 3], edge_v: [f64; 3]) -> Shape {
@@ -165,7 +157,7 @@ fn many_ties_are_one_problem() {
     follow("overlap_tie", &before, &before, Effect::Keeps, |problem, after| {
         assert!(problem.message.contains("6 objects"), "{}", problem.message);
         // The smaller ones won.
-        after.refractors.iter_mut().enumerate().for_each(|(k, refractor)| refractor.priority = k as i32);
+        after.objects.refractor_roles_mut().zip(0..).for_each(|(refractor, k)| refractor.priority = k);
     });
 }
 
@@ -200,7 +192,7 @@ fn what_is_seen_is_no_copy() {
     let (long, thin) = (0.5, 0.0625);
     for (x, z) in [(long, thin), (thin, thin), (thin, long)] {
         add(&mut description, block([-x, -0.5, -z], [x, 0.5, z]), 1.5, 0.0);
-        description.refractors.last_mut().unwrap().medium = "object 0".into();
+        description.objects.refractor_roles_mut().last().unwrap().medium = "object 0".into();
     }
     assert!(!kinds(&description).contains(&"coincident"), "{:?}", problems(&description));
 }
@@ -223,26 +215,24 @@ fn what_is_said_not_to_be_seen_is_not_missed() {
             // Some are one of the earlier ones once more, or lie in one.
             if index > 0 && numbers.index(2) == 0 {
                 let earlier = numbers.index(index);
-                let Shape::Box { min, max } = description.refractors[earlier].shape else { panic!("a box") };
+                let Shape::Box { min, max } = description.objects.refractors()[earlier].shape else { panic!("a box") };
                 let inset = 0.1 * numbers.index(2) as f64;
                 shape = Shape::Box { min: min + inset, max: max - inset };
             }
             add(&mut description, shape, 1.5, 0.0);
             let medium = format!("object {}", numbers.index(description.media.len()));
-            let refractor = description.refractors.last_mut().unwrap();
+            let refractor = description.objects.refractor_roles_mut().last().unwrap();
             refractor.priority = numbers.index(3) as i32;
             refractor.medium = medium;
         }
         let prepared = ready(description.clone());
         let problems = check(&prepared);
-        let bounds = |name: &str| {
-            let refractor = description.refractors.iter().find(|r| r.name == name).unwrap();
-            refractor.shape.bounds()
-        };
+        let bounds = |name: &str| description.objects.find(name).unwrap().shape.bounds();
         // Whether an object of that medium lies wholly in another one.
         let holds = |outer: &str, medium: &str| {
             let (min, max) = bounds(outer);
-            let mut inner = description.refractors.iter().filter(|r| r.name != outer && r.medium == medium);
+            let mut inner = (description.objects.iter())
+                .filter(|o| o.name != outer && o.refractor().is_some_and(|r| r.medium == medium));
             inner.any(|r| min.cmple(bounds(&r.name).0).all() && bounds(&r.name).1.cmple(max).all())
         };
         for problem in &problems {
@@ -283,7 +273,7 @@ fn what_is_hidden_is_given_its_priority() {
         nest
     };
     let mut before = meant.clone();
-    before.refractors[0].priority = 2;
+    before.objects.refractors_mut()[0].refractor_mut().unwrap().priority = 2;
     follow("hidden", &before, &meant, Effect::Mends, |problem, after| {
         *priority_of(after, &problem.place) = number(&problem.message, "priority above ") as i32 + 1;
     });
@@ -291,7 +281,7 @@ fn what_is_hidden_is_given_its_priority() {
     let mut meant = meant;
     add(&mut meant, sphere(DVec3::ZERO, 0.3), 1.7, 0.0);
     let mut before = meant.clone();
-    before.refractors[0].priority = 2;
+    before.objects.refractors_mut()[0].refractor_mut().unwrap().priority = 2;
     let mut after = before.clone();
     for problem in problems(&before).iter().filter(|problem| problem.kind == "hidden") {
         *priority_of(&mut after, &problem.place) = number(&problem.message, "priority above ") as i32 + 1;
@@ -304,7 +294,7 @@ fn what_is_hidden_is_given_its_priority() {
 fn what_is_of_the_same_medium_is_not_missed() {
     let mut before = nest(1.0, &[(1.0, 1.5), (0.6, 1.2)]);
     before.environment = air().environment;
-    before.refractors[1].medium = "object 0".into();
+    before.objects.refractors_mut()[1].refractor_mut().unwrap().medium = "object 0".into();
     before.media.pop();
     follow("same_medium", &before, &before, Effect::Keeps, |problem, after| remove(after, &[&problem.place]));
 }
@@ -316,7 +306,7 @@ fn media_that_are_not_used_are_removed() {
     let mut before = nest(1.0, &[(1.0, 1.5)]);
     for k in 0..20 {
         add(&mut before, sphere(DVec3::ZERO, 0.1), 1.3, 0.0);
-        before.refractors.pop();
+        before.objects.remove(before.objects.refractors().len() - 1);
         before.media.last_mut().unwrap().name = format!("spare {k}");
     }
     follow("unused_medium", &before, &before, Effect::Keeps, |problem, after| {
@@ -419,7 +409,7 @@ fn an_open_box_is_closed() {
     let (before, meant) = (of_mesh(without(whole.clone(), across)), of_mesh(whole.clone()));
     follow("open_mesh", &before, &meant, Effect::Mends, |problem, after| {
         assert!(problem.message.contains("Close it"), "{}", problem.message);
-        after.refractors = meant.refractors.clone();
+        after.objects = meant.objects.clone();
     });
 }
 
@@ -429,7 +419,7 @@ fn a_part_in_a_part_becomes_a_cavity_or_an_object() {
     let cavity = of_mesh(joined([ball(1.0), reversed(ball(0.5))]));
     follow("nested_components", &before, &cavity, Effect::Mends, |problem, after| {
         assert!(problem.message.contains("1 separate part of"), "{}", problem.message);
-        after.refractors = cavity.refractors.clone();
+        after.objects = cavity.objects.clone();
     });
     let mut apart = of_mesh(ball(1.0));
     add(&mut apart, Shape::Mesh { path: "n.obj".into(), mesh: Arc::new(ball(0.5)), notes: Vec::new() }, 1.1, 0.0);
@@ -438,7 +428,7 @@ fn a_part_in_a_part_becomes_a_cavity_or_an_object() {
     let filled = of_mesh(ball(1.0));
     follow("cavity", &cavity, &filled, Effect::Mends, |problem, after| {
         assert!(problem.message.contains("Remove its faces"), "{}", problem.message);
-        after.refractors = filled.refractors.clone();
+        after.objects = filled.objects.clone();
     });
 }
 
@@ -470,8 +460,9 @@ fn three_sheets_become_two_volumes() {
     for (name, profile) in [("glass", &glass[..]), ("wine", &wine)] {
         add(&mut after, lathe(profile, 48), 1.0, 0.0);
         after.media.pop();
-        let refractor = after.refractors.last_mut().unwrap();
-        (refractor.name, refractor.medium) = (name.into(), name.into());
+        let refractor = after.objects.refractors_mut().last_mut().unwrap();
+        refractor.name = name.into();
+        refractor.refractor_mut().unwrap().medium = name.into();
     }
     after.media.retain(|medium| medium.name != "iface");
     let left = problems(&after);
@@ -492,7 +483,7 @@ fn doubts_are_said_once_for_each_object() {
     // Something closed where the sheets leave it open what surrounds it: a ball in the wine's level.
     add(&mut description, sphere(DVec3::new(0.1, 0.9, 0.0), 0.12), 1.1, 0.0);
     let said = problems(&description);
-    for refractor in &description.refractors {
+    for refractor in description.objects.refractors() {
         let of_object =
             said.iter().filter(|problem| problem.place == refractor.name && problem.severity == Severity::Warning);
         assert!(of_object.count() <= 1, "{said:#?}");
@@ -558,21 +549,23 @@ fn indices_of_media_are_no_ratios() {
 fn lights_are_turned_over() {
     let before = case("check-silent/light_faces_away.toml");
     let mut meant = before.clone();
-    turn_over(&mut meant.lights[0].shape);
+    turn_over(&mut meant.objects.lights_mut()[0].shape);
     assert_eq!(the(&problems(&before), "light_faces_away").place, "lamp");
     follow("light_faces_away", &before, &meant, Effect::Mends, |problem, after| {
         assert!(problem.message.contains("exchange its edge_u and edge_v"), "{}", problem.message);
-        turn_over(&mut after.lights[0].shape);
+        turn_over(&mut after.objects.lights_mut()[0].shape);
     });
     // A box that shines inward.
     let mut meant = before;
     let mesh = tessellate(&block([-0.2, -0.2, 1.5], [0.2, 0.2, 1.9])).unwrap().unwrap();
-    meant.lights[0].shape =
+    meant.objects.lights_mut()[0].shape =
         Shape::Mesh { path: "l.obj".into(), mesh: Arc::new(Mesh { normals: Vec::new(), ..mesh }), notes: Vec::new() };
     assert_eq!(kinds(&meant), Vec::<&str>::new());
     let mut before = meant.clone();
-    turn_over(&mut before.lights[0].shape);
-    follow("light_faces_away", &before, &meant, Effect::Mends, |_, after| turn_over(&mut after.lights[0].shape));
+    turn_over(&mut before.objects.lights_mut()[0].shape);
+    follow("light_faces_away", &before, &meant, Effect::Mends, |_, after| {
+        turn_over(&mut after.objects.lights_mut()[0].shape)
+    });
 }
 
 /// A lamp a millimetre below the ceiling of a room, and the floor below.
@@ -582,10 +575,10 @@ fn room(up: bool) -> Description {
     description.camera.position = DVec3::new(0.0, 1.0, 1.9);
     description.camera.target = DVec3::new(0.0, 0.6, 0.0);
     description.camera.vertical_fov = 80.0;
-    description.solids.push(solid("walls", block([-2.0, 0.0, -2.0], [2.0, 2.0, 2.0])));
+    description.objects.push(solid("walls", block([-2.0, 0.0, -2.0], [2.0, 2.0, 2.0])));
     add(&mut description, sphere(DVec3::new(0.0, 0.8, 0.0), 0.5), 1.5, 0.0);
     let (u, v) = ([0.8, 0.0, 0.0], [0.0, 0.0, 0.8]);
-    description.lights.push(lamp(if up { quad([0.0, 1.999, 0.0], v, u) } else { quad([0.0, 1.999, 0.0], u, v) }));
+    description.objects.push(lamp(if up { quad([0.0, 1.999, 0.0], v, u) } else { quad([0.0, 1.999, 0.0], u, v) }));
     description
 }
 
@@ -595,7 +588,7 @@ fn a_lamp_that_lights_the_ceiling_is_turned_over() {
     follow("light_into_solid", &room(true), &room(false), Effect::Mends, |problem, after| {
         assert!(problem.message.contains("`walls`, 0.001 away"), "{}", problem.message);
         assert!(problem.message.contains("exchange its edge_u and edge_v"), "{}", problem.message);
-        turn_over(&mut after.lights[0].shape);
+        turn_over(&mut after.objects.lights_mut()[0].shape);
     });
 }
 
@@ -603,23 +596,23 @@ fn a_lamp_that_lights_the_ceiling_is_turned_over() {
 fn what_lies_in_a_solid_is_moved_out() {
     let mut before = air();
     before.environment = Environment::Color([0.05; 3]);
-    before.solids.push(solid("stone", Shape::Icosphere { center: DVec3::ZERO, radius: 1.0, subdivisions: 3 }));
-    before.solids.push(solid("floor", quad([0.0, -1.0, 0.0], [0.0, 0.0, 9.0], [9.0, 0.0, 0.0])));
-    before.lights.push(lamp(sphere(DVec3::ZERO, 0.2)));
+    before.objects.push(solid("stone", Shape::Icosphere { center: DVec3::ZERO, radius: 1.0, subdivisions: 3 }));
+    before.objects.push(solid("floor", quad([0.0, -1.0, 0.0], [0.0, 0.0, 9.0], [9.0, 0.0, 0.0])));
+    before.objects.push(lamp(sphere(DVec3::ZERO, 0.2)));
     let mut meant = before.clone();
-    meant.lights[0].transform.translate = DVec3::new(0.5, 2.0, 1.0);
+    meant.objects.lights_mut()[0].transform.translate = DVec3::new(0.5, 2.0, 1.0);
     follow("light_in_solid", &before, &meant, Effect::Mends, |_, after| {
-        after.lights[0].transform.translate = meant.lights[0].transform.translate;
+        after.objects.lights_mut()[0].transform.translate = meant.objects.lights()[0].transform.translate;
     });
     meant.environment = air().environment;
     add(&mut meant, sphere(DVec3::new(0.0, 0.0, 2.0), 0.4), 1.5, 0.0);
     add(&mut meant, sphere(DVec3::new(0.0, 0.0, 2.0), 0.2), 1.2, 0.0);
     assert_eq!(kinds(&meant), Vec::<&str>::new());
     let mut before = meant.clone();
-    before.refractors.iter_mut().for_each(|r| r.transform.translate = DVec3::Z * -2.0);
+    before.objects.refractors_mut().iter_mut().for_each(|r| r.transform.translate = DVec3::Z * -2.0);
     follow("inside_solid", &before, &meant, Effect::Mends, |problem, after| {
         assert_eq!(problem.place, "object 0, object 1");
-        after.refractors.iter_mut().for_each(|r| r.transform.translate = DVec3::ZERO);
+        after.objects.refractors_mut().iter_mut().for_each(|r| r.transform.translate = DVec3::ZERO);
     });
 }
 
@@ -628,24 +621,24 @@ fn what_lies_in_a_solid_is_moved_out() {
 fn lights_and_refractors_that_are_where_they_should_be() {
     let mut description = air();
     description
-        .solids
+        .objects
         .push(solid("ring", Shape::Torus { center: DVec3::ZERO, major: 1.0, minor: 0.2, segments: 48, rings: 24 }));
-    description.solids.push(solid(
+    description.objects.push(solid(
         "bowl",
         lathe(&[[0.0, -2.0], [1.5, -2.0], [1.5, -0.5], [1.4, -0.5], [1.4, -1.9], [0.0, -1.9]], 48),
     ));
     add(&mut description, sphere(DVec3::ZERO, 0.5), 1.5, 0.0);
     add(&mut description, sphere(DVec3::new(0.0, -1.5, 0.0), 0.3), 1.5, 0.0);
-    description.lights.push(lamp(sphere(DVec3::new(1.5, -1.0, 0.0), 0.3)));
+    description.objects.push(lamp(sphere(DVec3::new(1.5, -1.0, 0.0), 0.3)));
     // A panel behind the camera that shines at all of it.
     description
-        .lights
-        .push(Light { name: "panel".into(), ..lamp(quad([0.0, 0.0, 8.0], [0.0, 4.0, 0.0], [4.0, 0.0, 0.0])) });
+        .objects
+        .push(Object { name: "panel".into(), ..lamp(quad([0.0, 0.0, 8.0], [0.0, 4.0, 0.0], [4.0, 0.0, 0.0])) });
     assert_eq!(kinds(&description), Vec::<&str>::new());
     // One behind the scene that shines at the camera and lights nothing else.
     let mut description = air();
     add(&mut description, sphere(DVec3::NEG_Z * 2.0, 0.5), 1.5, 0.0);
-    description.lights.push(lamp(quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])));
+    description.objects.push(lamp(quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])));
     assert_eq!(kinds(&description), Vec::<&str>::new());
 }
 
@@ -663,11 +656,12 @@ fn tumbler(radius: f64, bottom: f64, segments: u32) -> Description {
 
 fn enlarged(problem: &Problem, after: &mut Description, segments: u32) {
     let by = number(&problem.message, "enlarge `object 1` by ");
-    let Shape::Lathe { profile, .. } = &after.refractors[1].shape else { panic!("no lathe") };
+    let Shape::Lathe { profile, .. } = &after.objects.refractors()[1].shape else { panic!("no lathe") };
     let (radius, bottom) = (profile[1][0], profile[1][1]);
-    let shape = tumbler(radius + by, bottom - by, segments).refractors[1].shape.clone();
-    after.refractors[1].shape = shape;
-    after.refractors[0].priority = number(&problem.message, "a priority above ") as i32 + 1;
+    let shape = tumbler(radius + by, bottom - by, segments).objects[1].shape.clone();
+    after.objects.refractors_mut()[1].shape = shape;
+    after.objects.refractors_mut()[0].refractor_mut().unwrap().priority =
+        number(&problem.message, "a priority above ") as i32 + 1;
 }
 
 #[test]
@@ -709,7 +703,7 @@ fn gaps_and_overlaps_that_are_meant() {
         assert_eq!(kinds(&description).iter().find(|kind| is_near(kind)), None, "{:?}", problems(&description));
     }
     for scene in builtin::all() {
-        let said = problems(&builtin::description(scene).unwrap());
+        let said = problems(&formats::open(scene.name).unwrap());
         let new = [
             "thin_film",
             "slivers",
@@ -730,7 +724,7 @@ fn flush_faces_and_the_mode_priority() {
     follow("flush_in_priority", &before, &before, Effect::Keeps, |problem, after| {
         assert_eq!((problem.place.as_str(), problem.severity), ("object 0, object 1", Severity::Advice));
         *after = tumbler(0.82, 0.18, 64);
-        after.refractors[0].priority = 1;
+        after.objects.refractors_mut()[0].refractor_mut().unwrap().priority = 1;
         // The media entered on the way through, in both directions.
         let media = |scene: &Description, mode: Mode| {
             let (scene, mut all) = (ready(scene.clone()), Vec::new());

@@ -11,7 +11,7 @@ use crate::common::{Numbers, add, empty, ready, render, sphere};
 use glam::DVec3;
 use iorect::geometry::Mesh;
 use iorect::render::Film;
-use iorect::scene::description::{Description, Paint, Shape, Solid, Transform};
+use iorect::scene::description::{Description, Object, Paint, Shape, Solid, Transform};
 use iorect::scene::shapes::tessellate;
 use iorect::tracking::Mode;
 use rayon::prelude::*;
@@ -90,8 +90,9 @@ fn place(numbers: &mut Numbers, description: &mut Description, shape: Shape, tra
     let rotate = if numbers.index(4) == 0 { DVec3::ZERO } else { turn(numbers) };
     let priority = if numbers.index(3) == 0 { numbers.index(5) as i32 - 2 } else { 0 };
     let shared = (numbers.index(8) == 0).then(|| numbers.index(description.media.len()));
-    let refractor = description.refractors.last_mut().unwrap();
+    let refractor = description.objects.refractors_mut().last_mut().unwrap();
     refractor.transform = Transform { scale, rotate, translate };
+    let refractor = refractor.refractor_mut().unwrap();
     refractor.priority = priority;
     if let Some(medium) = shared {
         refractor.medium = description.media[medium].name.clone();
@@ -110,9 +111,9 @@ fn eccentric_nest(numbers: &mut Numbers) -> Description {
         radius = next;
     }
     // The order of the file must not matter.
-    for k in (1..description.refractors.len()).rev() {
+    for k in (1..description.objects.refractors().len()).rev() {
         let other = numbers.index(k + 1);
-        description.refractors.swap(k, other);
+        description.objects.refractors_mut().swap(k, other);
     }
     description
 }
@@ -136,9 +137,9 @@ fn half_submerged(numbers: &mut Numbers) -> Description {
     let max = DVec3::new(2.0, level, 2.0);
     add(&mut description, Shape::Box { min: DVec3::splat(-2.0), max }, 1.333, 0.0);
     if numbers.index(2) == 0 {
-        description.refractors[0].transform.rotate = turn(numbers);
+        description.objects.refractors_mut()[0].transform.rotate = turn(numbers);
     }
-    let matrix = description.refractors[0].transform.matrix();
+    let matrix = description.objects.refractors()[0].transform.matrix();
     for _ in 0..1 + numbers.index(4) {
         // Some are so small that no vertex of theirs meets an edge of the pool.
         let radius = if numbers.index(3) == 0 { 0.05 } else { numbers.between(0.2, 0.8) };
@@ -170,7 +171,8 @@ fn touching(numbers: &mut Numbers) -> Description {
             Shape::Cylinder { center, radius: 0.5 + 0.5 * numbers.index(2) as f64, height: 1.0, segments }
         };
         place(numbers, &mut description, shape, DVec3::ZERO);
-        description.refractors.last_mut().unwrap().transform = Transform { rotate, ..Transform::IDENTITY };
+        description.objects.refractors_mut().last_mut().unwrap().transform =
+            Transform { rotate, ..Transform::IDENTITY };
     }
     description
 }
@@ -178,19 +180,14 @@ fn touching(numbers: &mut Numbers) -> Description {
 /// The same with opaque boxes among them.
 fn touching_solids(numbers: &mut Numbers) -> Description {
     let mut description = touching(numbers);
-    let transform = description.refractors[0].transform;
+    let transform = description.objects.refractors()[0].transform;
     for k in 0..1 + numbers.index(2) {
         let mut on_grid = |low: usize, high: usize| (low + numbers.index(high - low)) as f64 * 0.5 - 1.0;
         let min = DVec3::new(on_grid(0, 4), on_grid(0, 4), on_grid(0, 4));
         let max = min + DVec3::new(on_grid(3, 5), on_grid(3, 5), on_grid(3, 5));
-        description.solids.push(Solid {
-            name: format!("solid {k}"),
-            shape: Shape::Box { min, max },
-            paint: Paint::Color([0.5; 3]),
-            mirror: false,
-            smooth: false,
-            visible: true,
+        description.objects.push(Object {
             transform,
+            ..Object::new(format!("solid {k}"), Shape::Box { min, max }, Solid::of(Paint::Color([0.5; 3])))
         });
     }
     description
@@ -343,8 +340,8 @@ fn points_in_space() {
 #[test]
 fn built_in_scenes() {
     let mut object_differs = Vec::new();
-    for builtin in iorect::scene::builtin::all() {
-        let scene = ready(iorect::scene::builtin::description(builtin).unwrap());
+    for builtin in iorect::formats::builtin::all() {
+        let scene = ready(iorect::formats::open(builtin.name).unwrap());
         let size = (40, 30);
         let [reference, rectified, object] =
             [Mode::Reference, Mode::Rectified, Mode::RectifiedObject].map(|mode| render(&scene, mode, size, 2, None));

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use crate::common::{Numbers, add, empty, ready, render, sphere};
 use glam::DVec3;
 use iorect::check::check;
+use iorect::formats::{self, builtin};
 use iorect::geometry::Mesh;
 use iorect::rectify::PatchKind;
-use iorect::scene::description::{Description, Paint, Shape, Solid, Transform};
-use iorect::scene::{builtin, load, save};
+use iorect::scene::description::{Description, Object, Paint, Shape, Solid};
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
 
@@ -18,7 +18,7 @@ const GLASS: &str = "[[medium]]\nname = \"glass\"\nior = 1.5\n";
 
 /// The error for a scene's text.
 fn fault(text: &str) -> String {
-    match load::parse(text, Path::new("bad.toml"), false) {
+    match formats::parse(text, Path::new("bad.toml"), &formats::Disk) {
         Ok(_) => panic!("this was read without complaint:\n{text}"),
         Err(error) => error.to_string(),
     }
@@ -216,7 +216,7 @@ fn faults_in_named_files_are_placed_in_those() {
     let at = |name: &str| folder.path().join(name);
     let fault_with = |name: &str, bytes: &[u8], text: &str| {
         std::fs::write(at(name), bytes).unwrap();
-        let error = load::parse(text, &at("s.toml"), false).unwrap_err();
+        let error = formats::parse(text, &at("s.toml"), &formats::Disk).unwrap_err();
         let place = error.place.clone().unwrap();
         assert_eq!(place.file, at(name), "{error}");
         (place.line_column.map(|(line, _)| line), error.message)
@@ -235,7 +235,7 @@ fn faults_in_named_files_are_placed_in_those() {
 
 #[test]
 fn files_that_cannot_be_read() {
-    let message = |name: &str| load::open(name).unwrap_err().to_string();
+    let message = |name: &str| formats::open(name).unwrap_err().to_string();
     assert!(message("no/such/scene.toml").contains("scene.toml: cannot be read: there is no such file"));
     assert!(message("camera-in-watr").contains("did you mean `camera-in-water`?"));
     let folder = tempfile::tempdir().unwrap();
@@ -250,7 +250,7 @@ fn files_that_cannot_be_read() {
 fn huge_and_tiny() {
     for size in ["1e18", "1e-18", "1e6", "1e-90"] {
         let ball = format!("{{ icosphere = {{ center = [0, 0, 0], radius = {size}, subdivisions = 1 }} }}");
-        let scene = load::parse(&with_shape(&ball), Path::new("s.toml"), false).unwrap();
+        let scene = formats::parse(&with_shape(&ball), Path::new("s.toml"), &formats::Disk).unwrap();
         iorect::tracking::prepare(std::sync::Arc::new(scene), None).unwrap();
     }
     refused(&with_shape("{ sphere = { center = [0, 0, 0], radius = 1e19 } }"), 10, 51, &["at most 1e18"]);
@@ -267,7 +267,7 @@ fn no_damage_makes_it_panic() {
     let path = Path::new("built-in/scenes/iced-water.toml");
     let mut read = 0;
     for cut in (0..text.len()).step_by(7).filter(|&cut| text.is_char_boundary(cut)) {
-        read += usize::from(load::parse(&text[..cut], path, true).is_ok());
+        read += usize::from(formats::parse(&text[..cut], path, &formats::BuiltIn).is_ok());
     }
     let mut random = 1_u64;
     for _ in 0..600 {
@@ -278,9 +278,9 @@ fn no_damage_makes_it_panic() {
             bytes[place] = b"0123456789-.e[]{}\"'=,#\n xnai"[(random >> 20) as usize % 28];
         }
         let Ok(damaged) = String::from_utf8(bytes) else { continue };
-        if let Ok(scene) = load::parse(&damaged, path, true) {
+        if let Ok(scene) = formats::parse(&damaged, path, &formats::BuiltIn) {
             read += 1;
-            assert_eq!(save::to_text(&scene), damaged);
+            assert_eq!(formats::to_text(&scene), damaged);
         }
     }
     assert!(read > 0, "some damage, as in a comment or a digit, leaves a scene");
@@ -422,7 +422,7 @@ fn objects_without_volume() {
     let mesh = Mesh { positions, normals: Vec::new(), triangles: vec![[0, 1, 2], [0, 2, 1]] };
     add(&mut description, Shape::Mesh { path: "flat.obj".into(), mesh: Arc::new(mesh), notes: Vec::new() }, 1.5, 0.0);
     add(&mut description, Shape::Icosphere { center: DVec3::ZERO, radius: 1.0, subdivisions: 3 }, 1.4, 0.0);
-    description.refractors[1].transform.scale.y = 1e-12;
+    description.objects.refractors_mut()[1].transform.scale.y = 1e-12;
     add(&mut description, sphere(DVec3::ZERO, 2.0), 1.33, 0.0);
     let scene = ready(description);
     assert!(kinds(&scene).contains(&"double_faces"), "{:?}", check(&scene));
@@ -462,15 +462,7 @@ fn an_object_inside_an_opaque_one() {
     let stone = |with_ball: bool| {
         let mut description = empty(1.0);
         add(&mut description, sphere(DVec3::X * 2.0, 1.0), 1.5, 0.0);
-        description.solids.push(Solid {
-            name: "stone".into(),
-            shape: sphere(DVec3::ZERO, 1.0),
-            paint: Paint::Color([0.5; 3]),
-            mirror: false,
-            smooth: false,
-            visible: true,
-            transform: Transform::IDENTITY,
-        });
+        description.objects.push(Object::new("stone", sphere(DVec3::ZERO, 1.0), Solid::of(Paint::Color([0.5; 3]))));
         if with_ball {
             add(&mut description, sphere(DVec3::new(0.1, 0.0, 0.0), 0.5), 1.3, 0.0);
         }

@@ -41,7 +41,7 @@ fn water(min: DVec3, max: DVec3) -> Description {
 
 fn turned(mut description: Description, rotate: DVec3, translate: DVec3) -> (Description, Transform) {
     let transform = Transform { scale: DVec3::ONE, rotate, translate };
-    description.refractors[0].transform = transform;
+    description.objects.refractors_mut()[0].transform = transform;
     (description, transform)
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::common::{self, add, nest, ready, render};
 use glam::DVec3;
 use iorect::scene::Description;
-use iorect::scene::description::{Environment, Light, Shape, Transform};
+use iorect::scene::description::{Environment, Light, Object, Shape};
 use iorect::tracking::Mode;
 use iorect::tracking::{Prepared, prepare};
 
@@ -13,11 +13,11 @@ use iorect::tracking::{Prepared, prepare};
 #[test]
 fn an_invisible_object_is_as_if_it_were_not_there() {
     let hidden = |mut description: Description, index: usize| {
-        description.refractors[index].visible = false;
+        description.objects.refractors_mut()[index].visible = false;
         description
     };
     let removed = |mut description: Description, index: usize| {
-        description.refractors.remove(index);
+        description.objects.remove(index);
         description
     };
     let nested = || nest(1.0, &[(3.0, 1.5), (2.0, 1.33), (1.0, 1.0)]);
@@ -45,11 +45,11 @@ fn an_invisible_object_is_as_if_it_were_not_there() {
 #[test]
 fn an_edited_scene_is_the_scene_opened_so() {
     for name in ["lamp-in-ice", "half-submerged"] {
-        let before = iorect::scene::load::open(name).unwrap();
+        let before = iorect::formats::open(name).unwrap();
         let known = ready(before.clone());
-        for index in 0..before.refractors.len() {
+        for index in 0..before.objects.refractors().len() {
             let mut after = before.clone();
-            after.refractors[index].transform.translate += DVec3::new(0.02, 0.01, -0.03);
+            after.objects.refractors_mut()[index].transform.translate += DVec3::new(0.02, 0.01, -0.03);
             let edited = prepare(Arc::new(after.clone()), Some(&known)).unwrap();
             for mode in [Mode::Rectified, Mode::Reference] {
                 let image = |prepared: &Prepared| render(prepared, mode, (32, 18), 2, None).to_rgb();
@@ -74,20 +74,19 @@ fn an_edit_that_adds_a_need_brings_its_work_back() {
     for (x, ior) in [(-1.2, 1.5), (1.2, 1.6)] {
         add(&mut before, Shape::Sphere { center: DVec3::new(x, 0.0, 0.0), radius: 1.0 }, ior, 0.0);
     }
-    let picture = iorect::scene::load::open("plain-glass").unwrap().environment;
+    let picture = iorect::formats::open("plain-glass").unwrap().environment;
     assert!(matches!(picture, Environment::Image { .. }));
     type Edit<'a> = (&'a str, Box<dyn Fn(&mut Description) + 'a>);
     let edits: [Edit<'_>; 7] = [
         ("absorption", Box::new(|d| d.media[1].absorption = [0.5, 0.1, 0.3])),
-        ("nesting", Box::new(|d| d.refractors[1].transform.translate.x = -1.0)),
+        ("nesting", Box::new(|d| d.objects.refractors_mut()[1].transform.translate.x = -1.0)),
         ("index_matching", Box::new(|d| d.media[1].ior = iorect::optics::Ior::Constant(1.5))),
-        ("smooth_normals", Box::new(|d| d.refractors[0].smooth = true)),
+        ("smooth_normals", Box::new(|d| d.objects.refractors_mut()[0].refractor_mut().unwrap().smooth = true)),
         ("triangles", Box::new(|d| add(d, Shape::Box { min: DVec3::splat(2.5), max: DVec3::splat(3.0) }, 1.7, 0.0))),
         (
             "emitters",
             Box::new(|d| {
-                let (name, radiance, transform) = ("lamp".to_owned(), [9.0; 3], Transform::IDENTITY);
-                d.lights.push(Light { name, shape: quad(3.0), radiance, visible: true, transform });
+                d.objects.push(Object::new("lamp", quad(3.0), Light { radiance: [9.0; 3] }));
             }),
         ),
         ("image_environment", Box::new(|d| d.environment = picture.clone())),

@@ -10,9 +10,10 @@ use exr::compression::Compression;
 use exr::meta::attribute::SampleType::{F16, F32, U32};
 use glam::DVec3;
 use iorect::check::{Severity, check};
+use iorect::formats;
 use iorect::scene::description::Environment;
-use iorect::scene::environment::{EnvironmentImage, EnvironmentLight};
-use iorect::scene::load;
+use iorect::scene::environment::EnvironmentImage;
+use iorect::scene::lights::EnvironmentLight;
 use rayon::prelude::*;
 
 /// Reads an image through a scene that names it.
@@ -20,7 +21,7 @@ fn read(name: &str, bytes: &[u8]) -> Result<Arc<EnvironmentImage>, String> {
     let folder = tempfile::tempdir().unwrap();
     let scene = format!("[camera]\nposition = [0, 0, 3]\ntarget = [0, 0, 0]\n[environment]\nimage = \"{name}\"\n");
     std::fs::write(folder.path().join(name), bytes).unwrap();
-    match load::parse(&scene, &folder.path().join("s.toml"), false) {
+    match formats::parse(&scene, &folder.path().join("s.toml"), &formats::Disk) {
         Ok(description) => match description.environment {
             Environment::Image { image, .. } => Ok(image),
             other => panic!("{other:?}"),
@@ -55,10 +56,10 @@ fn cases_have_their_right_values() {
         ("luminance_only_exr", [0.5; 3], &[]),
         ("one_inf_pixel_exr", [0.5; 3], &["replaced_pixels"]),
     ] {
-        let description = load::file(&folder.join(format!("{scene}.toml"))).unwrap();
+        let description = formats::file(&folder.join(format!("{scene}.toml"))).unwrap();
         let light = EnvironmentLight::new(&description.environment);
         for direction in [DVec3::Y, DVec3::NEG_Y, DVec3::X, DVec3::NEG_Z, DVec3::new(0.6, -0.64, 0.48)] {
-            assert!((light.radiance(direction) - DVec3::from(right)).length() < 1e-12, "{scene}");
+            assert!((DVec3::from(light.radiance(direction).to_rgb()) - DVec3::from(right)).length() < 1e-12, "{scene}");
         }
         let problems = check(&iorect::tracking::prepare(Arc::new(description), None).unwrap());
         let kinds: Vec<_> = problems.iter().map(|problem| problem.kind).collect();
@@ -439,7 +440,7 @@ fn shapes_are_told() {
         EnvironmentLight::new(&Environment::Image { image: cross, path: "e.exr".into(), rotation: 0.0, scale: 1.0 });
     let directions = [DVec3::Y, DVec3::NEG_X, DVec3::NEG_Z, DVec3::X, DVec3::Z, DVec3::NEG_Y];
     for (direction, face) in directions.into_iter().zip([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]) {
-        assert!((light.radiance(direction).x - face).abs() < 1e-9, "{direction}");
+        assert!((light.radiance(direction).to_rgb()[0] - face).abs() < 1e-9, "{direction}");
     }
     for size in [(48, 8), (8, 48)] {
         let strip = exr_bytes::file(&[Part::new(size, of(|x, y| 1.0 + (x.max(y) / 8) as f32))]);
@@ -479,7 +480,7 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
 
 /// What [`read`] comes to, without a file.
 fn decode(ending: &str, bytes: &[u8]) -> Result<EnvironmentImage, String> {
-    load::image_from_bytes(bytes, &Path::new("e").with_extension(ending))
+    formats::image_from_bytes(bytes, &Path::new("e").with_extension(ending))
 }
 
 /// Any answer will do that is no panic, and that is an image if it is one.

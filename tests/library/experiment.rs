@@ -6,15 +6,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use iorect::formats;
 use iorect::measure::Interval;
 use iorect::measure::statistics::t_quantile;
-use iorect::render::{Film, RenderSettings, VarianceReduction, accumulate};
+use iorect::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
 use iorect::report::experiment::{Curve, Effort, SceneErrors, Technique, scene_errors};
 use iorect::report::progress::Progress;
 use iorect::report::reference::{References, SEEDS, Wanted, references};
 use iorect::report::store::Store;
 use iorect::scene::camera::Camera;
-use iorect::scene::load;
 use iorect::tracking::Mode;
 use iorect::tracking::{Prepared, prepare};
 
@@ -22,7 +22,7 @@ static NEVER: AtomicBool = AtomicBool::new(false);
 const QUIETLY: Progress<'_> = Progress { cancel: &NEVER, tell: &|_, _| () };
 
 fn prepared(scene: &str) -> Prepared {
-    prepare(Arc::new(load::open(scene).unwrap()), None).unwrap()
+    prepare(Arc::new(formats::open(scene).unwrap()), None).unwrap()
 }
 
 /// Of references: what is kept and made again does not depend on it, and `reference` is slow.
@@ -63,15 +63,14 @@ fn references_are_those_of_the_mode_that_asks_and_have_seeds_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
     let found = subject.references(4, folder.path());
     for (seed, image) in SEEDS.into_iter().zip(&found.images) {
-        let settings = RenderSettings {
-            mode: Mode::Reference,
-            seed,
-            max_depth: Some(16),
-            leave_out: true,
-            variance: VarianceReduction::default(),
-        };
+        let settings = ImageSettings { max_depth: Some(16), ..ImageSettings::new(Mode::Reference, seed) };
         let mut film = Film::new(SIZE[0], SIZE[1]);
-        assert!(accumulate(&subject.prepared, &subject.camera, &settings, &mut film, 4, &NEVER));
+        assert!(Cpu.pass(
+            &RenderTask { prepared: &subject.prepared, camera: &subject.camera, settings: &settings },
+            &mut film,
+            4,
+            &NEVER
+        ));
         assert_eq!(film.to_rgb(), *image);
     }
     assert_ne!(found.images[0], found.images[1]);
@@ -264,7 +263,7 @@ fn interruptions_and_threads_change_nothing_but_times() {
 #[ignore = "minutes of rendering; run it with --release -- --ignored --nocapture"]
 fn slopes_and_plateaus_of_all_built_in_scenes() {
     let folder = tempfile::tempdir().unwrap();
-    let scenes = iorect::scene::builtin::all();
+    let scenes = iorect::formats::builtin::all();
     let together = 0.95_f64.powf(1.0 / scenes.len() as f64);
     let mut wrong = Vec::new();
     for scene in scenes {

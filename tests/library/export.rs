@@ -4,8 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use iorect::export::{self, Comparison, ExportError, Format, LabelledPane, Picture};
+use iorect::optics::Ior;
 use iorect::render::{Display, ToneCurve};
 use iorect::scene::SceneMedium;
+use iorect::spectrum::Spectrum;
 use iorect::tracking::Events;
 use iorect::tracking::Mode;
 use iorect::writing::{WriteError, require_writable, write_atomically};
@@ -60,8 +62,9 @@ fn png_shows_what_the_display_makes_of_it_and_says_what_it_is() {
 fn metadata_names_scene_modes_iors_samples_seed_and_version() {
     let medium = |name: &str, ior: f64| SceneMedium {
         name: name.into(),
+        model: Ior::Constant(ior),
         ior_minus_one: ior - 1.0,
-        absorption: glam::DVec3::ZERO,
+        absorption: Spectrum::ZERO,
     };
     let media = [medium("world", 1.0), medium("vacuum", 1.0), medium("water", 1.333), medium("air", 1.000277)];
     let text = export::metadata_for_media("Pool", &media, &[Mode::Naive, Mode::Rectified], 64, 7);

@@ -42,7 +42,7 @@ fn shells(gap: f64, subdivisions: u32, scale: f64, center: DVec3, is_analytic: b
     for radius in [1.0, 1.0 - gap] {
         let shape = if is_analytic { sphere(DVec3::ZERO, radius) } else { icosphere(radius, subdivisions) };
         add(&mut description, shape, 1.0, 0.0);
-        description.refractors.last_mut().unwrap().transform =
+        description.objects.refractors_mut().last_mut().unwrap().transform =
             Transform { scale: DVec3::splat(scale), rotate: DVec3::new(11.0, 22.0, 33.0), translate: center };
     }
     description
@@ -92,7 +92,7 @@ fn c36_no_gap() {
     for is_analytic in [false, true] {
         for (priorities, winner) in [([0, 0], "object 1"), ([1, 0], "object 0"), ([-1, 0], "object 1")] {
             let mut description = shells(0.0, 3, 1.0, DVec3::ZERO, is_analytic);
-            description.refractors.iter_mut().zip(priorities).for_each(|(r, p)| r.priority = p);
+            description.objects.refractor_roles_mut().zip(priorities).for_each(|(r, p)| r.priority = p);
             let scene = ready(description);
             for mode in RIGHT {
                 let once = [("world", winner), (winner, "world")];
@@ -150,9 +150,9 @@ fn c36_planar_faces_of_other_tessellation() {
                 let mut description = empty(1.0);
                 for (k, shape) in shapes.iter().enumerate() {
                     add(&mut description, shape.clone(), 1.3 + 0.1 * k as f64, 0.0);
-                    description.refractors[k].transform.rotate = rotate;
+                    description.objects.refractors_mut()[k].transform.rotate = rotate;
                 }
-                description.refractors[0].priority = first;
+                description.objects.refractors_mut()[0].refractor_mut().unwrap().priority = first;
                 let truth = Truth::new(&description);
                 let scene = ready(description);
                 let rays = truth.rays(500, 31);
@@ -210,7 +210,7 @@ fn c37_scales() {
             1.2,
             0.0,
         );
-        for refractor in &mut description.refractors {
+        for refractor in description.objects.refractors_mut() {
             refractor.transform.scale = DVec3::splat(scale);
         }
         let scene = ready(description);
@@ -297,7 +297,7 @@ fn c39_broken_meshes() {
         Mesh { triangles, ..mesh_to_break }
     };
     let mut description = whole.clone();
-    for refractor in &mut description.refractors {
+    for refractor in description.objects.refractors_mut() {
         refractor.shape = mesh_shape(broken(mesh_of(&refractor.shape)));
     }
     description.camera.vertical_fov = 15.0;
@@ -341,7 +341,7 @@ fn c39_broken_meshes() {
 fn c40_depth() {
     let shells: Vec<_> = (0..256).map(|k| (1.0 - f64::from(k) / 300.0, if k % 2 == 0 { 1.5 } else { 1.4 })).collect();
     let mut description = nest(1.0, &shells);
-    for (k, refractor) in description.refractors.iter_mut().enumerate() {
+    for (k, refractor) in description.objects.refractors_mut().iter_mut().enumerate() {
         if k % 3 == 0 {
             let Shape::Sphere { radius, .. } = refractor.shape else { unreachable!() };
             // Vertices on the sphere, faces within it by less than the next shell.

@@ -8,7 +8,7 @@ use crate::common::{Numbers, add, empty, joined, mesh_of, mesh_shape, nest, read
 use glam::DVec3;
 use iorect::geometry::{Mesh, Ray};
 use iorect::optics::Ior;
-use iorect::scene::description::{Description, Environment, Light, Paint, Shape, Solid, Transform};
+use iorect::scene::description::{Description, Environment, Light, Object, Paint, Shape, Solid, Transform};
 use iorect::tracking::Mode;
 use iorect::tracking::{Prepared, prepare};
 use iorect::transport::inspect::{Follow, VertexEvent, trace};
@@ -63,20 +63,12 @@ fn tumbler(inner: f64, segments: u32) -> Shape {
     Shape::Lathe { profile, segments }
 }
 
-fn solid(name: &str, shape: Shape) -> Solid {
-    Solid {
-        name: name.into(),
-        shape,
-        paint: Paint::Color([0.6; 3]),
-        mirror: false,
-        smooth: false,
-        visible: true,
-        transform: Transform::IDENTITY,
-    }
+fn solid(name: &str, shape: Shape) -> Object {
+    Object::new(name, shape, Solid::of(Paint::Color([0.6; 3])))
 }
 
 fn prioritize(description: &mut Description, priorities: &[i32]) {
-    description.refractors.iter_mut().zip(priorities).for_each(|(r, &priority)| r.priority = priority);
+    description.objects.refractor_roles_mut().zip(priorities).for_each(|(r, &priority)| r.priority = priority);
 }
 
 /// Family 1: a camera in water that looks at submerged glass.
@@ -148,13 +140,7 @@ fn f02_a_lamp_in_ice_in_water() {
     add(&mut description, icosphere(DVec3::new(0.2, -0.5, 0.1), 0.8), 1.31, 0.0);
     let (lamp, radius) = (DVec3::new(0.3, -0.4, 0.1), 0.2);
     description.environment = Environment::Color([0.0; 3]);
-    description.lights.push(Light {
-        name: "lamp".into(),
-        shape: sphere(lamp, radius),
-        radiance: [1.0; 3],
-        visible: true,
-        transform: Transform::IDENTITY,
-    });
+    description.objects.push(Object::new("lamp", sphere(lamp, radius), Light { radiance: [1.0; 3] }));
     let (prepared, truth) = check_as_written(description, 400);
     must_differ(&prepared, &truth, Mode::Stack, 400, 50);
     // The lamp's own patch says what it shines into.
@@ -202,7 +188,7 @@ fn f03_floating_ice() {
         let mut description = empty(1.0);
         add(&mut description, cuboid([-2.0, -1.5, -2.0], [2.0, height, 2.0]), 1.333, 0.0);
         add(&mut description, ice, 1.5, 0.0);
-        description.refractors[1].transform.rotate = DVec3::new(0.0, 25.0, 10.0);
+        description.objects.refractors_mut()[1].transform.rotate = DVec3::new(0.0, 25.0, 10.0);
         let (scene, truth) = check_as_written(description, 500);
         must_differ(&scene, &truth, Mode::RectifiedObject, 500, 5);
         must_differ(&scene, &truth, Mode::Naive, 500, 50);
@@ -276,11 +262,11 @@ fn f04_optical_contact() {
             add(&mut description, cuboid([-1.0, 0.0, -1.0], [1.0, 0.7, 1.0]), 1.333, 0.0);
             add(&mut description, cuboid([0.2, 0.0, -0.4], [1.0, 1.1, 0.5]), 1.6, 0.0);
             add(&mut description, cylinder([-0.4, 0.4, 0.1], 0.3, 0.8, 16), 1.5, 0.0);
-            description.solids.push(solid("floor", floor.clone()));
-            description.solids.push(solid("wall", cuboid([1.0, -0.2, -2.0], [1.2, 2.0, 2.0])));
+            description.objects.push(solid("floor", floor.clone()));
+            description.objects.push(solid("wall", cuboid([1.0, -0.2, -2.0], [1.2, 2.0, 2.0])));
             let rotated = Transform { rotate, ..Transform::IDENTITY };
-            description.refractors.iter_mut().for_each(|r| r.transform = rotated);
-            description.solids.iter_mut().for_each(|s| s.transform = rotated);
+            description.objects.refractors_mut().iter_mut().for_each(|r| r.transform = rotated);
+            description.objects.solids_mut().iter_mut().for_each(|s| s.transform = rotated);
             let truth = Truth::new(&description);
             let scene = ready(description);
             let turn = rotated.matrix();
@@ -312,8 +298,8 @@ fn f05_siblings_and_opaque_things() {
     // Around one of them, with a window to look in; and a bar across another.
     let shell = mesh_of(&icosphere(DVec3::new(-0.9, 0.1, 0.0), 0.88));
     let open = Mesh { triangles: shell.triangles[40..].to_vec(), ..shell };
-    description.solids.push(solid("shell", mesh_shape(open)));
-    description.solids.push(solid("bar", cuboid([0.8, -2.0, -0.1], [1.0, 2.0, 0.1])));
+    description.objects.push(solid("shell", mesh_shape(open)));
+    description.objects.push(solid("bar", cuboid([0.8, -2.0, -0.1], [1.0, 2.0, 0.1])));
     let (scene, truth) = check_as_written(description, 600);
     must_differ(&scene, &truth, Mode::Naive, 600, 100);
 }
@@ -327,14 +313,14 @@ fn f05_instances_and_one_material() {
     add(&mut description, instance(), 1.5, 0.0);
     add(&mut description, instance(), 1.5, 0.0);
     add(&mut description, cuboid([-1.8, -1.5, -1.5], [1.4, 1.5, 1.5]), 1.2, 0.0);
-    description.refractors[1].medium = "object 0".into();
-    description.refractors[0].transform.translate = DVec3::NEG_X * 0.4;
-    description.refractors[1].transform =
+    description.objects.refractors_mut()[1].refractor_mut().unwrap().medium = "object 0".into();
+    description.objects.refractors_mut()[0].transform.translate = DVec3::NEG_X * 0.4;
+    description.objects.refractors_mut()[1].transform =
         Transform { scale: DVec3::splat(0.8), rotate: DVec3::new(10.0, 40.0, 0.0), translate: DVec3::X * 0.9 };
     let (scene, truth) = check_as_written(description.clone(), 600);
     must_differ(&scene, &truth, Mode::RectifiedObject, 600, 40);
     // As two materials of equal optics they would have an interface, seen by name.
-    description.refractors[1].medium = "object 1".into();
+    description.objects.refractors_mut()[1].refractor_mut().unwrap().medium = "object 1".into();
     must_differ(&scene, &Truth::new(&description), Mode::Reference, 600, 40);
 }
 
@@ -377,7 +363,7 @@ fn f06_negative_scale() {
         let mut description = empty(1.2);
         add(&mut description, tumbler(0.7, 24), 1.5, 0.0);
         add(&mut description, cylinder([0.1, 1.0, 0.0], 0.5, 1.2, 24), 1.7, 0.0);
-        for refractor in &mut description.refractors {
+        for refractor in description.objects.refractors_mut() {
             refractor.transform =
                 Transform { scale, rotate: DVec3::new(20.0, -70.0, 130.0), translate: DVec3::new(1.0, 2.0, 3.0) };
         }
@@ -402,7 +388,7 @@ fn f07_an_open_sheet_in_a_pool() {
             ("back", [-2.2, -1.7, -2.2], [2.2, 1.5, -2.0]),
             ("front", [-2.2, -1.7, 2.0], [2.2, 1.5, 2.2]),
         ] {
-            description.solids.push(solid(name, cuboid(min, max)));
+            description.objects.push(solid(name, cuboid(min, max)));
         }
         description
     };
@@ -592,7 +578,7 @@ fn f09_deep_nests() {
         let (scene, truth) = check_as_written(description.clone(), if depth > 100 { 30 } else { 100 });
         if depth <= 33 {
             let mut meshes = description;
-            for refractor in &mut meshes.refractors {
+            for refractor in meshes.objects.refractors_mut() {
                 let Shape::Sphere { center, radius } = refractor.shape else { unreachable!() };
                 refractor.shape = icosphere(center, radius);
             }
@@ -639,7 +625,7 @@ fn f09_priorities() {
         prioritize(&mut three, &priorities);
         let (scene, truth) = check_as_written(three.clone(), 300);
         must_differ(&scene, &truth, Mode::RectifiedObject, 300, 40);
-        three.refractors.iter_mut().min_by_key(|r| r.priority).unwrap().priority = 3000;
+        three.objects.refractor_roles_mut().min_by_key(|r| r.priority).unwrap().priority = 3000;
         must_differ(&scene, &Truth::new(&three), Mode::Reference, 300, 40);
     }
 }
@@ -698,16 +684,16 @@ fn f12_edits() {
     let mut scene = ready(description);
     let edits: [fn(&mut Description); 10] = [
         // In steps from the air through the surface into the other ball.
-        |d| d.refractors[1].transform.translate.y = -1.6,
-        |d| d.refractors[1].transform.translate.y = -2.1,
-        |d| d.refractors[1].transform.translate.y = -2.8,
+        |d| d.objects.refractors_mut()[1].transform.translate.y = -1.6,
+        |d| d.objects.refractors_mut()[1].transform.translate.y = -2.1,
+        |d| d.objects.refractors_mut()[1].transform.translate.y = -2.8,
         |d| d.media[0].ior = Ior::Constant(1.45),
         |d| d.world.ior = Ior::Constant(1.2),
-        |d| d.refractors[0].priority = 3,
-        |d| d.refractors[2].priority = 4,
-        |d| d.refractors[1].priority = 5,
-        |d| d.refractors[1].transform.scale = DVec3::new(-1.5, 1.0, 1.2),
-        |d| d.refractors[1].medium = "object 0".into(),
+        |d| d.objects.refractors_mut()[0].refractor_mut().unwrap().priority = 3,
+        |d| d.objects.refractors_mut()[2].refractor_mut().unwrap().priority = 4,
+        |d| d.objects.refractors_mut()[1].refractor_mut().unwrap().priority = 5,
+        |d| d.objects.refractors_mut()[1].transform.scale = DVec3::new(-1.5, 1.0, 1.2),
+        |d| d.objects.refractors_mut()[1].refractor_mut().unwrap().medium = "object 0".into(),
     ];
     for (index, edit) in edits.into_iter().enumerate() {
         let before = Truth::new(&scene.description);
@@ -742,7 +728,7 @@ fn f13_one_mesh_or_two_objects() {
     must_differ(&scene_of_one, &truth_of_two, Mode::Reference, 300, 40);
     must_differ(&scene_of_two, &truth_of_one, Mode::Reference, 300, 40);
     // Two objects of one medium look like one mesh.
-    two.refractors[1].medium = "object 0".into();
+    two.objects.refractors_mut()[1].refractor_mut().unwrap().medium = "object 0".into();
     let same = ready(two);
     for ray in truth_of_one.rays(300, 8) {
         let ends = [&same, &scene_of_one].map(|s| {
@@ -760,7 +746,7 @@ fn images_are_consistent() {
     add(&mut iced, tumbler(0.8, 32), 1.5, 0.0);
     add(&mut iced, cylinder([0.0, 1.2, 0.0], 0.85, 2.0, 32), 1.333, 0.0);
     add(&mut iced, cuboid([-0.3, 1.7, -0.3], [0.25, 2.4, 0.3]), 1.31, 0.0);
-    iced.refractors[2].transform.rotate = DVec3::new(5.0, 20.0, 7.0);
+    iced.objects.refractors_mut()[2].transform.rotate = DVec3::new(5.0, 20.0, 7.0);
     iced.camera.position = DVec3::new(0.0, 4.0, 6.0);
     iced.camera.target = DVec3::new(0.0, 1.5, 0.0);
     iced.camera.vertical_fov = 35.0;

@@ -4,10 +4,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
+use iorect::formats::{self, builtin};
 use iorect::geometry::Mesh;
 use iorect::optics::Ior;
-use iorect::scene::description::{Environment, Paint, Shape, Transform};
-use iorect::scene::{builtin, load, save};
+use iorect::scene::description::{Environment, Paint, Refractor, Shape, Transform};
 
 #[path = "../../assets/make_assets.rs"]
 #[allow(dead_code)]
@@ -105,7 +105,7 @@ fn every_key_reaches_the_description() {
     std::fs::write(folder.path().join("models/stone.obj"), STONE).unwrap();
     let path = folder.path().join("all.toml");
     std::fs::write(&path, EVERYTHING).unwrap();
-    let scene = load::file(&path).unwrap();
+    let scene = formats::file(&path).unwrap();
 
     assert_eq!(scene.name, "Ice in water in glass");
     assert_eq!((scene.camera.position, scene.camera.up), (DVec3::new(0.0, 1.2, 4.0), DVec3::Z));
@@ -122,15 +122,15 @@ fn every_key_reaches_the_description() {
     assert!((scene.media[1].ior.ior() - 1.784_72).abs() < 5e-6);
     assert!((scene.media[2].ior.ior() - 2.417_485_9).abs() < 5e-8);
 
-    let ball = &scene.refractors[0];
+    let ball = &scene.objects.refractors()[0];
     assert_eq!(ball.shape, Shape::Sphere { center: DVec3::new(1.0, 2.0, 3.0), radius: 0.5 });
-    assert_eq!((ball.medium.as_str(), ball.priority, ball.smooth), ("water", -2, false));
+    assert_eq!(ball.refractor(), Some(&Refractor { medium: "water".into(), priority: -2, smooth: false }));
     let transform = Transform { scale: DVec3::splat(2.0), rotate: DVec3::new(10.0, 20.0, 30.0), translate: DVec3::X };
     assert_eq!(ball.transform, transform);
-    assert!(scene.refractors[1].smooth);
-    assert_eq!(scene.refractors[1].transform.scale, DVec3::new(1.0, -2.0, 3.0));
+    assert!(scene.objects.refractors()[1].refractor().unwrap().smooth);
+    assert_eq!(scene.objects.refractors()[1].transform.scale, DVec3::new(1.0, -2.0, 3.0));
     let [Shape::Mesh { mesh, notes, .. }, Shape::Mesh { mesh: other, .. }] =
-        [&scene.refractors[2].shape, &scene.refractors[3].shape]
+        [&scene.objects.refractors()[2].shape, &scene.objects.refractors()[3].shape]
     else {
         panic!("the stones are not meshes");
     };
@@ -138,33 +138,37 @@ fn every_key_reaches_the_description() {
     assert_eq!((notes[0].kind, notes[0].count, notes[0].first_line), ("degenerate_triangles", 1, Some(9)));
     assert!(Arc::ptr_eq(mesh, other), "one file is read once");
 
-    assert_eq!(scene.solids[0].paint, Paint::Checker { a: [0.1, 0.2, 0.3], b: [1.0; 3], size: 0.5 });
-    assert_eq!((scene.solids[1].paint, scene.solids[1].mirror), (Paint::Color([0.5, 0.4, 0.3]), true));
-    assert_eq!(scene.solids[2].paint, Paint::Color([0.8; 3]));
-    assert!(matches!(scene.solids[2].shape, Shape::Lathe { segments: 128, .. }));
-    assert!(matches!(scene.lights[0].shape, Shape::Cylinder { segments: 128, .. }));
-    assert!(matches!(scene.lights[1].shape, Shape::Torus { segments: 32, rings: 16, .. }));
-    assert_eq!(scene.lights[1].radiance, [1.0, 0.0, 0.0]);
+    assert_eq!(
+        scene.objects.solids()[0].solid().unwrap().paint,
+        Paint::Checker { a: [0.1, 0.2, 0.3], b: [1.0; 3], size: 0.5 }
+    );
+    assert_eq!(
+        (scene.objects.solids()[1].solid().unwrap().paint, scene.objects.solids()[1].solid().unwrap().mirror),
+        (Paint::Color([0.5, 0.4, 0.3]), true)
+    );
+    assert_eq!(scene.objects.solids()[2].solid().unwrap().paint, Paint::Color([0.8; 3]));
+    assert!(matches!(scene.objects.solids()[2].shape, Shape::Lathe { segments: 128, .. }));
+    assert!(matches!(scene.objects.lights()[0].shape, Shape::Cylinder { segments: 128, .. }));
+    assert!(matches!(scene.objects.lights()[1].shape, Shape::Torus { segments: 32, rings: 16, .. }));
+    assert_eq!(scene.objects.lights()[1].light().unwrap().radiance, [1.0, 0.0, 0.0]);
 }
 
 #[test]
 fn defaults_are_those_of_the_format() {
     let text = "[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n";
-    let scene = load::parse(text, Path::new("some/where/quiet.toml"), false).unwrap();
+    let scene = formats::parse(text, Path::new("some/where/quiet.toml"), &formats::Disk).unwrap();
     assert_eq!(scene.name, "quiet");
     assert_eq!((scene.camera.up, scene.camera.vertical_fov), (DVec3::Y, 40.0));
     assert_eq!((scene.camera.aperture_radius, scene.camera.focus_distance), (0.0, None));
     assert_eq!((scene.world.ior, scene.world.absorption), (Ior::Constant(1.0), [0.0; 3]));
     assert_eq!(scene.environment, Environment::Color([0.0; 3]));
-    assert!(
-        scene.media.is_empty() && scene.refractors.is_empty() && scene.solids.is_empty() && scene.lights.is_empty()
-    );
+    assert!(scene.media.is_empty() && scene.objects.is_empty());
 }
 
 #[test]
 fn inline_arrays_of_tables_do_as_well() {
     let text = "camera = { position = [0, 0, 1], target = [0, 0, 0] }\nmedium = [{ name = \"a\", ior = 2 }, { name = \"b\", ior = 3 }]\n";
-    let scene = load::parse(text, Path::new("s.toml"), false).unwrap();
+    let scene = formats::parse(text, Path::new("s.toml"), &formats::Disk).unwrap();
     assert_eq!(scene.media[1].ior, Ior::Constant(3.0));
 }
 
@@ -175,7 +179,7 @@ fn an_environment_image_beside_its_scene() {
     image.save(folder.path().join("sky.exr")).unwrap();
     let text = "[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n[environment]\nimage = \"sky.exr\"\nrotation = 90\nscale = 2\n";
     std::fs::write(folder.path().join("s.toml"), text).unwrap();
-    let scene = load::file(&folder.path().join("s.toml")).unwrap();
+    let scene = formats::file(&folder.path().join("s.toml")).unwrap();
     let Environment::Image { path, image, rotation, scale } = scene.environment else { panic!("no image") };
     assert_eq!((path.as_path(), rotation, scale), (Path::new("sky.exr"), 90.0, 2.0));
     assert_eq!((image.width, image.height), (4, 2));
@@ -188,13 +192,16 @@ fn an_environment_image_beside_its_scene() {
 fn built_in_scenes_open_by_name_and_survive_being_saved() {
     let folder = tempfile::tempdir().unwrap();
     for scene in builtin::all() {
-        let original = load::open(scene.name).unwrap();
+        let original = formats::open(scene.name).unwrap();
         let path = folder.path().join(format!("{}.toml", scene.name));
-        save::save(&original, &path).unwrap();
-        let again = load::open(path.to_str().unwrap()).unwrap();
-        assert_eq!((again.media, again.lights, again.camera), (original.media, original.lights, original.camera));
-        assert_eq!(again.refractors.len(), original.refractors.len());
-        for (a, b) in again.refractors.iter().zip(&original.refractors) {
+        formats::save(&original, &path).unwrap();
+        let again = formats::open(path.to_str().unwrap()).unwrap();
+        assert_eq!(
+            (again.media, again.objects.lights(), again.camera),
+            (original.media, original.objects.lights(), original.camera)
+        );
+        assert_eq!(again.objects.refractors().len(), original.objects.refractors().len());
+        for (a, b) in again.objects.refractors().iter().zip(original.objects.refractors()) {
             if let (Shape::Mesh { mesh: a, .. }, Shape::Mesh { mesh: b, .. }) = (&a.shape, &b.shape) {
                 assert_eq!(a, b);
             } else {
@@ -215,8 +222,8 @@ fn computed_assets_are_what_their_command_makes() {
 
 #[test]
 fn the_brilliant_is_convex_and_closed() {
-    let scene = load::open("diamond-in-water").unwrap();
-    let shape = &scene.refractors.iter().find(|r| r.name == "wet diamond").unwrap().shape;
+    let scene = formats::open("diamond-in-water").unwrap();
+    let shape = &scene.objects.refractors().iter().find(|r| r.name == "wet diamond").unwrap().shape;
     let Shape::Mesh { mesh, notes, .. } = shape else { panic!("no mesh: {shape:?}") };
     assert_eq!(notes, &[]);
     // A closed surface of genus 0: V − E + F = 2, with three half-edges to a face.
@@ -275,8 +282,8 @@ fn a_million_triangles_are_read_quickly() {
         let text = format!(
             "[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n[[solid]]\nname = \"grid\"\nshape = {{ mesh = \"{name}\" }}\n"
         );
-        let scene = load::parse(&text, &folder.path().join("s.toml"), false).unwrap();
-        let Shape::Mesh { mesh: read, .. } = &scene.solids[0].shape else { panic!("no mesh") };
+        let scene = formats::parse(&text, &folder.path().join("s.toml"), &formats::Disk).unwrap();
+        let Shape::Mesh { mesh: read, .. } = &scene.objects.solids()[0].shape else { panic!("no mesh") };
         assert_eq!((&read.positions, &read.triangles), (&mesh.positions, &mesh.triangles));
     }
 }

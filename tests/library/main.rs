@@ -10,6 +10,7 @@ mod closed_forms;
 mod crowds;
 mod edits;
 mod environment_files;
+mod example;
 mod experiment;
 mod export;
 mod extremes;

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use iorect::check::check;
 use iorect::geometry::Mesh;
 use iorect::rectify::PatchKind;
-use iorect::scene::description::{Description, Environment, Shape, Solid, Transform};
+use iorect::scene::description::{Description, Environment, Kind, Object, Shape, Transform};
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
 
@@ -35,12 +35,10 @@ impl Motion {
         let rotate = [DVec3::ZERO, DVec3::new(90.0, 0.0, 90.0), DVec3::new(-90.0, -90.0, 0.0)][self.turns as usize];
         let transform = Transform { scale: DVec3::splat(self.scale), rotate, translate: self.offset };
         let matrix = transform.matrix();
-        let refractors = moved.refractors.iter_mut().map(|r| &mut r.transform);
-        let solids = moved.solids.iter_mut().map(|s| &mut s.transform);
-        refractors.chain(solids).for_each(|of_object| {
-            assert_eq!(*of_object, Transform::IDENTITY, "such motions are not composed here");
-            *of_object = transform;
-        });
+        for object in moved.objects.iter_mut().filter(|object| object.light().is_none()) {
+            assert_eq!(object.transform, Transform::IDENTITY, "such motions are not composed here");
+            object.transform = transform;
+        }
         let camera = &mut moved.camera;
         camera.position = matrix.transform_point3(camera.position);
         camera.target = matrix.transform_point3(camera.target);
@@ -70,7 +68,7 @@ impl Motion {
 fn turns_permute_the_axes() {
     for turns in 0..3 {
         let description = Motion { turns, ..STILL }.apply(&two_blocks(0.0));
-        let matrix = description.refractors[0].transform.matrix().matrix3;
+        let matrix = description.objects.refractors()[0].transform.matrix().matrix3;
         let mut expected = DMat3::IDENTITY;
         for _ in 0..turns {
             expected = DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::X) * expected;
@@ -82,7 +80,9 @@ fn turns_permute_the_axes() {
 /// A block of glass over water with a black table in it, `gap` apart, seen from above.
 fn two_blocks(gap: f64) -> Description {
     let mut description = case("contact-depends-on-place/at0.toml");
-    let Shape::Box { max, .. } = &mut description.refractors[1].shape else { panic!("the pool is a box") };
+    let Shape::Box { max, .. } = &mut description.objects.refractors_mut()[1].shape else {
+        panic!("the pool is a box")
+    };
     max.y = -gap;
     description
 }
@@ -200,7 +200,7 @@ fn a_bystander_changes_nothing() {
                     false => Shape::Icosphere { center, radius, subdivisions: 1 },
                 };
                 add(&mut more, shape, 1.9, 0.0);
-                let bystander = more.refractors.last().unwrap().name.clone();
+                let bystander = more.objects.refractors().last().unwrap().name.clone();
                 let mut found = rows(&ready(more));
                 found.retain(|row| row.0 != bystander);
                 assert_eq!(found, expected, "{name}, {distance}, {radius}");
@@ -216,8 +216,8 @@ fn a_wide_floor_changes_nothing() {
         let mut description = two_blocks(gap);
         let shape =
             Shape::Quad { center: DVec3::new(300.0, -1.5, 20.0), edge_u: DVec3::Z * 1e4, edge_v: DVec3::X * 1e4 };
-        let floor = Solid { name: "floor".into(), shape, ..description.solids[0].clone() };
-        description.solids.push(floor);
+        let floor = Object { name: "floor".into(), shape, ..description.objects.solids()[0].clone() };
+        description.objects.push(floor);
         let prepared = ready(description);
         for mode in RIGHT {
             let found = brightness(&prepared, mode);
@@ -237,15 +237,16 @@ fn copies_are_told_from_what_is_flush() {
     let panes = case("false-coincident/scene.toml");
     for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
         let mut description = panes.clone();
-        description.refractors = order.map(|k| panes.refractors[k].clone()).to_vec();
+        description.objects.clear(Kind::Refractor);
+        order.into_iter().for_each(|k| description.objects.push(panes.objects.refractors()[k].clone()));
         for motion in [STILL, Motion { turns: 1, scale: 0.3, offset: DVec3::new(7.0, -3.0, 0.1) }] {
             assert_eq!(coincident(&motion.apply(&description)), [""; 0], "{order:?}, {motion:?}");
         }
         // The twin: with one of them twice, those two.
         let mut twice = description.clone();
-        let mut copy = twice.refractors[1].clone();
+        let mut copy = twice.objects.refractors()[1].clone();
         copy.name = "copy".into();
-        twice.refractors.push(copy);
+        twice.objects.push(copy);
         assert_eq!(coincident(&twice).len(), 1, "{order:?}");
     }
     // The same surface in other faces.
@@ -265,6 +266,6 @@ fn copies_are_told_from_what_is_flush() {
     add(&mut description, Shape::Mesh { path: "made.ply".into(), mesh: finer.into(), notes: Vec::new() }, 1.4, 0.0);
     assert_eq!(coincident(&description).len(), 1);
     // Larger by a tenth on one side, it is another.
-    description.refractors[1].transform.scale.x = 1.1;
+    description.objects.refractors_mut()[1].transform.scale.x = 1.1;
     assert_eq!(coincident(&description), [""; 0]);
 }

@@ -4,6 +4,7 @@
 use iorect::optics::Interface;
 use iorect::optics::fresnel::Refraction;
 
+#[derive(serde::Deserialize)]
 struct Row {
     class: String,
     m1: f64,
@@ -14,21 +15,9 @@ struct Row {
 }
 
 fn rows() -> Vec<Row> {
-    include_str!("../data/fresnel.csv")
-        .lines()
-        .map(|line| {
-            let fields: Vec<&str> = line.split(',').collect();
-            let number = |i: usize| fields[i].parse().expect("the table holds numbers");
-            Row {
-                class: fields[0].into(),
-                m1: number(1),
-                m2: number(2),
-                c: number(3),
-                reflectance: number(4),
-                transmittance: number(5),
-            }
-        })
-        .collect()
+    let mut reader =
+        csv::ReaderBuilder::new().has_headers(false).from_reader(include_bytes!("../data/fresnel.csv").as_slice());
+    reader.deserialize().map(|row| row.expect("a name and five numbers")).collect()
 }
 
 /// Largest error of `formula`, in units of 2⁻⁵³ (1 + c²/b²): what one rounding of the inputs does to the answer.

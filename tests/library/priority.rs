@@ -3,7 +3,7 @@
 use crate::common::{add, empty, mean, ready, render, sphere, through};
 use glam::DVec3;
 use iorect::geometry::Ray;
-use iorect::scene::description::{Description, Environment, Light, Paint, Shape, Solid, Transform};
+use iorect::scene::description::{Description, Environment, Light, Object, Paint, Shape, Solid};
 use iorect::tracking::Mode;
 use iorect::transport::inspect::{Follow, VertexEvent, trace};
 
@@ -13,23 +13,13 @@ fn room() -> Description {
     description.environment = Environment::Color([0.2; 3]);
     let (min, max) = (DVec3::new(-4.0, -1.0, -4.0), DVec3::new(4.0, 3.0, 4.0));
     add(&mut description, Shape::Box { min, max }, 1.3, 0.0);
-    description.refractors[0].priority = 2;
-    description.solids.push(Solid {
-        name: "floor".into(),
-        shape: Shape::Quad { center: DVec3::ZERO, edge_u: DVec3::Z * 6.0, edge_v: DVec3::X * 6.0 },
-        paint: Paint::Color([0.7; 3]),
-        mirror: false,
-        smooth: false,
-        visible: true,
-        transform: Transform::IDENTITY,
-    });
-    description.lights.push(Light {
-        name: "lamp".into(),
-        shape: sphere(DVec3::new(0.5, 2.5, 0.0), 0.2),
-        radiance: [5.0; 3],
-        visible: true,
-        transform: Transform::IDENTITY,
-    });
+    description.objects.refractors_mut()[0].refractor_mut().unwrap().priority = 2;
+    description.objects.push(Object::new(
+        "floor",
+        Shape::Quad { center: DVec3::ZERO, edge_u: DVec3::Z * 6.0, edge_v: DVec3::X * 6.0 },
+        Solid::of(Paint::Color([0.7; 3])),
+    ));
+    description.objects.push(Object::new("lamp", sphere(DVec3::new(0.5, 2.5, 0.0), 0.2), Light { radiance: [5.0; 3] }));
     description.camera.position = DVec3::new(0.0, 9.0, 0.5);
     description.camera.vertical_fov = 20.0;
     description
@@ -45,7 +35,7 @@ fn with_balls(priority: i32) -> Description {
             1.5 + 0.01 * f64::from(k),
             0.0,
         );
-        description.refractors[k as usize + 1].priority = priority;
+        description.objects.refractors_mut()[k as usize + 1].refractor_mut().unwrap().priority = priority;
     }
     description
 }
@@ -117,7 +107,7 @@ fn priority_agrees_with_the_truth_from_outside() {
         [(-0.4, 0.9, 1.5, 0), (0.3, 0.8, 1.33, -4), (0.1, 0.7, 1.7, 100), (0.6, 0.5, 1.2, 20)].into_iter().enumerate()
     {
         add(&mut description, sphere(DVec3::new(x, 0.05 * x, 0.0), radius), ior, 0.0);
-        description.refractors[index].priority = priority;
+        description.objects.refractors_mut()[index].refractor_mut().unwrap().priority = priority;
     }
     let scene = ready(description);
     let mut stack_is_wrong = 0;

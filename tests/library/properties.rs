@@ -8,16 +8,14 @@ use std::path::Path;
 use glam::DVec3;
 use image::{ImageFormat, Rgb, RgbImage};
 use iorect::export::{read_sums, write_sums};
+use iorect::formats::{Disk, image_from_bytes, mesh_from_bytes, parse, to_text};
 use iorect::optics::Interface;
 use iorect::optics::fresnel::Refraction;
 use iorect::render::exact::ExactSums;
-use iorect::render::{Display, Partial, Recipe, SampleRange, ToneCurve};
+use iorect::render::{Display, ImageSettings, Partial, Recipe, SampleRange, ToneCurve};
 use iorect::scene::fingerprint::Hasher;
-use iorect::scene::load::{image_from_bytes, mesh_from_bytes, parse};
-use iorect::scene::save::to_text;
 use iorect::tracking::Events;
 use iorect::tracking::Mode;
-use iorect::transport::sampler::Sequence;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -44,7 +42,7 @@ proptest! {
     fn a_scene_that_is_saved_is_the_same_scene(scene in random_scene::description()) {
         let path = Path::new("scene.toml");
         let text = to_text(&scene);
-        let mut read = parse(&text, path, false).map_err(|error| TestCaseError::fail(format!("{error}\n{text}")))?;
+        let mut read = parse(&text, path, &Disk).map_err(|error| TestCaseError::fail(format!("{error}\n{text}")))?;
         prop_assert_eq!(to_text(&read), text.clone(), "an unedited scene is saved as it was");
         read.source = None;
         prop_assert_eq!(&read, &scene, "{}", text);
@@ -245,14 +243,7 @@ fn part(index: u32, pixels: &[([i64; 3], u32)]) -> Partial {
             camera: nothing,
             width: 2,
             height: 2,
-            mode: Mode::Rectified,
-            estimator: "path".to_owned(),
-            seed: 0,
-            max_depth: None,
-            leave_out: true,
-            splits: 0,
-            sampler: Sequence::Sobol,
-            sample_environment: true,
+            settings: ImageSettings { splits: 0, ..ImageSettings::new(Mode::Rectified, 0) },
             unit_exponent: -64,
         },
         ranges: vec![range],

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use iorect::scene::{builtin, load};
+use iorect::formats::{self, builtin};
 
 fn read(path: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
@@ -15,7 +15,8 @@ fn the_example_scene_can_be_rendered() {
     let readme = read("README.md");
     let start = readme.find("```toml\n").unwrap() + "```toml\n".len();
     let text = &readme[start..start + readme[start..].find("```").unwrap()];
-    let description = load::parse(text, Path::new("example.toml"), false).unwrap_or_else(|error| panic!("{error}"));
+    let description =
+        formats::parse(text, Path::new("example.toml"), &formats::Disk).unwrap_or_else(|error| panic!("{error}"));
     let prepared = iorect::tracking::prepare(description.into(), None).unwrap_or_else(|error| panic!("{error}"));
     // Closed, and facing outward, or its surroundings could not be found.
     assert_eq!(prepared.table.patches[0].confidence, 1.0);

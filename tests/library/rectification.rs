@@ -7,7 +7,7 @@ use crate::common::{add, empty, nest, ready, render, sphere};
 use glam::DVec3;
 use iorect::geometry::Ray;
 use iorect::rectify::containment::{containment, medium_at, top};
-use iorect::scene::description::{Description, Paint, Shape, Solid, Transform};
+use iorect::scene::description::{Description, Object, Paint, Shape, Solid, Transform};
 use iorect::scene::{MediumId, ObjectId};
 use iorect::tracking::Mode;
 use iorect::tracking::{Prepared, prepare};
@@ -66,15 +66,7 @@ fn neighbours_are_no_containers() {
 #[test]
 fn opaque_things_are_looked_through() {
     let mut description = nest(1.0, &[(1.0, 1.5), (0.3, 1.333)]);
-    description.solids.push(Solid {
-        name: "shell".into(),
-        shape: icosphere(DVec3::ZERO, 0.6),
-        paint: Paint::Color([0.5; 3]),
-        mirror: false,
-        smooth: false,
-        visible: true,
-        transform: Transform::IDENTITY,
-    });
+    description.objects.push(Object::new("shell", icosphere(DVec3::ZERO, 0.6), Solid::of(Paint::Color([0.5; 3]))));
     assert_eq!(outsides(&ready(description)), ["world", "object 0"]);
 }
 
@@ -96,7 +88,7 @@ fn instances_may_be_mirrored_turned_and_moved() {
     for (x, scale) in [(-3.0, DVec3::new(-1.0, 1.0, 1.0)), (3.0, DVec3::splat(-1.5))] {
         add(&mut description, ring(DVec3::ZERO), 1.5, 0.0);
         add(&mut description, icosphere(DVec3::new(2.0, 0.0, 0.0), 0.4), 1.3, 0.0);
-        for refractor in description.refractors.iter_mut().rev().take(2) {
+        for refractor in description.objects.refractors_mut().iter_mut().rev().take(2) {
             let translate = DVec3::new(x * 3.0, 1.0, -2.0);
             refractor.transform = Transform { scale, rotate: DVec3::new(20.0, -70.0, 130.0), translate };
         }
@@ -124,7 +116,7 @@ fn an_object_that_moves_into_another_is_found_there() {
     add(&mut description, sphere(DVec3::X * 3.0, 0.5), 1.3, 0.0);
     let apart = ready(description.clone());
     assert_eq!(outsides(&apart), ["world", "world"]);
-    description.refractors[1].transform.translate = DVec3::NEG_X * 2.8;
+    description.objects.refractors_mut()[1].transform.translate = DVec3::NEG_X * 2.8;
     let inside = prepare(Arc::new(description), Some(&apart)).unwrap();
     assert_eq!(outsides(&inside), ["world", "object 0"]);
 }
@@ -186,10 +178,19 @@ fn the_innermost_of_several_containers() {
     let all = [ObjectId(0), ObjectId(1), ObjectId(2)];
     // The smaller volume wins, and of two equal ones the later.
     assert_eq!(top(&scene(&|_| {}), all), Some(ObjectId(2)));
-    assert_eq!(top(&scene(&|d| d.refractors[2].transform.scale = DVec3::splat(1.05)), all), Some(ObjectId(1)));
+    assert_eq!(
+        top(&scene(&|d| d.objects.refractors_mut()[2].transform.scale = DVec3::splat(1.05)), all),
+        Some(ObjectId(1))
+    );
     // Priority goes before volume, and may be negative.
-    assert_eq!(top(&scene(&|d| d.refractors[0].priority = 1), all), Some(ObjectId(0)));
-    assert_eq!(top(&scene(&|d| d.refractors[2].priority = -1), all), Some(ObjectId(1)));
+    assert_eq!(
+        top(&scene(&|d| d.objects.refractors_mut()[0].refractor_mut().unwrap().priority = 1), all),
+        Some(ObjectId(0))
+    );
+    assert_eq!(
+        top(&scene(&|d| d.objects.refractors_mut()[2].refractor_mut().unwrap().priority = -1), all),
+        Some(ObjectId(1))
+    );
     assert_eq!(top(&scene(&|_| {}), []), None);
 }
 
@@ -218,7 +219,7 @@ fn half_submerged() {
     add(&mut description, icosphere(DVec3::new(1.9, 0.1, 0.0), 0.7), 1.4, 0.0);
     description.camera.position = DVec3::new(0.0, 3.0, 8.0);
     let prepared = ready(description);
-    let ball = &prepared.table.per_object(&prepared.scene).answers[1];
+    let ball = &prepared.table.object_table(&prepared.scene).answers[1];
     assert!(ball.confidence() < 0.9 && ball.rays() > 100, "{ball:?}");
     assert!(render(&prepared, Mode::RectifiedObject, (24, 24), 4, None).events.inconsistent > 0);
     let rectified = render(&prepared, Mode::Rectified, (24, 24), 8, None);

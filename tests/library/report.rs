@@ -7,14 +7,17 @@ use std::sync::{Arc, LazyLock};
 
 use crate::common::{add, empty, nest, sphere};
 use glam::DVec3;
+use iorect::formats;
+use iorect::report::csv::tables;
 use iorect::report::data::Report;
 use iorect::report::extent::Extent;
 use iorect::report::make::{Part, Request, Subject, make};
 use iorect::report::page;
 use iorect::report::progress::Progress;
+use iorect::report::stability::{Map, Outcome};
 use iorect::report::store::Store;
 use iorect::report::write::write;
-use iorect::scene::{Description, load};
+use iorect::scene::Description;
 use serde_json::Value;
 
 /// What a page may not be made to say by a scene's name.
@@ -62,7 +65,7 @@ static MADE: LazyLock<Made> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(&folder.path().join("cache")).unwrap();
     let subjects =
-        vec![subject("nest", hostile_nest()), subject("camera-in-water", load::open("camera-in-water").unwrap())];
+        vec![subject("nest", hostile_nest()), subject("camera-in-water", formats::open("camera-in-water").unwrap())];
     let report = make(&request(subjects, &Part::ALL), &store, &quiet(&AtomicBool::new(false))).unwrap().unwrap();
     write(&report, folder.path()).unwrap();
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
@@ -72,37 +75,9 @@ static MADE: LazyLock<Made> = LazyLock::new(|| {
 impl Made {
     /// A table of the report's, as rows of fields by their columns' names.
     fn table(&self, file: &str) -> Vec<BTreeMap<String, String>> {
-        let text = std::fs::read_to_string(self.folder.path().join(file)).unwrap();
-        let mut lines = csv_lines(&text).into_iter();
-        let head = lines.next().unwrap();
-        lines
-            .map(|line| {
-                assert_eq!(line.len(), head.len(), "{file}: {line:?}");
-                head.iter().cloned().zip(line).collect()
-            })
-            .collect()
+        let mut reader = csv::Reader::from_path(self.folder.path().join(file)).unwrap();
+        reader.deserialize().map(|row| row.unwrap()).collect()
     }
-}
-
-/// RFC 4180.
-fn csv_lines(text: &str) -> Vec<Vec<String>> {
-    let (mut lines, mut line, mut field, mut is_quoted) = (Vec::new(), Vec::new(), String::new(), false);
-    let mut characters = text.chars().peekable();
-    while let Some(c) = characters.next() {
-        match c {
-            '"' if is_quoted && characters.peek() == Some(&'"') => field.extend(characters.next()),
-            '"' => is_quoted = !is_quoted,
-            ',' if !is_quoted => line.push(std::mem::take(&mut field)),
-            '\r' if !is_quoted => {}
-            '\n' if !is_quoted => {
-                line.push(std::mem::take(&mut field));
-                lines.push(std::mem::take(&mut line));
-            }
-            c => field.push(c),
-        }
-    }
-    assert!(field.is_empty() && line.is_empty(), "the last line is ended");
-    lines
 }
 
 /// A tag, or text between tags.
@@ -410,15 +385,32 @@ fn stability_is_shown_as_it_came_out() {
     let table = MADE.table("stability.csv");
     let measurements: usize = found.cases.iter().map(|case| case.measurements.len().max(1)).sum();
     assert_eq!(table.iter().filter(|row| row["check"] == "case").count(), measurements);
+    assert_eq!(table.iter().filter(|row| row["outcome"] == "not run").count(), found.counts()[2]);
     assert!(table.iter().all(
         |row| row["outcome"] != "passed" || field(row, "error") <= field(row, "bound") + 4.0 * field(row, "noise")
     ));
     // The twin: a failure that is planted shows as one, with its reason.
     let mut report = MADE.report.clone();
-    let case = &mut report.stability.as_mut().unwrap().cases[3];
-    case.outcome = iorect::report::stability::Outcome::Failed { reason: "a <planted> fault".into() };
+    let planted = report.stability.as_mut().unwrap();
+    planted.maps = vec![Map {
+        quantity: "reflectance".into(),
+        formula: "by hand".into(),
+        etas: vec![0.5, 2.0],
+        row_parameter: "cos θi".into(),
+        rows: vec![0.25, 1.0],
+        relative_errors: vec![vec![None, Some(1e-16)], vec![Some(0.0), Some(2e-16)]],
+        wrong_decisions: 0,
+        worst: 2e-16,
+        worst_well_conditioned: 2e-16,
+    }];
+    let case = &mut planted.cases[3];
+    case.outcome = Outcome::Failed { reason: "a <planted> fault".into() };
     let page = page::html(&report, &[]);
     assert!(pieces(&page).is_ok() && page.contains("a &lt;planted&gt; fault") && page.contains("1 failed"));
+    // Maps have a line for each place with an error.
+    let table = tables(&report).into_iter().find(|table| table.file == "fresnel-maps.csv").unwrap();
+    assert!(table.text.ends_with("by hand,reflectance,2.0,cos θi,1.0,2e-16\r\n"), "{}", table.text);
+    assert_eq!(table.text.lines().count(), 1 + 3);
 }
 
 /// Ratios of what was left out, likewise.

@@ -9,11 +9,11 @@ use crate::common::{Numbers, add, case, empty, mean, ready, render, sphere};
 use glam::DVec3;
 use iorect::geometry::{Geometry, Mesh, Part, Ray};
 use iorect::optics::Interface;
-use iorect::render::{Film, RenderSettings, VarianceReduction, accumulate};
+use iorect::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
 use iorect::scatter::dielectric::{self, Choice};
 use iorect::scatter::normals::Normals;
 use iorect::scene::camera::Camera;
-use iorect::scene::description::{Description, Environment, Paint, Shape, Solid, Transform};
+use iorect::scene::description::{Description, Environment, Kind, Object, Paint, Shape, Solid};
 use iorect::scene::environment::EnvironmentImage;
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
@@ -100,7 +100,7 @@ fn shapes() -> Vec<(&'static str, Shape)> {
 fn in_white_room(shape: Shape, ior: f64) -> Description {
     let mut description = empty(1.0);
     add(&mut description, shape, ior, 0.0);
-    description.refractors[0].smooth = true;
+    description.objects.refractors_mut()[0].refractor_mut().unwrap().smooth = true;
     description.camera.position = DVec3::new(0.3, 1.1, 4.0);
     description.camera.vertical_fov = 32.0;
     description
@@ -108,11 +108,15 @@ fn in_white_room(shape: Shape, ior: f64) -> Description {
 
 /// Renders without what makes a pixel's samples differ in weight: a path that gets out shows the room, which is then all that a pixel shows.
 fn plain(scene: &Prepared, mode: Mode, size: u32, samples: u32) -> Film {
-    let variance = VarianceReduction { splits: 0, ..VarianceReduction::default() };
-    let settings = RenderSettings { mode, seed: 1, max_depth: None, leave_out: true, variance };
+    let settings = ImageSettings { splits: 0, ..ImageSettings::new(mode, 1) };
     let camera = Camera::new(&scene.description.camera).expect("the camera is fine");
     let mut film = Film::new(size, size);
-    assert!(accumulate(scene, &camera, &settings, &mut film, samples, &AtomicBool::new(false)));
+    assert!(Cpu.pass(
+        &RenderTask { prepared: scene, camera: &camera, settings: &settings },
+        &mut film,
+        samples,
+        &AtomicBool::new(false)
+    ));
     film
 }
 
@@ -180,7 +184,7 @@ fn coarse_smooth_nests_are_white_in_a_white_room() {
         add(&mut description, given(round(0.8, 8, 6)), iors[1], 0.0);
         let (center, major, minor) = (DVec3::new(0.05, 0.0, 0.0), 0.35, 0.15);
         add(&mut description, Shape::Torus { center, major, minor, segments: 9, rings: 6 }, iors[2], 0.0);
-        description.refractors.iter_mut().for_each(|r| r.smooth = true);
+        description.objects.refractor_roles_mut().for_each(|r| r.smooth = true);
         let scene = ready(description);
         for mode in [Mode::Rectified, Mode::Reference, Mode::Priority] {
             assert_white(&scene, mode, 1.0, &format!("{iors:?} in {world}"));
@@ -190,17 +194,13 @@ fn coarse_smooth_nests_are_white_in_a_white_room() {
 
 fn white_solid(shape: Shape, mirror: bool) -> Description {
     let mut description = in_white_room(sphere(DVec3::new(0.0, -50.0, 0.0), 1.0), 1.5);
-    description.refractors.clear();
+    description.objects.clear(Kind::Refractor);
     description.media.clear();
-    description.solids.push(Solid {
-        name: "solid".into(),
+    description.objects.push(Object::new(
+        "solid",
         shape,
-        paint: Paint::Color([1.0; 3]),
-        mirror,
-        smooth: true,
-        visible: true,
-        transform: Transform::IDENTITY,
-    });
+        Solid { mirror, smooth: true, ..Solid::of(Paint::Color([1.0; 3])) },
+    ));
     description
 }
 
@@ -227,14 +227,17 @@ fn light_sampling_knows_what_interpolated_normals_do() {
         description.camera.vertical_fov = 12.0;
         let scene = ready(description);
         let [sampled, scattered] = [true, false].map(|sample_environment| {
-            let variance = VarianceReduction { sample_environment, ..VarianceReduction::default() };
             let means: Vec<f64> = (0..8)
                 .map(|seed| {
-                    let settings =
-                        RenderSettings { mode: Mode::Rectified, seed, max_depth: None, leave_out: true, variance };
+                    let settings = ImageSettings { sample_environment, ..ImageSettings::new(Mode::Rectified, seed) };
                     let camera = Camera::new(&scene.description.camera).expect("the camera is fine");
                     let mut film = Film::new(16, 16);
-                    accumulate(&scene, &camera, &settings, &mut film, 256, &AtomicBool::new(false));
+                    Cpu.pass(
+                        &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+                        &mut film,
+                        256,
+                        &AtomicBool::new(false),
+                    );
                     mean(&film).0
                 })
                 .collect();
@@ -339,20 +342,20 @@ fn paths_are_not_caught() {
 fn difference_to_sphere(shape: Shape, ior: f64, smooth: bool) -> f64 {
     let picture = |shape: Shape, seed: u64| {
         let mut description = in_white_room(shape, ior);
-        description.refractors[0].smooth = smooth && !matches!(description.refractors[0].shape, Shape::Sphere { .. });
+        description.objects.refractors_mut()[0].refractor_mut().unwrap().smooth =
+            smooth && !matches!(description.objects.refractors()[0].shape, Shape::Sphere { .. });
         description.environment =
             Environment::Gradient { zenith: [1.0, 0.9, 0.2], horizon: [0.3; 3], nadir: [0.05, 0.1, 0.4] };
         let scene = ready(description);
-        let settings = RenderSettings {
-            mode: Mode::Rectified,
-            seed,
-            max_depth: None,
-            leave_out: true,
-            variance: VarianceReduction::default(),
-        };
+        let settings = ImageSettings::new(Mode::Rectified, seed);
         let camera = Camera::new(&scene.description.camera).expect("the camera is fine");
         let mut film = Film::new(64, 64);
-        accumulate(&scene, &camera, &settings, &mut film, 64, &AtomicBool::new(false));
+        Cpu.pass(
+            &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+            &mut film,
+            64,
+            &AtomicBool::new(false),
+        );
         film
     };
     let analytic = || sphere(DVec3::ZERO, 1.0);

@@ -80,11 +80,6 @@ fn all_forty_cases_are_there_and_those_that_can_be_run_pass() {
             assert!((a.expected - b.expected).abs() <= 1e-15 * b.expected.abs());
         }
     }
-    let rows = report.csv_rows();
-    let measurements: usize = report.cases.iter().map(|case| case.measurements.len().max(1)).sum();
-    assert_eq!(rows.len(), measurements + 1);
-    assert!(rows.iter().all(|row| row.len() == rows[0].len()));
-    assert_eq!(rows.iter().filter(|row| row.iter().any(|cell| cell == "not run")).count(), 1);
 }
 
 /// The twin: a mode that is wrong fails wherever something is nested, and passes where nothing is.
@@ -174,7 +169,6 @@ fn maps_tell_formulas_apart() {
         assert!(map.etas.is_sorted() && map.rows.is_sorted());
         assert!(errors().all(|e| e.is_finite()) && errors().count() > 800);
         assert_eq!(errors().copied().fold(0.0, f64::max), map.worst);
-        assert_eq!(map.csv_rows().len(), errors().count() + 1);
         let well = map.worst_well_conditioned;
         let is_textbook = map.formula == Formula::ShortTextbook.name();
         let bound = if map.formula == Formula::Shipped.name() { 2e-15 } else { 1e-6 };

@@ -482,8 +482,9 @@ fn compiling_uses_the_repaired_mesh_and_remembers() {
     assert_eq!((first.objects[3].volume, first.objects[3].enclosure), (f64::INFINITY, Enclosure::Sheet));
 
     let mut moved = description.clone();
-    moved.refractors[0].transform = Transform { scale: DVec3::new(2.0, -3.0, 0.5), ..Transform::IDENTITY };
-    moved.refractors[1].transform.translate = DVec3::Y;
+    moved.objects.refractors_mut()[0].transform =
+        Transform { scale: DVec3::new(2.0, -3.0, 0.5), ..Transform::IDENTITY };
+    moved.objects.refractors_mut()[1].transform.translate = DVec3::Y;
     let second = compile(&moved, Some((&description, &first))).unwrap();
     for index in [0, 1, 3] {
         let [a, b] = [&first, &second].map(|w| w.objects[index].topology.as_ref().unwrap());
@@ -497,7 +498,8 @@ fn compiling_uses_the_repaired_mesh_and_remembers() {
     );
     // Another shape under the same name is another.
     let mut resized = moved.clone();
-    resized.refractors[1].shape = Shape::Icosphere { center: DVec3::X * 5.0, radius: 2.0, subdivisions: 2 };
+    resized.objects.refractors_mut()[1].shape =
+        Shape::Icosphere { center: DVec3::X * 5.0, radius: 2.0, subdivisions: 2 };
     let third = compile(&resized, Some((&moved, &second))).unwrap();
     assert!((third.objects[1].volume / second.objects[1].volume - 8.0).abs() < 1e-6);
     // And what is remembered equals what is worked out anew.
@@ -614,14 +616,17 @@ fn false_counts_in_files() {
     ] {
         std::fs::write(folder.path().join("m.ply"), bytes).unwrap();
         let start = std::time::Instant::now();
-        let error = iorect::scene::load::parse(text, &folder.path().join("s.toml"), false).unwrap_err().to_string();
+        let error = iorect::formats::parse(text, &folder.path().join("s.toml"), &iorect::formats::Disk)
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("m.ply") && error.contains(word), "{error}");
         assert!(start.elapsed().as_secs() < 10);
     }
     let polygon = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf".to_owned() + &" 1 2 3".repeat(10_000) + "\n";
     std::fs::write(folder.path().join("m.obj"), polygon).unwrap();
     let error =
-        iorect::scene::load::parse(&text.replace("ply", "obj"), &folder.path().join("s.toml"), false).unwrap_err();
+        iorect::formats::parse(&text.replace("ply", "obj"), &folder.path().join("s.toml"), &iorect::formats::Disk)
+            .unwrap_err();
     assert!(error.to_string().contains("m.obj:4") && error.to_string().contains("30000 corners"), "{error}");
 }
 
@@ -678,13 +683,13 @@ fn a_hundred_thousand_objects() {
             _ => common::sphere(DVec3::splat(0.25), 0.25),
         };
         common::add(&mut description, shape, 1.5, 0.0);
-        description.refractors.last_mut().unwrap().transform.translate = place;
+        description.objects.refractors_mut().last_mut().unwrap().transform.translate = place;
     }
     let start = std::time::Instant::now();
     let scene = compile(&description, None).unwrap();
     let first = start.elapsed();
     let mut moved = description.clone();
-    moved.refractors[5].transform.translate.y -= 0.1;
+    moved.objects.refractors_mut()[5].transform.translate.y -= 0.1;
     let start = std::time::Instant::now();
     let again = compile(&moved, Some((&description, &scene))).unwrap();
     println!(

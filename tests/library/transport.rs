@@ -6,14 +6,15 @@ use std::sync::atomic::AtomicBool;
 
 use crate::common::{self, add, empty, mean, nest, ready, render, sphere};
 use glam::DVec3;
+use iorect::formats;
 use iorect::geometry::Mesh;
 use iorect::measure::metrics;
-use iorect::render::{Film, RenderSettings, VarianceReduction, accumulate};
+use iorect::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
+use iorect::scene::Scene;
 use iorect::scene::camera::Camera;
-use iorect::scene::description::{Description, Environment, Light, Paint, Shape, Solid, Transform};
+use iorect::scene::description::{Description, Environment, Light, Object, Paint, Shape, Solid};
 use iorect::scene::environment::EnvironmentImage;
 use iorect::scene::needs::SceneNeeds;
-use iorect::scene::{Scene, load};
 use iorect::tracking::Mode;
 use iorect::tracking::{Prepared, prepare};
 
@@ -23,26 +24,22 @@ const ALBEDO: f64 = 0.6;
 fn floor() -> Description {
     let mut description = empty(1.0);
     description.environment = Environment::Color([0.0; 3]);
-    description.solids.push(Solid {
-        name: "floor".into(),
-        shape: Shape::Quad { center: DVec3::ZERO, edge_u: DVec3::Z * 200.0, edge_v: DVec3::X * 200.0 },
-        paint: Paint::Color([ALBEDO; 3]),
-        mirror: false,
-        smooth: false,
-        visible: true,
-        transform: Transform::IDENTITY,
-    });
+    description.objects.push(Object::new(
+        "floor",
+        Shape::Quad { center: DVec3::ZERO, edge_u: DVec3::Z * 200.0, edge_v: DVec3::X * 200.0 },
+        Solid::of(Paint::Color([ALBEDO; 3])),
+    ));
     description.camera.position = DVec3::new(3.0, 4.0, 0.0);
     description.camera.vertical_fov = 1e-6;
     description
 }
 
-fn lamp(shape: Shape) -> Light {
-    Light { name: "lamp".into(), shape, radiance: [5.0; 3], visible: true, transform: Transform::IDENTITY }
+fn lamp(shape: Shape) -> Object {
+    Object::new("lamp", shape, Light { radiance: [5.0; 3] })
 }
 
 /// A lamp that looks down: half a unit by a unit, at a height of 1, straight above the point that is seen.
-fn square_lamp() -> Light {
+fn square_lamp() -> Object {
     lamp(Shape::Quad { center: DVec3::Y, edge_u: DVec3::X * 0.5, edge_v: DVec3::Z })
 }
 
@@ -62,7 +59,7 @@ fn without_light_sampling(prepared: &Prepared) -> Prepared {
 fn direct_light_of_a_sphere() {
     let mut description = floor();
     let center = DVec3::new(0.0, 2.0, 1.0);
-    description.lights.push(lamp(sphere(center, 0.5)));
+    description.objects.push(lamp(sphere(center, 0.5)));
     let scene = ready(description);
     let d = center.length();
     let expected = ALBEDO * 5.0 * (0.5 / d).powi(2) * (2.0 / d);
@@ -74,7 +71,7 @@ fn direct_light_of_a_sphere() {
 #[test]
 fn direct_light_of_a_rectangle() {
     let mut description = floor();
-    description.lights.push(square_lamp());
+    description.objects.push(square_lamp());
     let scene = ready(description);
     let (a, b) = (0.25f64, 0.5f64);
     let part = |a: f64, b: f64| a / (1.0 + a * a).sqrt() * (b / (1.0 + a * a).sqrt()).atan();
@@ -88,7 +85,7 @@ fn direct_light_of_a_rectangle() {
 #[test]
 fn the_back_of_a_lamp_is_dark() {
     let mut description = floor();
-    description.lights.push(lamp(Shape::Quad { center: DVec3::Y, edge_u: DVec3::Z, edge_v: DVec3::X }));
+    description.objects.push(lamp(Shape::Quad { center: DVec3::Y, edge_u: DVec3::Z, edge_v: DVec3::X }));
     check_mean(&ready(description), 0.0);
 }
 
@@ -96,7 +93,7 @@ fn the_back_of_a_lamp_is_dark() {
 #[test]
 fn light_through_a_matched_absorbing_pane() {
     let mut description = floor();
-    description.lights.push(lamp(sphere(DVec3::new(0.0, 50.0, 0.0), 0.5)));
+    description.objects.push(lamp(sphere(DVec3::new(0.0, 50.0, 0.0), 0.5)));
     description.camera.position = DVec3::new(0.0, 10.0, 1e-3);
     let (min, max) = (DVec3::new(-90.0, 1.0, -90.0), DVec3::new(90.0, 2.0, 90.0));
     add(&mut description, Shape::Box { min, max }, 1.0, 0.7);
@@ -160,15 +157,11 @@ fn image_environments_are_sampled_without_bias() {
 fn grey_and_mirroring_solids_in_a_white_room() {
     for mirror in [false, true] {
         let mut description = empty(1.0);
-        description.solids.push(Solid {
-            name: "ball".into(),
-            shape: sphere(DVec3::ZERO, 1.0),
-            paint: Paint::Color([ALBEDO; 3]),
-            mirror,
-            smooth: false,
-            visible: true,
-            transform: Transform::IDENTITY,
-        });
+        description.objects.push(Object::new(
+            "ball",
+            sphere(DVec3::ZERO, 1.0),
+            Solid { mirror, ..Solid::of(Paint::Color([ALBEDO; 3])) },
+        ));
         description.camera.vertical_fov = 1.0;
         check_mean(&ready(description), ALBEDO);
     }
@@ -185,7 +178,7 @@ fn interpolated_normals() {
         for (radius, ior) in [(1.0, 1.5), (0.7, 1.2)] {
             add(&mut description, Shape::Icosphere { center: DVec3::ZERO, radius, subdivisions: 2 }, ior, 0.0);
         }
-        description.refractors.iter_mut().for_each(|r| r.smooth = smooth);
+        description.objects.refractor_roles_mut().for_each(|r| r.smooth = smooth);
         ready(description)
     };
     let film = render(&ball(true), Mode::Rectified, (64, 64), 16, None);
@@ -212,8 +205,8 @@ fn busy() -> Prepared {
     add(&mut description, Shape::Icosphere { center: DVec3::Y * 1.2, radius: 1.0, subdivisions: 3 }, 1.5, 0.1);
     add(&mut description, sphere(DVec3::new(0.1, 1.2, 0.0), 0.6), 1.333, 0.2);
     add(&mut description, sphere(DVec3::new(0.2, 1.1, 0.1), 0.3), 1.0, 0.0);
-    description.lights.push(square_lamp());
-    description.lights[0].transform.translate = DVec3::Y * 3.0;
+    description.objects.push(square_lamp());
+    description.objects.lights_mut()[0].transform.translate = DVec3::Y * 3.0;
     description.environment =
         Environment::Gradient { zenith: [0.3, 0.5, 1.0], horizon: [0.8; 3], nadir: [0.1, 0.05, 0.0] };
     ready(description)
@@ -223,19 +216,18 @@ fn busy() -> Prepared {
 fn results_do_not_depend_on_threads_or_slices() {
     let scene = busy();
     let camera = Camera::new(&scene.description.camera).unwrap();
-    let settings = RenderSettings {
-        mode: Mode::Rectified,
-        seed: 7,
-        max_depth: None,
-        leave_out: true,
-        variance: VarianceReduction::default(),
-    };
+    let settings = ImageSettings::new(Mode::Rectified, 7);
     let render = |threads: usize, slices: &[u32]| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut film = Film::new(40, 30);
         pool.install(|| {
             for &samples in slices {
-                assert!(accumulate(&scene, &camera, &settings, &mut film, samples, &AtomicBool::new(false)));
+                assert!(Cpu.pass(
+                    &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+                    &mut film,
+                    samples,
+                    &AtomicBool::new(false)
+                ));
             }
         });
         film
@@ -259,15 +251,14 @@ fn modes_agree_where_they_should() {
     assert_ne!(rectified.sums, render(&scene, Mode::Naive, (32, 24), 4, None).sums);
 
     let camera = Camera::new(&scene.description.camera).unwrap();
-    let settings = RenderSettings {
-        mode: Mode::Rectified,
-        seed: 1,
-        max_depth: None,
-        leave_out: false,
-        variance: VarianceReduction::default(),
-    };
+    let settings = ImageSettings { leave_out: false, ..ImageSettings::new(Mode::Rectified, 1) };
     let mut everything = Film::new(32, 24);
-    assert!(accumulate(&scene, &camera, &settings, &mut everything, 4, &AtomicBool::new(false)));
+    assert!(Cpu.pass(
+        &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+        &mut everything,
+        4,
+        &AtomicBool::new(false)
+    ));
     assert_eq!(rectified.sums, everything.sums);
 }
 
@@ -275,15 +266,14 @@ fn modes_agree_where_they_should() {
 fn a_cancelled_pass_says_so() {
     let scene = ready(nest(1.0, &[(1.0, 1.5)]));
     let camera = Camera::new(&scene.description.camera).unwrap();
-    let settings = RenderSettings {
-        mode: Mode::Stack,
-        seed: 0,
-        max_depth: None,
-        leave_out: true,
-        variance: VarianceReduction::default(),
-    };
+    let settings = ImageSettings::new(Mode::Stack, 0);
     let mut film = Film::new(8, 8);
-    assert!(!accumulate(&scene, &camera, &settings, &mut film, 1, &AtomicBool::new(true)));
+    assert!(!Cpu.pass(
+        &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+        &mut film,
+        1,
+        &AtomicBool::new(true)
+    ));
     assert_eq!(film.samples, 0);
 }
 
@@ -308,7 +298,7 @@ fn edits_keep_what_they_cannot_change() {
 
     // Moving an object is another geometry.
     let mut moved = (*before.description).clone();
-    moved.refractors[1].transform.translate.x += 0.01;
+    moved.objects.refractors_mut()[1].transform.translate.x += 0.01;
     let moved = prepare(Arc::new(moved), Some(&before)).unwrap();
     assert!(!Arc::ptr_eq(&before.scene.geometry, &moved.scene.geometry));
 }
@@ -325,7 +315,7 @@ mod against_another_renderer {
     }
 
     fn load_scene(name: &str) -> Description {
-        load::open(format!("tests/data/reference/{name}.toml")).expect("the scene is in the repository")
+        formats::open(format!("tests/data/reference/{name}.toml")).expect("the scene is in the repository")
     }
 
     /// relMSE against the image of `name`, of pixels and of means over 16×16 of them, freed from noise: (x₁ − r)(x₂ − r)/(r² + 0.01) of two
@@ -378,7 +368,7 @@ mod against_another_renderer {
     }
 
     fn without_priorities(mut description: Description) -> Prepared {
-        description.refractors.iter_mut().for_each(|refractor| refractor.priority = 0);
+        description.objects.refractor_roles_mut().for_each(|refractor| refractor.priority = 0);
         ready(description)
     }
 
@@ -419,7 +409,7 @@ mod against_another_renderer {
         const BOTTOM: f64 = 0.21;
         const LEVEL: f64 = 1.71;
         let mut description = load_scene("s2");
-        let glass = description.refractors.iter().find(|r| r.name == "glass").expect("s2 has a glass");
+        let glass = description.objects.refractors().iter().find(|r| r.name == "glass").expect("s2 has a glass");
         let Shape::Mesh { mesh: glass, .. } = &glass.shape else { panic!("the glass is a mesh") };
         // The inner side of the wall is a cone above a disc.
         let inner_radius = |y: f64| 0.68 + (y - BOTTOM) * 0.0864;
@@ -467,7 +457,8 @@ mod against_another_renderer {
         let volume = water.signed_volume();
         assert!((volume - 2.63).abs() < 0.05, "closed, and outward: {volume}");
         let shape = Shape::Mesh { path: "water.ply".into(), mesh: Arc::new(water), notes: Vec::new() };
-        description.refractors.iter_mut().find(|r| r.name == "water").expect("s2 has water").shape = shape;
+        description.objects.refractors_mut().iter_mut().find(|r| r.name == "water").expect("s2 has water").shape =
+            shape;
         description
     }
 

@@ -3,9 +3,9 @@
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
-use iorect::render::{Film, RenderSettings, VarianceReduction, accumulate};
+use iorect::formats;
+use iorect::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
 use iorect::scene::camera::Camera;
-use iorect::scene::load;
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
 
@@ -14,28 +14,22 @@ use crate::common::ready;
 const SIZE: (u32, u32) = (24, 16);
 
 fn scene(name: &str) -> Prepared {
-    ready(load::open(name).expect("a built-in scene"))
+    ready(formats::open(name).expect("a built-in scene"))
 }
 
-fn settings(seed: u64, splits: u32) -> RenderSettings {
-    RenderSettings {
-        mode: Mode::Rectified,
-        seed,
-        max_depth: Some(24),
-        leave_out: true,
-        variance: VarianceReduction { splits, ..VarianceReduction::default() },
-    }
+fn settings(seed: u64, splits: u32) -> ImageSettings {
+    ImageSettings { max_depth: Some(24), splits, ..ImageSettings::new(Mode::Rectified, seed) }
 }
 
 /// Adds samples to a film, in slices that end with each of `ends`, and allocates as soon as it is due.
-fn add(prepared: &Prepared, settings: &RenderSettings, film: &mut Film, ends: &[u32]) {
+fn add(prepared: &Prepared, settings: &ImageSettings, film: &mut Film, ends: &[u32]) {
     let camera = Camera::new(&prepared.description.camera).expect("the camera is fine");
     for &end in ends {
         let slice = (end - film.samples).min(film.samples_to_decision());
-        assert!(accumulate(prepared, &camera, settings, film, slice, &AtomicBool::new(false)));
+        assert!(Cpu.pass(&RenderTask { prepared, camera: &camera, settings }, film, slice, &AtomicBool::new(false)));
         Film::allocate(&mut [film]);
         let rest = end - film.samples;
-        assert!(accumulate(prepared, &camera, settings, film, rest, &AtomicBool::new(false)));
+        assert!(Cpu.pass(&RenderTask { prepared, camera: &camera, settings }, film, rest, &AtomicBool::new(false)));
     }
 }
 
@@ -145,8 +139,13 @@ fn compared_films_share_an_allocation() {
     let mut films = [Mode::Rectified, Mode::Reference].map(|mode| (mode, Film::adaptive(SIZE.0, SIZE.1)));
     for slice in [8, 8] {
         for (mode, film) in &mut films {
-            let settings = RenderSettings { mode: *mode, ..settings(1, 2) };
-            assert!(accumulate(&scene, &camera, &settings, film, slice, &AtomicBool::new(false)));
+            let settings = ImageSettings { mode: *mode, ..settings(1, 2) };
+            assert!(Cpu.pass(
+                &RenderTask { prepared: &scene, camera: &camera, settings: &settings },
+                film,
+                slice,
+                &AtomicBool::new(false)
+            ));
         }
         let [(_, a), (_, b)] = &mut films;
         Film::allocate(&mut [a, b]);

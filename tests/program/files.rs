@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use iorect::check::{Problem, Severity, check};
+use iorect::formats;
 use iorect::geometry::Enclosure;
+use iorect::scene::Description;
 use iorect::scene::description::Shape;
-use iorect::scene::{Description, load, save};
 use iorect::tracking::prepare;
 
 use crate::desk::{self, Desk};
@@ -36,11 +37,11 @@ fn one_harmless_oddity_refuses_no_mesh() {
         ("unknown_statement", Some(("unknown_statement", "unknown_statement.obj:1: 1 statement, `vw`"))),
     ];
     for (name, said) in cases {
-        let scene = load::file(&folder.join(format!("{name}_obj.toml"))).unwrap();
-        let Shape::Mesh { mesh, .. } = &scene.refractors[0].shape else { panic!("no mesh") };
+        let scene = formats::file(&folder.join(format!("{name}_obj.toml"))).unwrap();
+        let Shape::Mesh { mesh, .. } = &scene.objects.refractors()[0].shape else { panic!("no mesh") };
         assert_eq!((mesh.positions.len(), mesh.triangles.len()), (8, 12), "{name}");
         assert_eq!(mesh.signed_volume(), 8.0, "{name}");
-        let text = save::to_text(&scene);
+        let text = formats::to_text(&scene);
         assert_eq!(text, std::fs::read_to_string(folder.join(format!("{name}_obj.toml"))).unwrap());
         let prepared = prepare(Arc::new(scene.clone()), None).unwrap();
         let topology = prepared.scene.objects[0].topology.as_ref().expect("a mesh is analysed");
@@ -61,14 +62,14 @@ fn what_is_passed_over_does_not_change_the_scene() {
     let folder = tempfile::tempdir().unwrap();
     let read = |obj: &str| {
         std::fs::write(folder.path().join("m.obj"), obj).unwrap();
-        load::parse(&with_mesh("m.obj"), &folder.path().join("s.toml"), false).unwrap()
+        formats::parse(&with_mesh("m.obj"), &folder.path().join("s.toml"), &formats::Disk).unwrap()
     };
     let tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 4\n";
     let plain = read(tetrahedron);
     let odd = read(&format!("\u{feff}{}zz 1\nf 1 2\n", tetrahedron.replace('\n', "\r")));
-    assert_ne!(plain.refractors[0].shape, odd.refractors[0].shape, "one has notes");
+    assert_ne!(plain.objects.refractors()[0].shape, odd.objects.refractors()[0].shape, "one has notes");
     assert_eq!(plain.fingerprint(), odd.fingerprint());
-    assert_eq!(save::to_text(&plain), save::to_text(&odd));
+    assert_eq!(formats::to_text(&plain), formats::to_text(&odd));
     assert_eq!(problems(odd).iter().map(|p| p.kind).collect::<Vec<_>>(), ["unknown_statement", "short_faces"]);
 }
 
@@ -78,13 +79,13 @@ fn scene_text_with_marks() {
     let path = folder.path().join("s.toml");
     let read = |bytes: &[u8]| {
         std::fs::write(&path, bytes).unwrap();
-        load::file(&path)
+        formats::file(&path)
     };
     for ends in ["\n", "\r\n"] {
         let text = format!("\u{feff}# a scene\n{HEAD}").replace('\n', ends);
         let scene = read(text.as_bytes()).unwrap();
         assert_eq!(scene.camera.position.z, 5.0);
-        assert_eq!(save::to_text(&scene), text, "{ends:?}");
+        assert_eq!(formats::to_text(&scene), text, "{ends:?}");
     }
     // A fault is where the author sees it.
     let error = read("\u{feff}camer = 1\n".as_bytes()).unwrap_err();
@@ -175,15 +176,15 @@ fn names_that_are_no_text() {
     std::fs::write(folder.join("m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 4\n")
         .unwrap();
 
-    let scene = load::open(&path).unwrap();
+    let scene = formats::open(&path).unwrap();
     assert_eq!(scene.name, "sc\u{fffd}ne");
     let copy = folder.join(name(b"copy\xff.toml"));
-    save::save(&scene, &copy).unwrap();
-    assert_eq!(load::open(&copy).unwrap().refractors, scene.refractors);
+    formats::save(&scene, &copy).unwrap();
+    assert_eq!(formats::open(&copy).unwrap().objects, scene.objects);
     // From elsewhere the mesh could only be named by what a scene file cannot hold.
-    let error = save::save(&scene, &desk.path().join("elsewhere.toml")).unwrap_err().to_string();
+    let error = formats::save(&scene, &desk.path().join("elsewhere.toml")).unwrap_err().to_string();
     assert!(error.contains("not UTF-8") && !desk.path().join("elsewhere.toml").exists(), "{error}");
-    let missing = load::open(folder.join("missing.toml")).unwrap_err().to_string();
+    let missing = formats::open(folder.join("missing.toml")).unwrap_err().to_string();
     assert!(missing.contains("caf\u{fffd}/missing.toml: cannot be read: there is no such file"), "{missing}");
 
     for command in ["rectify", "check", "trace --pixel 1,1 --size 2x2", "render --size 2x2 --spp 1 -o a.png"] {

@@ -5,6 +5,7 @@ mod desk;
 mod cli;
 mod files;
 mod hostile_text;
+mod inlining;
 mod merge;
 mod numbers;
 mod writing;

@@ -51,9 +51,9 @@ fn permissions_are_kept() {
     // Scenes too.
     let path = desk.path().join("sky.toml");
     set_mode(&path, 0o600);
-    let mut scene = iorect::scene::load::file(&path).unwrap();
+    let mut scene = iorect::formats::file(&path).unwrap();
     scene.camera.vertical_fov = 33.0;
-    iorect::scene::save::save(&scene, &path).unwrap();
+    iorect::formats::save(&scene, &path).unwrap();
     assert_eq!(mode_of(&path), 0o600);
     assert!(fs::read_to_string(&path).unwrap().contains("vertical_fov = 33.0"));
 }

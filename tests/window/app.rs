@@ -228,7 +228,7 @@ fn an_edited_scene_is_saved_and_read_back() {
     assert!(harness.state().state().document.is_dirty());
     apply(&mut harness, Command::SaveAs(path.clone()));
     until(&mut harness, "it is saved", |app| !app.state().document.is_dirty());
-    let saved = iorect::scene::load::file(&path).expect("a scene that can be read");
+    let saved = iorect::formats::file(&path).expect("a scene that can be read");
     assert!((saved.medium("glass").unwrap().ior.ior() - 1.61).abs() < 1e-9);
     assert_eq!(harness.state().state().settings.recent[0], path.display().to_string());
 }
@@ -316,7 +316,7 @@ fn dragging_orbits_and_home_returns() {
 /// The transform of an object, by name.
 fn transform_of(harness: &Harness<'_, App>, name: &str) -> Transform {
     let description = harness.state().state().document.description();
-    let refractor = description.refractors.iter().find(|r| r.name == name);
+    let refractor = description.objects.refractors().iter().find(|r| r.name == name);
     refractor.expect("the scene has this refractor").transform
 }
 
@@ -363,7 +363,7 @@ fn a_handle_moves_an_object_in_one_undoable_step_and_elsewhere_one_orbits() {
     let before = harness.state().state().document.description().clone();
     let start = transform_of(&harness, "water ball");
     let picture = picture_of(&harness);
-    let Shape::Sphere { center, .. } = before.refractors[1].shape else { panic!("the scene has changed") };
+    let Shape::Sphere { center, .. } = before.objects.refractors()[1].shape else { panic!("the scene has changed") };
     // The arrow for y goes up from the middle; it is dragged up by 50 points.
     let middle = on_screen(&harness, picture, center);
     let (arrow, by) = (middle - egui::vec2(0.0, 45.0), egui::vec2(0.0, -50.0));
@@ -379,7 +379,7 @@ fn a_handle_moves_an_object_in_one_undoable_step_and_elsewhere_one_orbits() {
     drop_here(&mut harness, arrow + by);
     assert_eq!(harness.state().state().document.undo_label().as_deref(), Some("moving water ball"));
     until(&mut harness, "the moved scene is prepared", move |app| {
-        app.state().report.as_ref().is_some_and(|r| r.prepared.description.refractors[1].transform == moved)
+        app.state().report.as_ref().is_some_and(|r| r.prepared.description.objects.refractors()[1].transform == moved)
     });
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run_steps(3);
@@ -420,7 +420,7 @@ fn rotating_and_scaling_keep_the_middle_where_it_is() {
     apply(&mut harness, Command::SelectObject(Some("ice cube 1".into())));
     let shape = {
         let description = harness.state().state().document.description();
-        description.refractors.iter().find(|r| r.name == "ice cube 1").expect("there is ice").shape.clone()
+        description.objects.refractors().iter().find(|r| r.name == "ice cube 1").expect("there is ice").shape.clone()
     };
     let (min, max) = shape.bounds();
     let pivot = (min + max) / 2.0;
@@ -480,12 +480,12 @@ fn an_object_is_edited_by_typing() {
     type_into(&mut harness, "Priority of water ball", "3");
     let now = transform_of(&harness, "water ball");
     assert_eq!((now.rotate.y, now.scale), (30.0, DVec3::splat(0.5)));
-    let center = |t: Transform| match harness.state().state().document.description().refractors[1].shape {
+    let center = |t: Transform| match harness.state().state().document.description().objects.refractors()[1].shape {
         Shape::Sphere { center, .. } => t.matrix().transform_point3(center),
         _ => panic!("the scene has changed"),
     };
     assert!((center(now) - center(start)).distance(DVec3::X * 0.25) < 1e-12);
-    assert_eq!(harness.state().state().document.description().refractors[1].priority, 3);
+    assert_eq!(harness.state().state().document.description().objects.refractors()[1].refractor().unwrap().priority, 3);
     // A scale of 0 is refused in words.
     type_into(&mut harness, "Scale water ball", "0");
     assert!(harness.state().state().notices.iter().any(|n| n.text.contains("must not be 0")));
@@ -540,7 +540,7 @@ fn an_object_is_picked_hidden_framed_and_found_again() {
 
     harness.key_press(Key::V);
     harness.run_steps(3);
-    assert!(!harness.state().state().document.description().refractors[2].visible);
+    assert!(!harness.state().state().document.description().objects.refractors()[2].visible);
     until(&mut harness, "it is gone", |app| {
         let report = app.state().report.as_ref();
         report.is_some_and(|r| r.prepared.scene.geometry.sphere_count() == 2) && every_pane_has_an_image(app)
@@ -599,7 +599,7 @@ fn a_click_on_a_problem_shows_its_place_and_a_tie_is_fixed() {
     harness.get_by_label("Fix").click();
     harness.run_steps(3);
     let priorities: Vec<i32> =
-        harness.state().state().document.description().refractors.iter().map(|r| r.priority).collect();
+        harness.state().state().document.description().objects.refractor_roles().map(|r| r.priority).collect();
     assert_eq!(priorities, [0, 1], "the smaller volume wins for certain");
     until(&mut harness, "the tie is no problem any more", move |app| !has_tie(app));
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
@@ -765,7 +765,7 @@ fn everything_has_a_name_and_is_inside_the_window() {
 fn the_window_is_drawn_in_both_themes() {
     for (theme, name) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
         let settings = Settings { theme, ..quick() };
-        let description = iorect::scene::load::open("camera-in-water").expect("a built-in scene");
+        let description = iorect::formats::open("camera-in-water").expect("a built-in scene");
         let mut harness = Harness::builder()
             .with_size([1280.0, 720.0])
             .with_step_dt(1.0 / 60.0)

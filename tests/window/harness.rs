@@ -12,7 +12,7 @@ pub fn quick() -> Settings {
 }
 
 pub fn window_of(scene: &str, settings: Settings, size: [f32; 2]) -> Harness<'static, App> {
-    let description = iorect::scene::load::open(scene).expect("a built-in scene");
+    let description = iorect::formats::open(scene).expect("a built-in scene");
     let mut harness = Harness::builder()
         .with_size(size)
         .with_step_dt(1.0 / 60.0)

@@ -19,8 +19,8 @@ struct Desk {
 impl Desk {
     fn new() -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let scene = iorect::scene::load::open("nested-spheres").expect("a built-in scene");
-        iorect::scene::save::save(&scene, &folder.path().join("mine.toml")).expect("the folder is writable");
+        let scene = iorect::formats::open("nested-spheres").expect("a built-in scene");
+        iorect::formats::save(&scene, &folder.path().join("mine.toml")).expect("the folder is writable");
         Self { folder }
     }
 

@@ -10,7 +10,8 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use serde::{Deserialize, Serialize};
 
 use super::Edits;
-use crate::scene::{self, Description, SceneError};
+use crate::formats::{BuiltIn, Disk, Files};
+use crate::scene::{Description, SceneError};
 use crate::writing::write_atomically;
 
 /// How the first line begins, a comment to TOML; JSON follows.
@@ -126,7 +127,7 @@ impl Slot {
             saved_at: SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs(),
         };
         let head = serde_json::to_string(&head).map_err(|error| error.to_string())?;
-        let text = format!("{HEAD}{head}\n{}", scene::save::to_text(description));
+        let text = format!("{HEAD}{head}\n{}", crate::formats::to_text(description));
         if text.len() as u64 > MAX_BYTES {
             return Err(format!("its text has {} bytes; at most {MAX_BYTES} are kept", text.len()));
         }
@@ -181,9 +182,10 @@ impl Found {
     /// The edited scene, with the files that it names.
     ///
     /// # Errors
-    /// As [`scene::load::parse`].
+    /// As [`crate::formats::parse`].
     pub fn description(&self) -> Result<Description, SceneError> {
-        scene::load::parse(&self.text, &self.head.source, self.head.is_builtin)
+        let files: &dyn Files = if self.head.is_builtin { &BuiltIn } else { &Disk };
+        crate::formats::parse(&self.text, &self.head.source, files)
     }
 }
 
@@ -204,7 +206,7 @@ mod tests {
     use super::*;
 
     fn edits(name: &str, path: Option<&Path>) -> Edits {
-        let mut description = scene::load::open("nested-spheres").unwrap();
+        let mut description = crate::formats::open("nested-spheres").unwrap();
         description.name = name.to_owned();
         Edits { description: Arc::new(description), path: path.map(Path::to_owned) }
     }

@@ -1,30 +1,24 @@
 //! What this is, and its icon.
 
-use egui::{Align2, Context, Window, vec2};
+use egui::Context;
 
 use crate::app::command::Command;
 use crate::app::state::State;
+use crate::app::widgets::centered_ui;
 
 pub fn show(ctx: &Context, state: &State, commands: &mut Vec<Command>) {
-    let mut is_open = state.windows.about;
-    Window::new("About iorect")
-        .open(&mut is_open)
-        .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
-        .collapsible(false)
-        .resizable(false)
-        .show(ctx, |ui| {
-            ui.set_width(380.0);
-            ui.heading(format!("iorect {}", env!("CARGO_PKG_VERSION")));
-            ui.add_space(6.0);
-            ui.label(
+    let is_closed = centered_ui(ctx, "About iorect", state.windows.about, 380.0, |ui| {
+        ui.heading(format!("iorect {}", env!("CARGO_PKG_VERSION")));
+        ui.add_space(6.0);
+        ui.label(
                 "Renders scenes in which dielectrics sit inside dielectrics. Every object has the index of refraction of its \
                  own interior; what lies on the other side of each surface is found by tracing rays outward before rendering, \
                  and the ways of keeping track of media are shown side by side.",
             );
-            ui.add_space(6.0);
-            ui.weak("Licensed under MIT or Apache-2.0, at your option.");
-        });
-    if state.windows.about && !is_open {
+        ui.add_space(6.0);
+        ui.weak("Licensed under MIT or Apache-2.0, at your option.");
+    });
+    if is_closed {
         commands.push(Command::ShowAbout(false));
     }
 }

@@ -1,50 +1,39 @@
 //! The built-in scenes, each with its sentence.
 
-use egui::{Align2, Button, Context, RichText, ScrollArea, Window, vec2};
+use egui::{Button, Context, RichText, vec2};
 
 use crate::app::command::Command;
 use crate::app::state::State;
 use crate::app::theme::Palette;
-use crate::scene::builtin;
+use crate::app::widgets::centered_ui;
+use crate::formats::builtin;
 
 pub fn show(ctx: &Context, state: &State, commands: &mut Vec<Command>) {
-    let mut is_open = state.windows.gallery;
-    let room = ctx.content_rect().size();
     let mut chosen = None;
-    Window::new("Built-in scenes")
-        .open(&mut is_open)
-        .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
-        .collapsible(false)
-        .default_height(room.y - 90.0)
-        .resizable(false)
-        .show(ctx, |ui| {
-            ui.set_width((room.x - 60.0).min(560.0));
-            let palette = Palette::of(ui);
-            ScrollArea::vertical().max_height(room.y - 130.0).show(ui, |ui| {
-                for scene in builtin::all() {
-                    let mut text = egui::text::LayoutJob::default();
-                    let body = egui::TextStyle::Body.resolve(ui.style());
-                    let small = egui::TextStyle::Small.resolve(ui.style());
-                    let strong = ui.visuals().strong_text_color();
-                    text.append(scene.name, 0.0, egui::TextFormat::simple(body, strong));
-                    text.append("\n", 0.0, egui::TextFormat::default());
-                    text.append(scene.about, 0.0, egui::TextFormat::simple(small, palette.weak_text));
-                    let is_shown = is_shown(state, scene.name);
-                    let mut button =
-                        Button::selectable(is_shown, text).wrap().min_size(vec2(ui.available_width(), 44.0));
-                    if is_shown {
-                        button = button.right_text(RichText::new("open").small());
-                    }
-                    if ui.add(button).accessible_name(scene.name).clicked() {
-                        chosen = Some(scene.name);
-                    }
-                }
-            });
-        });
+    let is_closed = centered_ui(ctx, "Built-in scenes", state.windows.gallery, 560.0, |ui| {
+        let palette = Palette::of(ui);
+        for scene in builtin::all() {
+            let mut text = egui::text::LayoutJob::default();
+            let body = egui::TextStyle::Body.resolve(ui.style());
+            let small = egui::TextStyle::Small.resolve(ui.style());
+            let strong = ui.visuals().strong_text_color();
+            text.append(scene.name, 0.0, egui::TextFormat::simple(body, strong));
+            text.append("\n", 0.0, egui::TextFormat::default());
+            text.append(scene.about, 0.0, egui::TextFormat::simple(small, palette.weak_text));
+            let is_shown = is_shown(state, scene.name);
+            let mut button = Button::selectable(is_shown, text).wrap().min_size(vec2(ui.available_width(), 44.0));
+            if is_shown {
+                button = button.right_text(RichText::new("open").small());
+            }
+            if ui.add(button).accessible_name(scene.name).clicked() {
+                chosen = Some(scene.name);
+            }
+        }
+    });
     if let Some(name) = chosen {
         commands.push(Command::Open(name.into()));
         commands.push(Command::ShowGallery(false));
-    } else if state.windows.gallery && !is_open {
+    } else if is_closed {
         commands.push(Command::ShowGallery(false));
     }
 }

@@ -10,9 +10,8 @@ use crate::app::measurement::{Curve, ErrorAxis, ErrorMetric, Point};
 use crate::app::settings::mode_title;
 use crate::app::state::State;
 use crate::app::theme::{Palette, WARNING_MARK};
-use crate::app::widgets::{
-    duration, fact_ui, note, row_ui, section_first_ui, section_ui, segmented_ui, short_seconds, thousands, value,
-};
+use crate::app::widgets::{fact_ui, note, row_ui, section_first_ui, section_ui, segmented_ui, short_seconds, value};
+use crate::export::words::{duration, grouped};
 use crate::session::GroundTruthDemand;
 use crate::tracking::Mode;
 
@@ -71,7 +70,7 @@ fn reference_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         _ => "rendering",
     };
     let samples =
-        if samples == 0 { progress.to_owned() } else { format!("2 × {}, {progress}", thousands(samples.into())) };
+        if samples == 0 { progress.to_owned() } else { format!("2 × {}, {progress}", grouped(samples.into())) };
     fact_ui(
         ui,
         "Samples per pixel",

@@ -123,9 +123,10 @@ pub fn details_ui(ui: &mut Ui, description: &Description, medium: &MediumRef, co
     });
     let users: Vec<&str> = match medium {
         MediumRef::World => Vec::new(),
-        MediumRef::Named(name) => {
-            description.refractors.iter().filter(|r| r.medium == *name).map(|r| r.name.as_str()).collect()
-        }
+        MediumRef::Named(name) => (description.objects.iter())
+            .filter(|o| o.refractor().is_some_and(|r| r.medium == *name))
+            .map(|r| r.name.as_str())
+            .collect(),
     };
     if users.len() > 1 {
         let text = note(ui, format!("Shared by {} objects: {}.", users.len(), users.join(", ")));

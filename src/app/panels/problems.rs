@@ -75,7 +75,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 /// The objects that a problem is about: several names are separated by commas.
 fn objects_of<'a>(problem: &'a Problem, state: &State) -> Vec<&'a str> {
     let description = state.document.description();
-    problem.place.split(", ").filter(|place| description.object_names().any(|name| name == *place)).collect()
+    problem.place.split(", ").filter(|place| description.objects.find(place).is_some()).collect()
 }
 
 /// What shows a problem in the picture, and what to say of that; `None` where there is nothing to see.

@@ -5,7 +5,8 @@ use egui::{Label, RichText, Ui};
 use crate::app::command::Command;
 use crate::app::state::State;
 use crate::app::theme::{Palette, WARNING_MARK};
-use crate::app::widgets::{duration, fact_ui, note, section_first_ui, section_ui, thousands, value};
+use crate::app::widgets::{fact_ui, note, section_first_ui, section_ui, value};
+use crate::export::words::{duration, grouped};
 use crate::rectify::{Patch, PatchKind};
 use crate::scene::Scene;
 
@@ -22,14 +23,14 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     fact_ui(ui, "Refractors", refractors.to_string(), "Objects that light goes through.");
     let about =
         "Parts of their surfaces: each with the same surroundings everywhere, or crossed by the same other surfaces.";
-    fact_ui(ui, "Patches", thousands(table.patches.len() as u64), about);
+    fact_ui(ui, "Patches", grouped(table.patches.len() as u64), about);
     for kind in PatchKind::ALL.into_iter().filter(|kind| *kind != PatchKind::Clear) {
         let count = table.patches.iter().filter(|patch| patch.kind == kind).count();
         if count > 0 {
-            fact_ui(ui, &format!("  of these {}", kind.name()), thousands(count as u64), about_kind(kind));
+            fact_ui(ui, &format!("  of these {}", kind.name()), grouped(count as u64), about_kind(kind));
         }
     }
-    fact_ui(ui, "Rays", thousands(table.rays()), "Shot outward from the patches, over all runs on this geometry.");
+    fact_ui(ui, "Rays", grouped(table.rays()), "Shot outward from the patches, over all runs on this geometry.");
     fact_ui(ui, "Least confidence", format!("{:.1} %", least * 100.0), "The patch whose rays agreed least.");
     if seconds.topology > 0.0 {
         fact_ui(ui, "Topology", duration(seconds.topology), "Looking at the meshes; once per geometry.");
@@ -112,7 +113,7 @@ fn patch_ui(ui: &mut Ui, state: &State, scene: &Scene, patch: &Patch, commands: 
     let response = response.on_hover_ui(|ui| {
         ui.strong(format!("{name}, patch {}: {}", patch.index, patch.kind.name()));
         ui.label(about_kind(patch.kind));
-        ui.label(format!("{} rays, {} faces", thousands(u64::from(patch.rays)), thousands(u64::from(patch.faces))));
+        ui.label(format!("{} rays, {} faces", grouped(u64::from(patch.rays)), grouped(u64::from(patch.faces))));
         for vote in &*patch.votes {
             ui.label(format!("{} of {} votes: inside {}", vote.inside, vote.asked, scene.object(vote.refractor).name));
         }

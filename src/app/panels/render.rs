@@ -8,8 +8,9 @@ use crate::app::state::State;
 use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
 use crate::app::viewport::{Viewport, content_menu_ui, event_meaning, event_name};
 use crate::app::widgets::{
-    note, row_ui, section_first_ui, section_ui, segmented_ui, short_count, short_seconds, thousands, value,
+    note, row_ui, section_first_ui, section_ui, segmented_ui, short_count, short_seconds, value,
 };
+use crate::export::words::grouped;
 use crate::render::ToneCurve;
 use crate::tracking::Mode;
 
@@ -245,7 +246,7 @@ fn events_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
                 });
             })
             .response
-            .on_hover_text(format!("{} {}.\n{}", thousands(count), event_name(kind), event_meaning(kind)));
+            .on_hover_text(format!("{} {}.\n{}", grouped(count), event_name(kind), event_meaning(kind)));
         }
     }
     if !has_any {

@@ -12,7 +12,7 @@ use crate::app::theme::{Palette, WARNING_MARK};
 use crate::app::widgets::{fact_ui, note, section_first_ui, section_ui, swatch_ui};
 use crate::rectify::Patch;
 use crate::scene::Description;
-use crate::scene::description::{Paint, Shape};
+use crate::scene::description::{Object, Paint, Role, Shape, Solid};
 use crate::session::SceneReport;
 
 /// Indent per level, in points, while there is room.
@@ -33,7 +33,7 @@ struct Row {
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let description = state.document.description();
     let detail = state.report.as_ref().map_or_else(String::new, |_| {
-        let count = description.refractors.len();
+        let count = description.objects.refractors().len();
         format!("{count} {}", if count == 1 { "refractor" } else { "refractors" })
     });
     section_first_ui(ui, "Scene", &detail);
@@ -60,24 +60,24 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let indent = (MOST_INDENT / deepest as f32).clamp(LEAST_INDENT, INDENT);
         for row in rows {
             let response = refractor_row_ui(ui, state, description, &row, indent, commands);
-            if to_show.as_ref() == Some(&description.refractors[row.refractor].name) {
+            if to_show.as_ref() == Some(&description.objects.refractors()[row.refractor].name) {
                 response.scroll_to_me(None);
             }
         }
-        if description.refractors.is_empty() {
+        if description.objects.refractors().is_empty() {
             ui.label(note(ui, "No refractors in this scene."));
         }
         ui.add_space(8.0);
-        plain_rows_ui(ui, state, "Solids", &solids(description), to_show.as_deref(), commands);
-        plain_rows_ui(ui, state, "Lights", &lights(description), to_show.as_deref(), commands);
+        plain_rows_ui(ui, state, "Solids", &plain_rows(description.objects.solids()), to_show.as_deref(), commands);
+        plain_rows_ui(ui, state, "Lights", &plain_rows(description.objects.lights()), to_show.as_deref(), commands);
     });
 }
 
 /// The rows of the tree, parents before children, siblings in file order. Before the first rectification everything is at the top.
 fn rows(description: &Description, report: Option<&SceneReport>) -> Vec<Row> {
-    let count = description.refractors.len();
+    let count = description.objects.refractors().len();
     let parent = |index: usize| -> Option<usize> {
-        let patch = patch_of(report?, &description.refractors[index].name)?;
+        let patch = patch_of(report?, &description.objects.refractors()[index].name)?;
         let container = patch.outside_refractor?.0 as usize;
         (container < count && container != index).then_some(container)
     };
@@ -150,32 +150,33 @@ fn refractor_row_ui(
     indent: f32,
     commands: &mut Vec<Command>,
 ) -> Response {
-    let refractor = &description.refractors[row.refractor];
+    let object = &description.objects.refractors()[row.refractor];
+    let medium_name = object.refractor().map_or("", |refractor| &refractor.medium);
     let palette = Palette::of(ui);
-    let is_selected = state.selected.as_deref() == Some(&refractor.name);
-    let (rect, response) = selectable_row_ui(ui, is_selected, &refractor.name);
+    let is_selected = state.selected.as_deref() == Some(&object.name);
+    let (rect, response) = selectable_row_ui(ui, is_selected, &object.name);
     if !ui.is_rect_visible(rect) {
         // A hundred shells are a long list: what is scrolled away costs nothing.
         return response;
     }
     let depth = row.depth.min((MOST_INDENT / indent) as usize);
     paint_branches(ui, rect, depth, indent, &row.continues);
-    let color = medium::color(&palette, description, &refractor.medium);
-    let patch = state.report.as_deref().and_then(|report| patch_of(report, &refractor.name));
+    let color = medium::color(&palette, description, medium_name);
+    let patch = state.report.as_deref().and_then(|report| patch_of(report, &object.name));
     let doubt = patch.filter(|patch| patch.confidence < 1.0).map(|patch| patch.confidence);
-    row_contents_ui(ui, rect, depth as f32 * indent, color, &refractor.name, refractor.visible, doubt);
-    let medium = MediumRef::Named(refractor.medium.clone());
-    medium::ior_ui(ui, controls_of(rect), description, &medium, &refractor.name, commands);
+    row_contents_ui(ui, rect, depth as f32 * indent, color, &object.name, object.visible, doubt);
+    let medium = MediumRef::Named(medium_name.to_owned());
+    medium::ior_ui(ui, controls_of(rect), description, &medium, &object.name, commands);
     let response = response.on_hover_ui(|ui| {
-        ui.strong(&refractor.name);
-        ui.label(format!("medium: {}", refractor.medium));
-        ui.label(format!("outside: {}", outside(state, &refractor.name)));
-        ui.label(format!("shape: {}", shape_name(&refractor.shape)));
+        ui.strong(&object.name);
+        ui.label(format!("medium: {medium_name}"));
+        ui.label(format!("outside: {}", outside(state, &object.name)));
+        ui.label(format!("shape: {}", shape_name(&object.shape)));
     });
     if response.clicked() {
-        commands.push(Command::SelectObject((!is_selected).then(|| refractor.name.clone())));
+        commands.push(Command::SelectObject((!is_selected).then(|| object.name.clone())));
     }
-    row_menu_ui(&response, &refractor.name, refractor.visible, commands);
+    row_menu_ui(&response, &object.name, object.visible, commands);
     response
 }
 
@@ -298,37 +299,37 @@ fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut
             let text = format!("{:.1} % of {} rays", patch.confidence * 100.0, patch.rays);
             fact_ui(ui, "Confidence", text, "Share of the votes that this answer got.");
         }
-    } else if let Some(solid) = description.solids.iter().find(|solid| solid.name == *selected) {
-        section_ui(ui, selected, if solid.mirror { "mirror" } else { "solid" });
-        object::show(ui, selected, &object, commands);
-        fact_ui(ui, "Shape", shape_name(&solid.shape), "");
-        fact_ui(ui, "Colour", paint_name(&solid.paint), "Albedo, linear RGB.");
-    } else if let Some(light) = description.lights.iter().find(|light| light.name == *selected) {
-        section_ui(ui, selected, "light");
-        object::show(ui, selected, &object, commands);
-        fact_ui(ui, "Shape", shape_name(&light.shape), "");
-        fact_ui(ui, "Radiance", triple(light.radiance), "Linear RGB.");
+        return;
+    }
+    let Some(role) = description.objects.find(selected).map(|object| &object.role) else { return };
+    let kind = if matches!(role, Role::Solid(solid) if solid.mirror) { "mirror" } else { role.kind().name() };
+    section_ui(ui, selected, kind);
+    object::show(ui, selected, &object, commands);
+    fact_ui(ui, "Shape", shape_name(object.shape), "");
+    match role {
+        Role::Refractor(_) => {}
+        Role::Solid(solid) => fact_ui(ui, "Colour", paint_name(&solid.paint), "Albedo, linear RGB."),
+        Role::Light(light) => fact_ui(ui, "Radiance", triple(light.radiance), "Linear RGB."),
     }
 }
 
 /// What is no refractor: name, colour and whether it is shown.
 type PlainRow<'a> = (&'a str, [f64; 3], bool);
 
-fn solids(description: &Description) -> Vec<PlainRow<'_>> {
-    let rows = description.solids.iter().map(|solid| {
-        let color = match solid.paint {
-            Paint::Color(color) => color,
-            Paint::Checker { a, b, .. } => std::array::from_fn(|i| 0.5 * (a[i] + b[i])),
+fn plain_rows(objects: &[Object]) -> Vec<PlainRow<'_>> {
+    let rows = objects.iter().map(|object| {
+        let color = match &object.role {
+            Role::Solid(Solid { paint: Paint::Color(color), .. }) => *color,
+            Role::Solid(Solid { paint: Paint::Checker { a, b, .. }, .. }) => {
+                std::array::from_fn(|i| 0.5 * (a[i] + b[i]))
+            }
+            Role::Light(light) => {
+                let most = light.radiance.iter().copied().fold(1e-9, f64::max);
+                light.radiance.map(|x| x / most)
+            }
+            Role::Refractor(_) => [1.0; 3],
         };
-        (&*solid.name, color, solid.visible)
-    });
-    rows.collect()
-}
-
-fn lights(description: &Description) -> Vec<PlainRow<'_>> {
-    let rows = description.lights.iter().map(|light| {
-        let most = light.radiance.iter().copied().fold(1e-9, f64::max);
-        (&*light.name, light.radiance.map(|x| x / most), light.visible)
+        (&*object.name, color, object.visible)
     });
     rows.collect()
 }

@@ -195,8 +195,8 @@ impl State {
     fn set_transform(&mut self, object: String, manipulation: Manipulation, transform: Transform, now_secs: f64) {
         let description = self.document.description();
         let Some(shape) = objects::object(description, &object).map(|o| o.shape) else { return };
-        if let Some(fault) = transform.fault(shape) {
-            self.notify_error(fault);
+        if let Err(fault) = transform.validate(shape) {
+            self.notify_error(fault.to_string());
             return;
         }
         let edited = objects::with_transform(description, &object, transform);

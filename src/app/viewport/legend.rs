@@ -3,10 +3,10 @@
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Ui, Vec2, pos2, vec2};
 
 use super::layout::Pane;
-use super::overlay::{GROUND, TEXT, WEAK};
 use crate::app::develop::Source;
 use crate::app::state::State;
 use crate::app::theme;
+use crate::app::theme::over_pictures::{GROUND, TEXT, WEAK};
 use crate::render::surfaces::{SurfaceQuantity, Tint, confidence_color, faces_along};
 use crate::scene::camera::Camera;
 

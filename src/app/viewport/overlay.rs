@@ -10,16 +10,12 @@ use crate::app::develop::{Source, difference_color, flip_color};
 use crate::app::files::total_events;
 use crate::app::settings::{Arrangement, DifferenceKind, PaneContent, mode_title};
 use crate::app::state::State;
+use crate::app::theme::over_pictures::{ALERT, GROUND, TEXT, WEAK};
 use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
 use crate::app::widgets::short_count;
 use crate::render::surfaces::SurfaceQuantity;
 use crate::tracking::Mode;
 
-/// Labels lie over pictures of any brightness: light text on a dark ground in both themes.
-pub(super) const GROUND: Color32 = Color32::from_black_alpha(178);
-pub(super) const TEXT: Color32 = Color32::from_rgb(0xf0, 0xf1, 0xf3);
-pub(super) const WEAK: Color32 = Color32::from_rgb(0xb4, 0xb9, 0xc0);
-const ALERT: Color32 = Color32::from_rgb(0xf5, 0xc0, 0x4a);
 const MARGIN: f32 = 8.0;
 
 /// What a pane shows.

@@ -3,12 +3,12 @@
 use egui::{Color32, Painter, Pos2, Rect, Sense, Stroke, Ui, Vec2, pos2, vec2};
 
 use super::layout::Pane;
-use super::overlay::GROUND;
 use crate::app::command::Command;
 use crate::app::keys;
 use crate::app::objects::Manipulation;
 use crate::app::state::State;
 use crate::app::theme::Palette;
+use crate::app::theme::over_pictures::GROUND;
 
 const SIDE: f32 = 26.0;
 const MARGIN: f32 = 8.0;

@@ -3,11 +3,11 @@
 use egui::{Color32, Painter, Pos2, Rect, Stroke, Ui, Vec2, pos2, vec2};
 
 use super::layout::{Pane, film_window, screen_from_film};
-use super::overlay::{GROUND, TEXT};
 use crate::app::develop::Source;
 use crate::app::settings::{DifferenceKind, PaneContent};
 use crate::app::state::State;
 use crate::app::theme;
+use crate::app::theme::over_pictures::{GROUND, TEXT};
 use crate::export::color_map::luminance;
 
 const PADDING: Vec2 = vec2(8.0, 4.0);

@@ -6,7 +6,6 @@
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::*;
-use std::array::from_fn;
 use std::mem::transmute;
 
 use super::Kernel;
@@ -91,13 +90,14 @@ pub(super) fn distances(node: &Node, ray: &BoxRay, far_limit: f32) -> [__m256; 2
     unsafe {
         let mut near = [_mm256_setzero_ps(); 3];
         let mut far = near;
-        let row = |side: u32| _mm256_load_ps(node.rows.as_ptr().cast::<f32>().add(side as usize));
+        let rows = node.rows.as_ptr().cast::<f32>();
         for axis in 0..3 {
             let inverse = _mm256_set1_ps(ray.inverse[axis]);
             let (near_offset, far_offset) =
                 (_mm256_set1_ps(ray.near_offset[axis]), _mm256_set1_ps(ray.far_offset[axis]));
-            near[axis] = _mm256_fmadd_ps(row(ray.near_sides[axis]), inverse, near_offset);
-            far[axis] = _mm256_fmadd_ps(row(ray.near_sides[axis] ^ WIDTH as u32), inverse, far_offset);
+            let near_side = ray.near_sides[axis] as usize;
+            near[axis] = _mm256_fmadd_ps(_mm256_load_ps(rows.add(near_side)), inverse, near_offset);
+            far[axis] = _mm256_fmadd_ps(_mm256_load_ps(rows.add(near_side ^ WIDTH)), inverse, far_offset);
         }
         let far = _mm256_min_ps(_mm256_min_ps(far[0], far[1]), _mm256_min_ps(far[2], _mm256_set1_ps(far_limit)));
         let near =
@@ -120,8 +120,8 @@ fn meet_four<const FIRST: usize>(
     let corners = &pack.corners;
     // SAFETY: the features were detected. Four numbers follow `FIRST` in arrays of eight; loads and stores need no alignment.
     unsafe {
-        let [ox, oy, oz] = from_fn(|k| _mm256_set1_pd(ray.origin[k]));
-        let [sx, sy, sz] = from_fn(|k| _mm256_set1_pd(ray.shear[k]));
+        let [ox, oy, oz] = in_all_lanes(ray.origin);
+        let [sx, sy, sz] = in_all_lanes(ray.shear);
         let mut x = [_mm256_setzero_pd(); 3];
         let mut y = x;
         let mut depths = x;
@@ -156,14 +156,21 @@ fn meet_four<const FIRST: usize>(
         let has_area = _mm256_cmp_pd::<_CMP_NEQ_OQ>(determinant, zero);
         let met = _mm256_movemask_pd(_mm256_and_pd(_mm256_and_pd(is_met, is_near_enough), has_area)) as u32;
         if met != 0 {
-            for (numbers, edge) in test.edges.iter_mut().zip([u, v, w]) {
-                _mm256_storeu_pd(numbers.as_mut_ptr().add(FIRST), edge);
-            }
+            _mm256_storeu_pd(test.edges[0].as_mut_ptr().add(FIRST), u);
+            _mm256_storeu_pd(test.edges[1].as_mut_ptr().add(FIRST), v);
+            _mm256_storeu_pd(test.edges[2].as_mut_ptr().add(FIRST), w);
             _mm256_storeu_pd(test.determinants.as_mut_ptr().add(FIRST), determinant);
             _mm256_storeu_pd(test.distances.as_mut_ptr().add(FIRST), t);
         }
         met
     }
+}
+
+/// Each number in all lanes of a register.
+#[inline(always)]
+fn in_all_lanes([x, y, z]: [f64; 3]) -> [__m256d; 3] {
+    // SAFETY: called by this kernel, whose features were detected.
+    unsafe { [_mm256_set1_pd(x), _mm256_set1_pd(y), _mm256_set1_pd(z)] }
 }
 
 /// Four numbers in f64, from `FIRST` on.

@@ -5,7 +5,6 @@
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::*;
-use std::array::from_fn;
 use std::mem::transmute;
 
 use super::avx2::{Avx2, distances};
@@ -72,8 +71,8 @@ impl Kernel for Avx512 {
         let [kx, ky, kz] = ray.axes;
         // SAFETY: as above.
         unsafe {
-            let [ox, oy, oz] = from_fn(|k| _mm512_set1_pd(ray.origin[k]));
-            let [sx, sy, sz] = from_fn(|k| _mm512_set1_pd(ray.shear[k]));
+            let [ox, oy, oz] = in_all_lanes(ray.origin);
+            let [sx, sy, sz] = in_all_lanes(ray.shear);
             let mut x = [_mm512_setzero_pd(); 3];
             let mut y = x;
             let mut depths = x;
@@ -113,12 +112,19 @@ impl Kernel for Avx512 {
             let met = _mm512_mask_cmp_pd_mask::<_CMP_GE_OQ>(met, t, _mm512_set1_pd(t_min))
                 & _mm512_cmp_pd_mask::<_CMP_LE_OQ>(t, _mm512_set1_pd(t_max))
                 & _mm512_cmp_pd_mask::<_CMP_NEQ_OQ>(determinant, zero);
-            test.edges = [u, v, w].map(|edge| transmute::<__m512d, [f64; PACK]>(edge));
+            test.edges = transmute::<[__m512d; 3], [[f64; PACK]; 3]>([u, v, w]);
             test.determinants = transmute::<__m512d, [f64; PACK]>(determinant);
             test.distances = transmute::<__m512d, [f64; PACK]>(t);
             u32::from(met)
         }
     }
+}
+
+/// Each number in all lanes of a register.
+#[inline(always)]
+fn in_all_lanes([x, y, z]: [f64; 3]) -> [__m512d; 3] {
+    // SAFETY: called by this kernel, whose features were detected.
+    unsafe { [_mm512_set1_pd(x), _mm512_set1_pd(y), _mm512_set1_pd(z)] }
 }
 
 /// Eight numbers in f64.

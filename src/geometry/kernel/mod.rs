@@ -51,8 +51,8 @@ pub(super) trait Kernel {
     fn meet_triangles(ray: &ShearedRay, pack: &TrianglePack, t_min: f64, t_max: f64, test: &mut PackTest) -> u32;
 }
 
-/// Work that is compiled once for each kernel. Implementations are `#[inline(always)]`, and so is what they call, or the copies would be compiled for
-/// any processor.
+/// Work that is compiled once for each kernel. Implementations are `#[inline(always)]`, and so is all on the way from them to a kernel's methods.
+/// Functions and closures that are not are compiled for any processor, and would call each vector instruction as a function: no closure calls a kernel.
 pub(super) trait Task {
     fn run<K: Kernel>(self);
 }
@@ -66,7 +66,7 @@ const LONGER: f64 = 1.0 + 4.0 * f64::EPSILON;
 
 /// Which kernel to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum KernelChoice {
+pub enum KernelChoice {
     Portable,
     #[cfg(target_arch = "x86_64")]
     Avx2,
@@ -98,14 +98,14 @@ impl KernelChoice {
     }
 
     /// The fastest that this processor can run.
-    pub fn best() -> Self {
+    pub(super) fn best() -> Self {
         Self::available().last().copied().unwrap_or(Self::Portable)
     }
 
     /// Does `task` with this kernel, which is one of those [`Self::available`].
     #[inline]
     #[allow(unsafe_code)]
-    pub fn run(self, task: impl Task) {
+    pub(super) fn run(self, task: impl Task) {
         match self {
             Self::Portable => task.run::<Portable>(),
             // SAFETY: the processor has the features that this copy of the code is compiled for, or it would not be available.

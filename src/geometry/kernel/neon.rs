@@ -83,12 +83,9 @@ fn meet_two<const FIRST: usize>(
         let mut depths = x;
         for index in 0..3 {
             let corner = &pack.corners[index];
-            let relative = |axis: usize, origin: f64| {
-                vsubq_f64(vcvt_f64_f32(vld1_f32(corner[axis].as_ptr().add(FIRST))), vdupq_n_f64(origin))
-            };
-            let depth = relative(kz, oz);
-            x[index] = vsubq_f64(relative(kx, ox), vmulq_f64(vdupq_n_f64(sx), depth));
-            y[index] = vsubq_f64(relative(ky, oy), vmulq_f64(vdupq_n_f64(sy), depth));
+            let depth = relative::<FIRST>(&corner[kz], oz);
+            x[index] = vsubq_f64(relative::<FIRST>(&corner[kx], ox), vmulq_f64(vdupq_n_f64(sx), depth));
+            y[index] = vsubq_f64(relative::<FIRST>(&corner[ky], oy), vmulq_f64(vdupq_n_f64(sy), depth));
             depths[index] = depth;
         }
         let u = vsubq_f64(vmulq_f64(x[2], y[1]), vmulq_f64(y[2], x[1]));
@@ -101,18 +98,28 @@ fn meet_two<const FIRST: usize>(
         if vaddvq_u64(vandq_u64(is_met, vdupq_n_u64(1))) == 0 {
             return 0;
         }
-        let depth = |index: usize| vmulq_f64(vdupq_n_f64(sz), depths[index]);
+        let sz = vdupq_n_f64(sz);
         let determinant = vaddq_f64(vaddq_f64(u, v), w);
-        let sum = vaddq_f64(vmulq_f64(u, depth(0)), vmulq_f64(v, depth(1)));
-        let t = vdivq_f64(vaddq_f64(sum, vmulq_f64(w, depth(2))), determinant);
+        let mut sum = vmulq_f64(u, vmulq_f64(sz, depths[0]));
+        sum = vaddq_f64(sum, vmulq_f64(v, vmulq_f64(sz, depths[1])));
+        sum = vaddq_f64(sum, vmulq_f64(w, vmulq_f64(sz, depths[2])));
+        let t = vdivq_f64(sum, determinant);
         let is_near_enough = vandq_u64(vcgeq_f64(t, vdupq_n_f64(t_min)), vcleq_f64(t, vdupq_n_f64(t_max)));
         let is_edge_on = vceqzq_f64(determinant);
         let is_met = vbicq_u64(vandq_u64(is_met, is_near_enough), is_edge_on);
-        for (numbers, edge) in test.edges.iter_mut().zip([u, v, w]) {
-            vst1q_f64(numbers.as_mut_ptr().add(FIRST), edge);
-        }
+        vst1q_f64(test.edges[0].as_mut_ptr().add(FIRST), u);
+        vst1q_f64(test.edges[1].as_mut_ptr().add(FIRST), v);
+        vst1q_f64(test.edges[2].as_mut_ptr().add(FIRST), w);
         vst1q_f64(test.determinants.as_mut_ptr().add(FIRST), determinant);
         vst1q_f64(test.distances.as_mut_ptr().add(FIRST), t);
         (vaddvq_u64(vandq_u64(is_met, vld1q_u64([1, 2].as_ptr()))) as u32) << FIRST
     }
+}
+
+/// Two numbers in f64, from `FIRST` on, less `origin`.
+#[inline(always)]
+fn relative<const FIRST: usize>(numbers: &[f32; PACK], origin: f64) -> float64x2_t {
+    const { assert!(FIRST + 2 <= PACK) };
+    // SAFETY: called by this kernel, whose feature was detected.
+    unsafe { vsubq_f64(vcvt_f64_f32(vld1_f32(numbers.as_ptr().add(FIRST))), vdupq_n_f64(origin)) }
 }

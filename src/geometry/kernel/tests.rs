@@ -37,8 +37,16 @@ fn grid() -> Mesh {
     Mesh { positions, normals: Vec::new(), triangles }
 }
 
+/// What a scene holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Contents {
+    Triangles,
+    Spheres,
+    Both,
+}
+
 /// A grid, tangled tetrahedra of all sizes and shapes, one of them twice, and spheres.
-fn parts(numbers: &mut Numbers, scale: f64, offset: DVec3, with_spheres: bool) -> Vec<Part> {
+fn parts(numbers: &mut Numbers, scale: f64, offset: DVec3, contents: Contents) -> Vec<Part> {
     let mut meshes = vec![grid()];
     for _ in 0..150 {
         let turn = DQuat::from_axis_angle(numbers.direction(), 6.0 * numbers.next());
@@ -58,7 +66,10 @@ fn parts(numbers: &mut Numbers, scale: f64, offset: DVec3, with_spheres: bool) -
             Part::Mesh { mesh, smooth: false }
         })
         .collect();
-    if with_spheres {
+    if contents == Contents::Spheres {
+        parts.clear();
+    }
+    if contents != Contents::Triangles {
         parts.extend((0..20).map(|_| Part::Sphere {
             center: numbers.direction() * numbers.next() * scale + offset,
             radius: 0.2 * (0.1 + numbers.next()) * scale,
@@ -113,8 +124,10 @@ fn rays(geometry: &Geometry, numbers: &mut Numbers, scale: f64, offset: DVec3) -
         .collect()
 }
 
+type Answers = (Vec<Option<Hit>>, Vec<bool>, Vec<Hit>);
+
 /// Everything that a geometry answers along a ray.
-fn answers(geometry: &Geometry, ray: &Ray, scale: f64) -> (Vec<Option<Hit>>, Vec<bool>, Vec<Hit>) {
+fn answers(geometry: &Geometry, ray: &Ray, scale: f64) -> Answers {
     let closest = geometry.closest(ray);
     let mut hits = vec![closest];
     let mut occlusions: Vec<bool> =
@@ -125,6 +138,11 @@ fn answers(geometry: &Geometry, ray: &Ray, scale: f64) -> (Vec<Option<Hit>>, Vec
         occlusions.extend([geometry.is_occluded(ray, hit.t), geometry.is_occluded(&leaving, f64::INFINITY)]);
     }
     (hits, occlusions, geometry.all_hits(ray))
+}
+
+/// Of all numbers in the hits: 0 and −0 are equal and have different bits.
+fn bits((hits, _, all): &Answers) -> impl Iterator<Item = [u64; 3]> {
+    hits.iter().flatten().chain(all).map(|hit| [hit.t, hit.barycentric[0], hit.barycentric[1]].map(f64::to_bits))
 }
 
 trait Turned {
@@ -145,25 +163,30 @@ fn kernels_agree() {
     for (scale, offset) in
         [(1.0, DVec3::ZERO), (1e-6, DVec3::ZERO), (1e6, DVec3::ZERO), (1.0, far), (1.0, DVec3::new(9.0, -2.0, 3.0))]
     {
-        for with_spheres in [false, true] {
-            let mut geometry = Geometry::build(parts(&mut numbers, scale, offset, with_spheres));
+        for contents in [Contents::Triangles, Contents::Both, Contents::Spheres] {
+            let mut geometry = Geometry::build(parts(&mut numbers, scale, offset, contents));
             let rays = rays(&geometry, &mut numbers, scale, offset);
             let mut expected = Vec::new();
             for kernel in KernelChoice::available() {
-                geometry.kernel = kernel;
+                geometry.set_kernel(kernel);
                 let found: Vec<_> = rays.iter().map(|ray| answers(&geometry, ray, scale)).collect();
                 let mut many = vec![None; rays.len()];
                 geometry.closest_many(&rays, &mut many);
-                for (k, (many, found)) in many.iter().zip(&found).enumerate() {
-                    assert_eq!(*many, found.0[0], "{kernel:?}, scale {scale}, offset {offset}, {:?}", rays[k]);
+                let mut occluded = vec![false; rays.len()];
+                geometry.is_occluded_many(&rays, &vec![0.5 * scale; rays.len()], &mut occluded);
+                for (k, found) in found.iter().enumerate() {
+                    assert_eq!(many[k], found.0[0], "{kernel:?}, scale {scale}, offset {offset}, {:?}", rays[k]);
+                    assert_eq!(occluded[k], found.1[1], "{kernel:?}, scale {scale}, offset {offset}, {:?}", rays[k]);
                 }
                 if expected.is_empty() {
                     expected = found;
                     let hits = expected.iter().filter(|(hits, ..)| hits[0].is_some()).count();
-                    assert!(hits > rays.len() / 4 && hits < rays.len(), "the test must test something: {hits}");
+                    let fewest = if contents == Contents::Spheres { rays.len() / 20 } else { rays.len() / 4 };
+                    assert!(hits > fewest && hits < rays.len(), "the test must test something: {hits}");
                 } else {
                     for (k, (found, expected)) in found.iter().zip(&expected).enumerate() {
                         assert_eq!(found, expected, "{kernel:?}, scale {scale}, offset {offset}, {:?}", rays[k]);
+                        assert!(bits(found).eq(bits(expected)), "{kernel:?}, {:?}", rays[k]);
                     }
                 }
             }
@@ -175,12 +198,12 @@ fn kernels_agree() {
 #[test]
 fn groups_of_any_size() {
     let mut numbers = Numbers(2);
-    let mut geometry = Geometry::build(parts(&mut numbers, 1.0, DVec3::ZERO, true));
+    let mut geometry = Geometry::build(parts(&mut numbers, 1.0, DVec3::ZERO, Contents::Both));
     let rays = rays(&geometry, &mut numbers, 1.0, DVec3::ZERO);
     let mut mask = crate::geometry::Mask::default();
     (0..geometry.triangle_count() as u32 + 20).filter(|k| k % 3 == 0).for_each(|k| mask.insert(k));
     for kernel in KernelChoice::available() {
-        geometry.kernel = kernel;
+        geometry.set_kernel(kernel);
         for count in [0, 1, 2, 31, 32, 33, 300] {
             let rays = &rays[..count];
             let mut hits = vec![None; count];
@@ -219,7 +242,7 @@ fn a_degenerate_tree() {
     let mut geometry = Geometry::build(&[shells, grain]);
     let ray = Ray::new(-geometry.origin, DVec3::new(0.1, 0.2, 1.0).normalize());
     for kernel in KernelChoice::available() {
-        geometry.kernel = kernel;
+        geometry.set_kernel(kernel);
         assert_eq!(geometry.all_hits(&ray).len(), COUNT as usize, "{kernel:?}");
         let mut closest = [None; 20];
         geometry.closest_many(&[ray; 20], &mut closest);
@@ -233,8 +256,8 @@ fn a_degenerate_tree() {
 fn beams_find_what_each_ray_finds() {
     let mut numbers = Numbers(3);
     for (scale, offset) in [(1.0, DVec3::ZERO), (1e-6, DVec3::ZERO), (1.0, DVec3::new(1e5, -2e5, 3e5))] {
-        for with_spheres in [false, true] {
-            let mut geometry = Geometry::build(parts(&mut numbers, scale, offset, with_spheres));
+        for contents in [Contents::Triangles, Contents::Both] {
+            let mut geometry = Geometry::build(parts(&mut numbers, scale, offset, contents));
             let leaders = rays(&geometry, &mut numbers, scale, offset);
             let mut bundled = Vec::new();
             for (k, leader) in leaders.iter().enumerate().step_by(5) {
@@ -248,7 +271,7 @@ fn beams_find_what_each_ray_finds() {
                 }));
             }
             for kernel in KernelChoice::available() {
-                geometry.kernel = kernel;
+                geometry.set_kernel(kernel);
                 let mut hits = vec![None; bundled.len()];
                 geometry.closest_many(&bundled, &mut hits);
                 for (ray, hit) in bundled.iter().zip(&hits) {

@@ -107,7 +107,7 @@ impl Appearance {
             let weights = &filters.sensitivity[index];
             along_columns(&along_rows(plane, width, weights), width, weights)
         };
-        // Each plane makes room for the one that comes of it.
+        // Each plane is dropped once the next one has been computed from it.
         y = blurred(&y, 0);
         cx = blurred(&cx, 1);
         let cz_narrow = blurred(&cz, 2);

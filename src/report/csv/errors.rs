@@ -1,6 +1,8 @@
 //! Tables of error against run time.
 
-use super::{Table, number};
+use serde::Serialize;
+
+use super::Table;
 use crate::measure::Interval;
 use crate::report::data::Report;
 use crate::report::experiment::{Curve, Technique};
@@ -15,8 +17,8 @@ fn all(report: &Report) -> impl Iterator<Item = (&str, &Curve)> {
 }
 
 /// Scene, mode and technique, which every table begins with.
-fn start(scene: &str, curve: &Curve) -> Vec<String> {
-    vec![scene.to_owned(), curve.mode.name().to_owned(), technique(curve.technique).to_owned()]
+fn start<'a>(scene: &'a str, curve: &Curve) -> impl Serialize + use<'a> {
+    (scene, curve.mode, technique(curve.technique))
 }
 
 const START: [(&str, &str); 3] = [
@@ -33,30 +35,18 @@ fn technique(technique: Technique) -> &'static str {
 }
 
 /// Value, lower and upper end; empty where there is none.
-fn bounds(interval: Option<Interval>) -> [String; 3] {
-    [interval.map(|i| i.value), interval.map(|i| i.low), interval.map(|i| i.high)].map(number)
+fn bounds(interval: Option<Interval>) -> [Option<f64>; 3] {
+    [interval.map(|i| i.value), interval.map(|i| i.low), interval.map(|i| i.high)]
 }
 
 /// Every run at every number of samples.
-pub fn runs(report: &Report) -> Table {
-    let rows = all(report).flat_map(|(scene, curve)| {
-        curve.points.iter().flat_map(move |point| {
-            point.runs.iter().map(move |run| {
-                let figures = [
-                    run.render_secs,
-                    curve.secs_before,
-                    run.relmse,
-                    run.relmse_trimmed,
-                    run.relmse_steady,
-                    run.mse,
-                    run.smape,
-                ];
-                let mut row = start(scene, curve);
-                row.extend([run.seed.to_string(), point.spp.to_string()]);
-                row.extend(figures.map(number));
-                row.push(number(run.flip));
-                row
-            })
+pub fn runs(report: &Report) -> Option<Table> {
+    let points = all(report).flat_map(|(scene, curve)| curve.points.iter().map(move |point| (scene, curve, point)));
+    let rows = points.flat_map(|(scene, curve, point)| {
+        point.runs.iter().map(move |run| {
+            let secs = [run.render_secs, curve.secs_before];
+            let figures = [run.relmse, run.relmse_trimmed, run.relmse_steady, run.mse, run.smape];
+            (start(scene, curve), run.seed, point.spp, secs, figures, run.flip)
         })
     });
     let columns = [
@@ -74,26 +64,20 @@ pub fn runs(report: &Report) -> Table {
         ("smape", "mean of 2|x − r|/(|x| + |r| + 0.01)"),
         ("flip", "mean HDR-FLIP; empty where it was not taken"),
     ];
-    Table {
-        file: "error-runs.csv",
-        about: "Error of every run at every number of samples",
-        columns: START.into_iter().chain(columns).collect(),
-        rows: rows.collect(),
-    }
+    Table::new(
+        "error-runs.csv",
+        "Error of every run at every number of samples",
+        START.into_iter().chain(columns),
+        rows,
+    )
 }
 
 /// Means over the runs.
-pub fn points(report: &Report) -> Table {
-    let rows = all(report).flat_map(|(scene, curve)| {
-        curve.points.iter().map(move |point| {
-            let mut row = start(scene, curve);
-            row.extend([point.spp.to_string(), number(point.secs)]);
-            for interval in [point.relmse, point.relmse_trimmed, point.mse, point.smape, point.flip, point.efficiency] {
-                row.extend(bounds(interval));
-            }
-            row.extend([point.variance, point.bias_squared].map(number));
-            row
-        })
+pub fn points(report: &Report) -> Option<Table> {
+    let points = all(report).flat_map(|(scene, curve)| curve.points.iter().map(move |point| (scene, curve, point)));
+    let rows = points.map(|(scene, curve, point)| {
+        let figures = [point.relmse, point.relmse_trimmed, point.mse, point.smape, point.flip, point.efficiency];
+        (start(scene, curve), point.spp, point.secs, figures.map(bounds), point.variance, point.bias_squared)
     });
     let columns = [
         ("spp", "samples per pixel"),
@@ -119,30 +103,27 @@ pub fn points(report: &Report) -> Table {
         ("variance", "of one run, in relMSE"),
         ("bias_squared", "what all seeds share, in relMSE; scatters about 0 without a bias"),
     ];
-    Table {
-        file: "error-points.csv",
-        about: "Error against time: means over the seeds with their intervals",
-        columns: START.into_iter().chain(columns).collect(),
-        rows: rows.collect(),
-    }
+    Table::new(
+        "error-points.csv",
+        "Error against time: means over the seeds with their intervals",
+        START.into_iter().chain(columns),
+        rows,
+    )
 }
 
 /// What the curves come to.
-pub fn curves(report: &Report) -> Table {
+pub fn curves(report: &Report) -> Option<Table> {
     let rows = all(report).map(|(scene, curve)| {
-        let mut row = start(scene, curve);
-        row.push(curve.equal_to.map_or(String::new(), |mode| mode.name().to_owned()));
-        row.extend(bounds(curve.slope.map(|slope| slope.trimmed)));
-        row.extend(
-            [curve.slope.map(|s| s.from_spp), curve.slope.map(|s| s.to_spp)].map(|spp| number(spp.map(f64::from))),
+        let (slope, bias, plateau) = (curve.slope, curve.bias, curve.plateau);
+        let slope = (bounds(slope.map(|s| s.trimmed)), slope.map(|s| s.from_spp), slope.map(|s| s.to_spp));
+        let bias = (bounds(Some(bias.squared)), bias.significance, bias.brightness, bias.is_biased);
+        let plateau = (
+            bounds(plateau.map(|p| p.relmse)),
+            plateau.map(|p| p.spp),
+            plateau.map(|p| p.secs),
+            bounds(plateau.and_then(|p| p.measured_over_predicted)),
         );
-        row.extend(bounds(Some(curve.bias.squared)));
-        row.extend([curve.bias.significance, curve.bias.brightness].map(number));
-        row.push(curve.bias.is_biased.to_string());
-        row.extend(bounds(curve.plateau.map(|plateau| plateau.relmse)));
-        row.extend([curve.plateau.map(|plateau| plateau.spp), curve.plateau.map(|plateau| plateau.secs)].map(number));
-        row.extend(bounds(curve.plateau.and_then(|plateau| plateau.measured_over_predicted)));
-        row
+        (start(scene, curve), curve.equal_to, slope, bias, plateau)
     });
     let columns = [
         (
@@ -169,39 +150,29 @@ pub fn curves(report: &Report) -> Table {
         ("measured_over_predicted_low", "lower end"),
         ("measured_over_predicted_high", "upper end"),
     ];
-    Table {
-        file: "error-curves.csv",
-        about: "Slope, bias and plateau of each mode",
-        columns: START.into_iter().chain(columns).collect(),
-        rows: rows.collect(),
-    }
+    Table::new("error-curves.csv", "Slope, bias and plateau of each mode", START.into_iter().chain(columns), rows)
 }
 
 /// Differences of modes.
-pub fn pairs(report: &Report) -> Table {
+pub fn pairs(report: &Report) -> Option<Table> {
     let scenes = report.scenes.iter().filter_map(|scene| Some((&scene.name, scene.errors.as_ref()?)));
-    let rows = scenes.flat_map(|(scene, found)| found.pairs.iter().map(move |pair| (scene, pair))).flat_map(
-        |(scene, pair)| {
-            pair.points.iter().map(move |point| {
-                let names = [pair.mode.name(), pair.against.name(), technique(pair.technique)].map(str::to_owned);
-                let variances = [point.of_mode, point.of_against, point.of_difference].map(number);
-                [scene.clone()].into_iter().chain(names).chain([point.spp.to_string()]).chain(variances).collect()
-            })
-        },
-    );
-    Table {
-        file: "error-pairs.csv",
-        about: "Variances of two modes' images and of their difference, by the same random numbers",
-        columns: vec![
-            ("scene", "name of the scene"),
-            ("mode", "the first mode"),
-            ("against", "the second"),
-            ("technique", "as in the other tables"),
-            ("spp", "samples per pixel"),
-            ("of_mode", "variance of the first mode's image, over the reference's square plus 0.01"),
-            ("of_against", "of the second's"),
-            ("of_difference", "of their difference"),
-        ],
-        rows: rows.collect(),
-    }
+    let pairs = scenes.flat_map(|(scene, found)| found.pairs.iter().map(move |pair| (scene, pair)));
+    let rows = pairs.flat_map(|(scene, pair)| {
+        pair.points.iter().map(move |point| {
+            let variances = [point.of_mode, point.of_against, point.of_difference];
+            (scene, pair.mode, pair.against, technique(pair.technique), point.spp, variances)
+        })
+    });
+    let columns = [
+        ("scene", "name of the scene"),
+        ("mode", "the first mode"),
+        ("against", "the second"),
+        ("technique", "as in the other tables"),
+        ("spp", "samples per pixel"),
+        ("of_mode", "variance of the first mode's image, over the reference's square plus 0.01"),
+        ("of_against", "of the second's"),
+        ("of_difference", "of their difference"),
+    ];
+    let about = "Variances of two modes' images and of their difference, by the same random numbers";
+    Table::new("error-pairs.csv", about, columns, rows)
 }

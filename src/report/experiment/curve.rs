@@ -1,9 +1,11 @@
 //! From runs to a curve: intervals over seeds, slope, bias and plateau.
 
-use super::data::{Bias, Curve, Plateau, Point, RunPoint, Slope, Technique};
+use super::data::{Bias, Curve, Plateau, Point, RunPoint, Slope};
 use super::plan::Plan;
 use super::run::{Level, Run};
-use super::spread::{Image, Parts, Spread};
+use super::spread::{Parts, Spread};
+use super::sums::Image;
+use super::technique::Technique;
 use super::truth::{Relative, Truth, worst};
 use crate::measure::Interval;
 use crate::measure::MetricError;
@@ -14,7 +16,7 @@ use crate::transport::sampler::Sequence;
 
 /// A slope is fitted to no fewer points.
 const LEAST_POINTS: usize = 3;
-/// Where variance is so many times the bias squared, a biased mode falls like an unbiased one but for a tenth.
+/// Variance over squared bias from which on a biased mode's error falls like an unbiased one's, to a tenth.
 const ABOVE_PLATEAU: f64 = 10.0;
 
 /// What a curve is of.
@@ -70,7 +72,7 @@ fn unsteady(run: &Run, truth: &Truth) -> Vec<usize> {
     worst(&scatter)
 }
 
-/// Those of all runs at one sample count.
+/// The images of all runs at one sample count.
 pub fn images(runs: &[Run], level: usize) -> Vec<&Image> {
     runs.iter().map(|run| &run.levels[level].image).collect()
 }

@@ -19,10 +19,13 @@ pub mod plan;
 mod run;
 mod significance;
 mod spread;
+mod sums;
+mod technique;
 mod truth;
 
-pub use data::{Bias, Curve, Pair, PairPoint, Plateau, Point, ReferenceAbout, RunPoint, SceneErrors, Slope, Technique};
+pub use data::{Bias, Curve, Pair, PairPoint, Plateau, Point, ReferenceAbout, RunPoint, SceneErrors, Slope};
 pub use plan::{Effort, Plan};
+pub use technique::Technique;
 
 use self::curve::Subject;
 use self::run::{Maker, Run};
@@ -38,13 +41,13 @@ use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::Prepared;
 
-/// Beyond this many standard deviations of what chance does, a mode is called biased: by chance one in thirty thousand is.
+/// A mode is called biased beyond this many standard deviations; by chance, one in thirty thousand is.
 pub const BIAS_SIGNIFICANCE: f64 = 4.0;
 
 /// Modes that are measured, in the order in which they are rendered: a later one that gives the same images as an earlier one is not
 /// rendered with every seed.
 const MODES: [Mode; 5] = [Mode::Rectified, Mode::RectifiedObject, Mode::Priority, Mode::Stack, Mode::Naive];
-/// How much of the whole time the references take, about.
+/// Fraction of the whole time that the references take, about.
 const SHARE_OF_REFERENCES: f64 = 0.4;
 
 /// A scene that could not be measured.
@@ -86,7 +89,7 @@ pub fn scene_errors(
     let maker = Maker { prepared, camera: &camera, plan: &plan, store };
     let errors = store.piece("errors", &(image, &plan, rayon::current_num_threads()), || measure(&maker, progress))?;
     if errors.is_some() {
-        // Some hundred megabytes of a long measurement, all said.
+        // The runs, some hundred megabytes of a long measurement, are not needed any more.
         let all = variants().flat_map(|variant| plan.seeds.iter().map(move |&seed| (variant, seed)));
         all.for_each(|((mode, technique), seed)| maker.forget(mode, technique, seed));
     }

@@ -1,10 +1,11 @@
 //! How much sooner the difference of two modes is known than either of their images, because both use the same random numbers.
 
 use super::curve::images;
-use super::data::{Pair, PairPoint, Technique};
+use super::data::{Pair, PairPoint};
 use super::plan::Plan;
 use super::run::Run;
 use super::spread::{PairedVariances, paired_variances};
+use super::technique::Technique;
 use super::truth::Truth;
 use crate::measure::Interval;
 use crate::measure::statistics::jackknife;

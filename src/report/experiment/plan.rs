@@ -6,13 +6,13 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use super::data::Technique;
-use crate::render::{Film, accumulate};
+use super::technique::Technique;
+use crate::render::{Cpu, Film, RenderTask, Renderer};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::Prepared;
 
-/// What one is ready to spend on a scene.
+/// The work allowed for a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Effort {
     /// Width and height of the images, in pixels; halved where a scene is slow.
@@ -58,9 +58,9 @@ pub struct Plan {
     pub reference_spp: u32,
 }
 
-/// The doublings that a slope can be seen well in. A scene that is too slow for them is measured in smaller images.
+/// Doublings that show a slope well. A scene that is too slow for them is measured in smaller images.
 const WANTED_DOUBLINGS: u32 = 5;
-/// Doublings that are made whatever the time: with fewer there is nothing to see, and a busy machine would decide that.
+/// Least doublings, however slow the scene or busy the machine.
 const LEAST_DOUBLINGS: u32 = 4;
 /// Images are not made smaller than this many pixels.
 const LEAST_PIXELS: u32 = 1500;
@@ -104,7 +104,7 @@ fn probe(prepared: &Prepared, camera: &Camera, effort: &Effort, mode: Mode) -> f
     let mut film = Film::new(effort.size[0], effort.size[1]);
     let mut add = |samples| {
         let start = Instant::now();
-        accumulate(prepared, camera, &settings, &mut film, samples, &AtomicBool::new(false));
+        Cpu.pass(&RenderTask { prepared, camera, settings: &settings }, &mut film, samples, &AtomicBool::new(false));
         start.elapsed().as_secs_f64() / f64::from(samples)
     };
     // The first sample finds cold caches.

@@ -1,25 +1,22 @@
 //! One film of one mode with one seed, looked at each time its samples have doubled.
 
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::data::Technique;
+use serde::{Deserialize, Serialize};
+
 use super::plan::Plan;
+use super::sums::Image;
+use super::technique::Technique;
 use crate::export::ExportError;
-use crate::render::{Film, RenderSettings, accumulate, fingerprint};
-use crate::report::checked::{Reader, Writer};
+use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer, fingerprint};
 use crate::report::progress::Progress;
 use crate::report::store::Store;
 use crate::scene::camera::Camera;
-use crate::scene::fingerprint::Hasher;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
 
-/// Linear RGB, row 0 at the top.
-pub type Image = Vec<[f32; 3]>;
-
 /// A film at each of the plan's sample counts.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Run {
     pub seed: u64,
     pub levels: Vec<Level>,
@@ -29,7 +26,7 @@ pub struct Run {
 }
 
 /// A film at one sample count.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Level {
     /// Seconds of rendering up to here.
     pub render_secs: f64,
@@ -83,27 +80,23 @@ impl Maker<'_> {
         progress: Progress<'_>,
     ) -> Result<Option<Run>, ExportError> {
         let settings = technique.settings(mode, seed, self.plan.max_depth);
-        let path = self.path(&settings, technique.adaptive);
-        if let Some(run) = self.read(&path, seed) {
-            return Ok(Some(run));
-        }
-        let Some(run) = self.render(&settings, technique.adaptive, progress) else { return Ok(None) };
-        write(&path, &run)?;
-        Ok(Some(run))
+        let inputs = self.inputs(&settings, technique.adaptive);
+        self.store.piece("run", &inputs, || Ok(self.render(&settings, technique.adaptive, progress)))
     }
 
     /// Removes what is kept of a run, if anything is.
     pub fn forget(&self, mode: Mode, technique: Technique, seed: u64) {
-        let path = self.path(&technique.settings(mode, seed, self.plan.max_depth), technique.adaptive);
-        match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                log::warn!("{}: cannot be removed ({error}); it is of no more use", path.display());
-            }
-            _ => {}
-        }
+        let settings = technique.settings(mode, seed, self.plan.max_depth);
+        self.store.forget("run", &self.inputs(&settings, technique.adaptive));
     }
 
-    fn render(&self, settings: &RenderSettings, adaptive: bool, progress: Progress<'_>) -> Option<Run> {
+    /// All that decides a run's images, and the number of threads, which decides its times.
+    fn inputs(&self, settings: &ImageSettings, adaptive: bool) -> impl Serialize {
+        let image = fingerprint(&self.prepared.description, self.camera, self.plan.size, settings);
+        (image, adaptive, &self.plan.spp, rayon::current_num_threads())
+    }
+
+    fn render(&self, settings: &ImageSettings, adaptive: bool, progress: Progress<'_>) -> Option<Run> {
         let [width, height] = self.plan.size;
         let mut film = if adaptive { Film::adaptive(width, height) } else { Film::new(width, height) };
         let mut render_secs = 0.0;
@@ -115,7 +108,12 @@ impl Maker<'_> {
                 let stop = if film.samples < three_quarters { spp.min(three_quarters) } else { spp };
                 let samples = (stop - film.samples).min(film.samples_to_decision());
                 let start = Instant::now();
-                if !accumulate(self.prepared, self.camera, settings, &mut film, samples, progress.cancel) {
+                if !Cpu.pass(
+                    &RenderTask { prepared: self.prepared, camera: self.camera, settings },
+                    &mut film,
+                    samples,
+                    progress.cancel,
+                ) {
                     return None;
                 }
                 Film::allocate(&mut [&mut film]);
@@ -128,49 +126,4 @@ impl Maker<'_> {
         }
         Some(Run { seed: settings.seed, levels, at_three_quarters, events: film.events })
     }
-
-    fn path(&self, settings: &RenderSettings, adaptive: bool) -> PathBuf {
-        let mut hasher = Hasher::new("iorect run 2");
-        hasher.fingerprint(fingerprint(&self.prepared.description, self.camera, self.plan.size, settings));
-        hasher.flag(adaptive);
-        hasher.integer(self.plan.spp.len() as u64);
-        self.plan.spp.iter().for_each(|&spp| hasher.integer(u64::from(spp)));
-        // Decides no image, but every time.
-        hasher.integer(rayon::current_num_threads() as u64);
-        self.store.file("run", hasher.finish())
-    }
-
-    /// `None` where nothing fitting is kept.
-    fn read(&self, path: &Path, seed: u64) -> Option<Run> {
-        let mut reader = Reader::open(path)?;
-        let run = self.parse(&mut reader, seed).filter(|_| reader.is_at_end());
-        if run.is_none() {
-            log::warn!("{}: is not the run that its name says; it is made again", path.display());
-        }
-        run
-    }
-
-    fn parse(&self, reader: &mut Reader, seed: u64) -> Option<Run> {
-        let events = reader.events()?;
-        let pixels = self.plan.size.iter().map(|&side| side as usize).product();
-        let at_three_quarters = parse_image(reader, pixels)?;
-        let mut level = || Some(Level { render_secs: reader.number()?, image: parse_image(reader, pixels)? });
-        let levels = (0..self.plan.spp.len()).map(|_| level()).collect::<Option<_>>()?;
-        Some(Run { seed, levels, at_three_quarters, events })
-    }
-}
-
-fn parse_image(reader: &mut Reader, pixels: usize) -> Option<Vec<[f32; 3]>> {
-    (0..pixels).map(|_| Some([reader.single()?, reader.single()?, reader.single()?])).collect()
-}
-
-fn write(path: &Path, run: &Run) -> Result<(), ExportError> {
-    let mut writer = Writer::default();
-    writer.events(&run.events);
-    run.at_three_quarters.iter().flatten().for_each(|&component| writer.single(component));
-    for Level { render_secs, image } in &run.levels {
-        writer.number(*render_secs);
-        image.iter().flatten().for_each(|&component| writer.single(component));
-    }
-    writer.keep(path)
 }

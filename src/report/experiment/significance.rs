@@ -7,9 +7,9 @@
 //! numbers are never significant. What noise is, a pixel knows from its own runs and, as they are few, from all other pixels': two
 //! runs that happen to agree are no proof of a mean that is known well.
 
-use super::spread::{Image, Sums};
+use super::sums::{Image, Sums};
 use super::truth::Truth;
-use crate::report::timing::median;
+use crate::measure::statistics::median;
 
 /// How many times its standard error b must be for a pixel to count for half.
 const NOISE: f64 = 4.0;
@@ -46,11 +46,11 @@ fn usual_noise(truth: &Truth, images: &[&Image]) -> f64 {
         let mean = truth.pixels[pixel].mean[c];
         squared_error(Sums::of(images, pixel, c, mean), images.len() as f64) / squared_radiance(mean)
     };
-    let mut all: Vec<f64> = (0..truth.pixels.len())
+    let all: Vec<f64> = (0..truth.pixels.len())
         .flat_map(|pixel| (0..3).map(move |c| (pixel, c)))
         .map(|(p, c)| of_component(p, c))
         .collect();
-    median(&mut all)
+    median(&all).unwrap_or(f64::NAN)
 }
 
 /// Of the mean of `count` components; of two or more.

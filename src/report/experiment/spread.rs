@@ -1,53 +1,17 @@
 //! Bias and variance apart, from images with different seeds.
 
 use super::significance::significance;
+use super::sums::{Image, Sums};
 use super::truth::{Relative, TruePixel, Truth, mean_without, worst};
 use super::{BIAS_SIGNIFICANCE, Bias};
 use crate::measure::Interval;
 use crate::measure::statistics::{CONFIDENCE, jackknife, t_quantile};
-
-/// An image, linear RGB.
-pub type Image = Vec<[f32; 3]>;
 
 /// Sums over runs of x − r and of its square, per pixel and channel.
 pub struct Spread<'a> {
     truth: &'a Truth,
     images: &'a [&'a Image],
     sums: Vec<[Sums; 3]>,
-}
-
-/// Of one component of some images.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Sums {
-    /// Of x − r: near the truth little is lost to cancellation.
-    pub(super) values: f64,
-    squares: f64,
-}
-
-impl Sums {
-    pub(super) fn of(images: &[&Image], pixel: usize, channel: usize, reference: f64) -> Self {
-        let mut sums = Self::default();
-        for image in images {
-            let d = f64::from(image[pixel][channel]) - reference;
-            sums.values += d;
-            sums.squares += d * d;
-        }
-        sums
-    }
-
-    fn without(self, x: f64) -> Self {
-        Self { values: self.values - x, squares: self.squares - x * x }
-    }
-
-    /// Sample variance of `count` runs.
-    pub(super) fn variance(self, count: f64) -> f64 {
-        (self.squares - self.values * self.values / count) / (count - 1.0)
-    }
-
-    /// The square of what the runs share: the mean of all products of two different runs.
-    fn squared_mean(self, count: f64) -> f64 {
-        (self.values * self.values - self.squares) / (count * (count - 1.0))
-    }
 }
 
 /// Mean over all components, relative as in relMSE.
@@ -65,9 +29,7 @@ impl<'a> Spread<'a> {
         for image in images {
             for ((sums, x), truth) in sums.iter_mut().zip(*image).zip(&truth.pixels) {
                 for (c, sums) in sums.iter_mut().enumerate() {
-                    let d = f64::from(x[c]) - truth.mean[c];
-                    sums.values += d;
-                    sums.squares += d * d;
+                    sums.add(f64::from(x[c]) - truth.mean[c]);
                 }
             }
         }
@@ -171,8 +133,7 @@ pub fn paired_variances(truth: &Truth, mode: &[&Image], against: &[&Image]) -> (
             let mut sums = [Sums::default(); 3];
             for run in 0..mode.len() {
                 for (sums, value) in sums.iter_mut().zip(values(run)) {
-                    sums.values += value;
-                    sums.squares += value * value;
+                    sums.add(value);
                 }
             }
             let weight = truth.weight[c] / components;

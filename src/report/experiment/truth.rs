@@ -53,7 +53,7 @@ impl Truth {
         self.pixels.iter().map(of_pixel).sum::<f64>() / self.components()
     }
 
-    /// Numbers in an image.
+    /// Components of an image: three for each pixel.
     pub fn components(&self) -> f64 {
         3.0 * self.pixels.len() as f64
     }

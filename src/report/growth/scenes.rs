@@ -3,10 +3,11 @@
 use glam::DVec3;
 
 use super::Quantity;
+use crate::formats::{self, builtin};
 use crate::optics::{Ior, Medium};
 use crate::report::stability::scenes;
-use crate::scene::description::{CameraDescription, Description, Environment, Refractor, Shape};
-use crate::scene::{SceneError, builtin, load};
+use crate::scene::SceneError;
+use crate::scene::description::{CameraDescription, Description, Environment, Object, Refractor, Shape};
 
 const WATER: f64 = 1.333;
 const GLASS: f64 = 1.5;
@@ -17,7 +18,7 @@ pub fn of(quantity: Quantity, size: u64) -> Result<(Description, u64), SceneErro
         Quantity::Triangles => tori(size),
         Quantity::Nesting => (lens(size), size),
         Quantity::Objects => (balls(size), size),
-        Quantity::Threads => (load::open(builtin::DEFAULT)?, size),
+        Quantity::Threads => (formats::open(builtin::DEFAULT)?, size),
     })
 }
 
@@ -60,7 +61,7 @@ fn balls(count: u64) -> Description {
         if k == 0 {
             add(&mut description, shape, GLASS);
         } else {
-            description.refractors.push(refractor(k as usize + 1, medium, shape));
+            description.objects.push(refractor(k as usize + 1, medium, shape));
         }
     }
     description
@@ -78,12 +79,12 @@ fn empty(name: &str, position: DVec3) -> Description {
 
 /// Adds a refractor with a medium of its own.
 fn add(description: &mut Description, shape: Shape, ior: f64) {
-    let index = description.refractors.len();
+    let index = description.objects.refractors().len();
     let name = format!("medium {index}");
     description.media.push(Medium { name: name.clone(), ior: Ior::Constant(ior), absorption: [0.0; 3] });
-    description.refractors.push(refractor(index, name, shape));
+    description.objects.push(refractor(index, name, shape));
 }
 
-fn refractor(index: usize, medium: String, shape: Shape) -> Refractor {
-    scenes::refractor(format!("object {index}"), medium, shape)
+fn refractor(index: usize, medium: String, shape: Shape) -> Object {
+    Object::new(format!("object {index}"), shape, Refractor::of(medium))
 }

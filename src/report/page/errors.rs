@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::plot::{Axis, Curve as Line, Level, Place, Plot, key};
+use super::plot::{Axis, Curve as Line, DataPoint, Level, Plot, key};
 use super::words::{fixed, interval, number, time, verdict};
 use crate::measure::Interval;
 use crate::report::data::{Report, SceneReport};
@@ -93,10 +93,10 @@ fn error_plot(scene: &SceneReport, found: &SceneErrors) -> Plot {
     let lines = drawn.iter().map(|curve| Line {
         name: name_of(curve),
         style: look_of(curve),
-        places: (curve.points.iter())
+        data: (curve.points.iter())
             .filter_map(|point| {
                 let error = point.relmse_trimmed?;
-                Some(Place { x: point.secs, y: error.value, low: error.low, high: error.high })
+                Some(DataPoint { x: point.secs, y: error.value, low: error.low, high: error.high })
             })
             .collect(),
     });
@@ -130,7 +130,7 @@ fn pair_plot(scene: &SceneReport, found: &SceneErrors) -> Option<Plot> {
     let line = |name: String, style, value: fn(&crate::report::experiment::PairPoint) -> f64| Line {
         name,
         style,
-        places: pair.points.iter().map(|point| Place::exact(f64::from(point.spp), value(point))).collect(),
+        data: pair.points.iter().map(|point| DataPoint::exact(f64::from(point.spp), value(point))).collect(),
     };
     Some(Plot {
         about: format!("{}: variance of {}, of {}, and of their difference", scene.title, pair.mode, pair.against),

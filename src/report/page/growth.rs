@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::plot::{Axis, Curve, Place, Plot};
+use super::plot::{Axis, Curve, DataPoint, Plot};
 use super::words::{bytes, fixed, number, time};
 use crate::export::words::grouped;
 use crate::report::data::Report;
@@ -114,8 +114,8 @@ fn plot(growth: &Growth, measures: &[Measure]) -> Plot {
     let curves = measures.iter().enumerate().map(|(index, measure)| Curve {
         name: name(measure).to_owned(),
         style: if *measure == Measure::Sample { 2 } else { index },
-        places: (growth.points.iter())
-            .filter_map(|point| Some(Place::exact(point.size as f64, measure.of(point)?)))
+        data: (growth.points.iter())
+            .filter_map(|point| Some(DataPoint::exact(point.size as f64, measure.of(point)?)))
             .collect(),
     });
     let last = growth.points.last().map_or(0, |point| point.size);
@@ -134,16 +134,16 @@ fn speed_plot(growth: &Growth) -> Plot {
     let first = growth.points.first();
     let ideal = growth.points.iter().filter_map(|point| {
         let first = first?;
-        Some(Place::exact(point.size as f64, speed(first) * point.size as f64 / first.size as f64))
+        Some(DataPoint::exact(point.size as f64, speed(first) * point.size as f64 / first.size as f64))
     });
-    let measured = growth.points.iter().map(|point| Place::exact(point.size as f64, speed(point)));
+    let measured = growth.points.iter().map(|point| DataPoint::exact(point.size as f64, speed(point)));
     Plot {
         about: "Samples a second over threads, and in proportion to threads".to_owned(),
         x: Axis::log("threads"),
         y: Axis::log("samples a second"),
         curves: vec![
-            Curve { name: "measured".to_owned(), style: 0, places: measured.collect() },
-            Curve { name: "proportional".to_owned(), style: 6, places: ideal.collect() },
+            Curve { name: "measured".to_owned(), style: 0, data: measured.collect() },
+            Curve { name: "proportional".to_owned(), style: 6, data: ideal.collect() },
         ],
         levels: Vec::new(),
     }

@@ -1,12 +1,14 @@
 //! A table of errors as a picture: one cell for each place, its colour the logarithm of the error.
 
-use maud::{Markup, html};
 use std::path::Path;
+
+use base64::prelude::{BASE64_STANDARD, Engine as _};
+use maud::{Markup, html};
 
 use super::plot::superscript;
 use super::words::number;
+use crate::color::along;
 use crate::export::png_bytes;
-use crate::report::pictures::base64;
 use crate::report::stability::Map;
 
 /// Decimal logarithms at the ends of the scale. f64 rounds at 1.1e-16.
@@ -29,17 +31,8 @@ const STOPS: [[u8; 3]; 9] = [
 
 /// The colour of an error; of 0, that of the low end.
 fn color(error: f64) -> [u8; 3] {
-    if error.is_nan() {
-        return [255, 0, 255];
-    }
-    let part = ((error.max(f64::MIN_POSITIVE).log10() - LOW) / (HIGH - LOW)).clamp(0.0, 1.0);
-    let at = part * (STOPS.len() - 1) as f64;
-    let below = (at as usize).min(STOPS.len() - 2);
-    let rest = at - below as f64;
-    std::array::from_fn(|channel| {
-        let [a, b] = [STOPS[below], STOPS[below + 1]].map(|stop| f64::from(stop[channel]));
-        (a + (b - a) * rest).round() as u8
-    })
+    let part = (error.log10() - LOW) / (HIGH - LOW);
+    along(&STOPS, (part * (STOPS.len() - 1) as f64) as f32)
 }
 
 /// Row 0 of the picture is the highest row of the map.
@@ -49,7 +42,7 @@ fn picture(map: &Map) -> Option<String> {
         .flat_map(|row| row.iter().flat_map(|error| error.map_or(NOTHING, color)))
         .collect();
     let image = image::RgbImage::from_raw(width, height, bytes)?;
-    Some(base64(&png_bytes(&image, &[], Path::new(&map.formula)).ok()?))
+    Some(BASE64_STANDARD.encode(png_bytes(&image, &[], Path::new(&map.formula)).ok()?))
 }
 
 /// The picture with its axes.

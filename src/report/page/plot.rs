@@ -42,16 +42,16 @@ impl Axis {
     }
 }
 
-/// A place on a curve; `low` and `high` bound y.
+/// A point on a curve; `low` and `high` bound y.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct DataPoint {
     pub x: f64,
     pub y: f64,
     pub low: f64,
     pub high: f64,
 }
 
-impl Place {
+impl DataPoint {
     /// Without an interval.
     pub fn exact(x: f64, y: f64) -> Self {
         Self { x, y, low: y, high: y }
@@ -63,7 +63,7 @@ pub struct Curve {
     pub name: String,
     /// Which of [`STYLES`] it has.
     pub style: usize,
-    pub places: Vec<Place>,
+    pub data: Vec<DataPoint>,
 }
 
 /// A horizontal line in the style of a curve, with the interval of its value.
@@ -227,11 +227,11 @@ pub fn key(style: usize) -> Markup {
 impl Plot {
     /// The drawing; nothing but a sentence where there is nothing to draw.
     pub fn draw(&self) -> Markup {
-        let places = || self.curves.iter().flat_map(|curve| &curve.places);
-        let values = places().flat_map(|place| [place.y, place.low, place.high]);
+        let data = || self.curves.iter().flat_map(|curve| &curve.data);
+        let values = data().flat_map(|point| [point.y, point.low, point.high]);
         let levels = self.levels.iter().flat_map(|level| [level.value, level.high]);
         let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
-        let x = Ruler::new(self.x.scale, places().map(|place| place.x), LEFT, right);
+        let x = Ruler::new(self.x.scale, data().map(|point| point.x), LEFT, right);
         let y = Ruler::new(self.y.scale, self.sensible(values).into_iter().chain(levels), bottom, TOP);
         let (Some(x), Some(y)) = (x, y) else {
             return html! { p class="none" { "Nothing to draw: no value is positive." } };
@@ -269,7 +269,7 @@ impl Plot {
         if self.y.scale == Scale::Linear {
             return values;
         }
-        let ys = self.curves.iter().flat_map(|curve| &curve.places).map(|place| place.y);
+        let ys = self.curves.iter().flat_map(|curve| &curve.data).map(|point| point.y);
         let least = ys.filter(|y| *y > 0.0 && y.is_finite()).fold(f64::INFINITY, f64::min);
         values.into_iter().filter(|y| *y >= 0.01 * least).collect()
     }
@@ -278,7 +278,7 @@ impl Plot {
     fn names(&self, y: &Ruler, right: f64) -> Markup {
         let mut ends: Vec<(f64, usize)> = (self.curves.iter().enumerate())
             .filter_map(|(index, curve)| {
-                let end = curve.places.iter().rev().find(|p| self.y.scale == Scale::Linear || p.y > 0.0)?;
+                let end = curve.data.iter().rev().find(|p| self.y.scale == Scale::Linear || p.y > 0.0)?;
                 Some((y.at(end.y), index))
             })
             .collect();
@@ -318,14 +318,14 @@ fn draw_level(level: &Level, y: &Ruler, right: f64) -> Markup {
 }
 
 fn draw_curve(curve: &Curve, x: &Ruler, y: &Ruler) -> Markup {
-    let is_shown = |place: &&Place| {
+    let is_shown = |point: &&DataPoint| {
         let fits = |ruler: &Ruler, value: f64| value.is_finite() && (ruler.scale == Scale::Linear || value > 0.0);
-        fits(x, place.x) && fits(y, place.y)
+        fits(x, point.x) && fits(y, point.y)
     };
-    let places: Vec<&Place> = curve.places.iter().filter(is_shown).collect();
-    let points: Vec<(f64, f64)> = places.iter().map(|place| (x.at(place.x), y.at(place.y))).collect();
-    let has_band = places.iter().any(|place| place.low < place.y || place.high > place.y);
-    let line: String = (points.iter().enumerate())
+    let data: Vec<&DataPoint> = curve.data.iter().filter(is_shown).collect();
+    let pixels: Vec<(f64, f64)> = data.iter().map(|point| (x.at(point.x), y.at(point.y))).collect();
+    let has_band = data.iter().any(|point| point.low < point.y || point.high > point.y);
+    let line: String = (pixels.iter().enumerate())
         .map(|(k, (px, py))| format!("{}{:.1},{:.1}", if k == 0 { 'M' } else { 'L' }, px, py))
         .collect();
     html! {
@@ -333,13 +333,13 @@ fn draw_curve(curve: &Curve, x: &Ruler, y: &Ruler) -> Markup {
             title { (curve.name) }
             @if has_band {
                 g class="bars" {
-                    @for (place, (px, _)) in places.iter().zip(&points) {
-                        path d={ "M" (r(*px)) "," (r(y.at(place.low))) "V" (r(y.at(place.high))) } {}
+                    @for (point, (px, _)) in data.iter().zip(&pixels) {
+                        path d={ "M" (r(*px)) "," (r(y.at(point.low))) "V" (r(y.at(point.high))) } {}
                     }
                 }
             }
             path class="line" d=(line) {}
-            @for (px, py) in &points {
+            @for (px, py) in &pixels {
                 path class="mark" d=(marker(curve.style)) transform={ "translate(" (r(*px)) " " (r(*py)) ")" } {}
             }
         }
@@ -390,7 +390,7 @@ mod tests {
         let curve = |name: &str, style| Curve {
             name: name.into(),
             style,
-            places: vec![Place::exact(1.0, 1.0), Place { x: 2.0, y: 0.5, low: 0.4, high: 0.6 }],
+            data: vec![DataPoint::exact(1.0, 1.0), DataPoint { x: 2.0, y: 0.5, low: 0.4, high: 0.6 }],
         };
         let plot = Plot {
             about: "two <curves>".into(),

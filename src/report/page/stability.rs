@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use maud::{Markup, html};
 
 use super::map;
-use super::plot::{Axis, Curve, Place, Plot, STYLES, Scale, key};
+use super::plot::{Axis, Curve, DataPoint, Plot, STYLES, Scale, key};
 use super::words::{number, time, verdict};
 use crate::report::stability::{Case, ErrorKind, Measurement, Outcome, Stability, Step, Sweep};
 
@@ -126,17 +126,17 @@ const EXACT: f64 = 1e-20;
 
 /// Error over the parameter; where nothing at all is off, a sentence says more than an empty plot.
 fn sweep_plot(sweep: &Sweep, unit: &str, steps: &[&Step]) -> Markup {
-    let mut curves: BTreeMap<&str, Vec<Place>> = BTreeMap::new();
+    let mut curves: BTreeMap<&str, Vec<DataPoint>> = BTreeMap::new();
     let mut exact: BTreeSet<&str> = steps.iter().map(|step| step.measurement.what.as_str()).collect();
-    let mut bounds: Vec<Place> = Vec::new();
+    let mut bounds: Vec<DataPoint> = Vec::new();
     for step in steps {
         let m = &step.measurement;
         // What could not be measured is in the table and among the reasons.
         if m.error > EXACT {
-            curves.entry(&m.what).or_default().push(Place::exact(step.x, m.error));
+            curves.entry(&m.what).or_default().push(DataPoint::exact(step.x, m.error));
             exact.remove(m.what.as_str());
         }
-        bounds.push(Place::exact(step.x, m.bound));
+        bounds.push(DataPoint::exact(step.x, m.bound));
     }
     let unit = if unit.is_empty() { String::new() } else { format!(", {unit}") };
     if curves.is_empty() {
@@ -146,16 +146,16 @@ fn sweep_plot(sweep: &Sweep, unit: &str, steps: &[&Step]) -> Markup {
     }
     bounds.sort_by(|a, b| a.x.total_cmp(&b.x).then(b.y.total_cmp(&a.y)));
     bounds.dedup_by(|a, b| a.x == b.x);
-    let has_bound = bounds.iter().any(|place| place.y > 0.0);
+    let has_bound = bounds.iter().any(|point| point.y > 0.0);
     let names: Vec<&str> = curves.keys().copied().collect();
     let mut lines: Vec<Curve> = (curves.into_values().enumerate())
-        .map(|(index, mut places)| {
-            places.sort_by(|a, b| a.x.total_cmp(&b.x));
-            Curve { name: (index + 1).to_string(), style: index % (STYLES - 1), places }
+        .map(|(index, mut data)| {
+            data.sort_by(|a, b| a.x.total_cmp(&b.x));
+            Curve { name: (index + 1).to_string(), style: index % (STYLES - 1), data }
         })
         .collect();
     if has_bound {
-        lines.push(Curve { name: "bound".to_owned(), style: STYLES - 1, places: bounds });
+        lines.push(Curve { name: "bound".to_owned(), style: STYLES - 1, data: bounds });
     }
     let positive = || steps.iter().map(|step| step.x).filter(|x| *x > 0.0);
     let span = positive().fold(0.0, f64::max) / positive().fold(f64::INFINITY, f64::min);

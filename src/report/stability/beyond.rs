@@ -8,6 +8,7 @@ use super::definition::{CaseDefinition, Measured, Subject};
 use super::outcome::Measurement;
 use super::scenes::{Numbers, add, empty, layers, mean, nest, ready, render, samples_of, sphere};
 use crate::geometry::Ray;
+use crate::scene::description::Kind;
 use crate::transport::inspect::{Follow, Vertex, VertexEvent, trace};
 
 const fn case(name: &'static str, source: &'static str, measure: fn(&Subject) -> Measured) -> CaseDefinition {
@@ -125,7 +126,7 @@ fn matched_ball(subject: &Subject) -> Measured {
 
 fn shift(subject: &Subject) -> Measured {
     let mut description = layers(&[(0.0, -1.0, 1.5, 0.0)], 0.0);
-    description.lights.clear();
+    description.objects.clear(Kind::Light);
     let scene = ready(description)?;
     let mut measurements = Vec::new();
     for degrees in [30.0f64, 45.0, 89.0] {

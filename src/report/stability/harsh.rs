@@ -97,7 +97,7 @@ fn deep_and_dark(subject: &Subject) -> Measured {
     // Spheres and, within each by less than the next one's distance, meshes.
     let shells: Vec<_> = (0..256).map(|k| (1.0 - f64::from(k) / 300.0, if k % 2 == 0 { 1.5 } else { 1.4 })).collect();
     let mut description = nest(1.0, &shells);
-    for (k, refractor) in description.refractors.iter_mut().enumerate().filter(|(k, _)| k % 16 == 0) {
+    for (k, refractor) in description.objects.refractors_mut().iter_mut().enumerate().filter(|(k, _)| k % 16 == 0) {
         refractor.shape = icosphere(shells[k].0, 4);
     }
     description.camera.vertical_fov = 8.0;

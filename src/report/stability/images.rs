@@ -9,7 +9,7 @@ use super::outcome::Measurement;
 use super::scenes::{add, empty, mean, mean_and_error, nest, ready, render, samples_of, sphere};
 use crate::geometry::Ray;
 use crate::scene::SceneError;
-use crate::scene::description::{Environment, Paint, Shape, Solid, Transform};
+use crate::scene::description::{Environment, Object, Paint, Shape, Solid};
 use crate::tracking::Mode;
 use crate::tracking::Prepared;
 use crate::transport::inspect::{Follow, VertexEvent, trace};
@@ -80,16 +80,8 @@ fn bow(subject: &Subject) -> Measured {
     Ok(measurements)
 }
 
-fn black(name: &str, shape: Shape) -> Solid {
-    Solid {
-        name: name.into(),
-        shape,
-        paint: Paint::Color([0.0; 3]),
-        mirror: false,
-        smooth: false,
-        visible: true,
-        transform: Transform::IDENTITY,
-    }
+fn black(name: &str, shape: Shape) -> Object {
+    Object::new(name, shape, Solid::of(Paint::Color([0.0; 3])))
 }
 
 /// Looking up from under water over a black ground: bright within the window, black beyond. The edge is the last pixel of the middle row
@@ -105,7 +97,7 @@ fn snells_window(subject: &Subject) -> Measured {
         0.0,
     );
     let ground = Shape::Quad { center: DVec3::Y * -20.0, edge_u: DVec3::Z * 1e4, edge_v: DVec3::X * 1e4 };
-    description.solids.push(black("ground", ground));
+    description.objects.push(black("ground", ground));
     description.camera.position = DVec3::Y * -1.0;
     description.camera.up = DVec3::Z;
     description.camera.vertical_fov = FOV_DEGREES;

@@ -8,7 +8,7 @@ use super::definition::{CaseDefinition, Measured, Subject, Unmeasured};
 use super::outcome::Measurement;
 use super::scenes::{add, empty, layers, level_lamp, mean, mesh_shape, ready, render, samples_of};
 use crate::geometry::{Mesh, Ray};
-use crate::scene::description::Description;
+use crate::scene::description::{Description, Kind};
 use crate::tracking::Mode;
 use crate::transport::inspect::{Follow, VertexEvent, trace};
 
@@ -104,7 +104,7 @@ fn thousand(subject: &Subject) -> Measured {
     let boxes: Vec<_> = (0..500).map(|k| (-0.2 * f64::from(k), -0.2 * f64::from(k) - 0.1, 1.5001, 0.0)).collect();
     let mut description = layers(&boxes, 0.0);
     description.world.ior = crate::optics::Ior::Constant(1.5);
-    description.lights.clear();
+    description.objects.clear(Kind::Light);
     let scene = ready(description)?;
     let mut measurements = Vec::new();
     for &mode in subject.modes {
@@ -128,7 +128,8 @@ fn absorbing(subject: &Subject) -> Measured {
     let description = layers(&[(0.0, -1.0, 1.5, 1.0)], 0.0);
     let (transmittance, reflectance) = absorbing_slab(0.04, 1.0);
     let mut from_above = description.clone();
-    from_above.lights = vec![level_lamp(1000.0)];
+    from_above.objects.clear(Kind::Light);
+    from_above.objects.push(level_lamp(1000.0));
     let mut measurements = Vec::new();
     let samples = subject.amount(64, 1024);
     image_means(subject, description, "T", transmittance, samples, &mut measurements)?;

@@ -304,63 +304,6 @@ impl Stability {
     pub fn counts(&self) -> [usize; 3] {
         ["passed", "failed", "not run"].map(|name| self.cases.iter().filter(|c| c.outcome.name() == name).count())
     }
-
-    /// A head and one row for each measurement, of cases and sweeps; a case without measurements has one row of its own.
-    pub fn csv_rows(&self) -> Vec<Vec<String>> {
-        let head = "check,number,name,at,what,expected,measured,error,error_kind,bound,noise,unit,outcome,reason";
-        let mut rows = vec![head.split(',').map(str::to_owned).collect()];
-        let number = |x: f64| format!("{x:e}");
-        let of_measurement = |m: &Measurement| {
-            let kind = match m.kind {
-                ErrorKind::Absolute => "absolute",
-                ErrorKind::Relative => "relative",
-            };
-            let outcome = if m.is_within_bound() { "passed" } else { "failed" };
-            let [expected, measured, error, bound, noise] =
-                [m.expected, m.measured, m.error, m.bound, m.noise].map(number);
-            let reason = if m.is_within_bound() { String::new() } else { m.limit.clone().unwrap_or_default() };
-            [m.what.clone(), expected, measured, error, kind.to_owned(), bound, noise, m.unit.clone()]
-                .into_iter()
-                .chain([outcome.to_owned(), reason])
-        };
-        for case in &self.cases {
-            let start = ["case".to_owned(), case.number.map_or(String::new(), |n| n.to_string()), case.name.clone()];
-            if case.measurements.is_empty() {
-                let end = [case.outcome.name().to_owned(), case.outcome.reason().to_owned()];
-                let empty = std::iter::repeat_n(String::new(), 9);
-                rows.push(start.into_iter().chain(empty).chain(end).collect());
-            } else {
-                rows.extend(case.measurements.iter().map(|m| {
-                    start.iter().cloned().chain([String::new()]).chain(of_measurement(m)).collect::<Vec<_>>()
-                }));
-            }
-        }
-        for sweep in &self.sweeps {
-            rows.extend(sweep.steps.iter().map(|step| {
-                let at = step.label.clone().unwrap_or_else(|| number(step.x));
-                let start = ["sweep".to_owned(), String::new(), sweep.name.clone(), at];
-                start.into_iter().chain(of_measurement(&step.measurement)).collect::<Vec<_>>()
-            }));
-        }
-        rows
-    }
-}
-
-impl Map {
-    /// A head, and one row for each place that has an error.
-    pub fn csv_rows(&self) -> Vec<Vec<String>> {
-        let head = ["formula", "quantity", "eta", &self.row_parameter, "relative_error"];
-        let mut rows = vec![head.map(str::to_owned).to_vec()];
-        for (row, errors) in self.rows.iter().zip(&self.relative_errors) {
-            for (eta, error) in self.etas.iter().zip(errors) {
-                if let Some(error) = error {
-                    let numbers = [*eta, *row, *error].map(|x| format!("{x:e}"));
-                    rows.push([self.formula.clone(), self.quantity.clone()].into_iter().chain(numbers).collect());
-                }
-            }
-        }
-        rows
-    }
 }
 
 /// JSON has no NaN and no infinities: they are written as null, and null is read as NaN.

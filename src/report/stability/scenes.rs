@@ -7,11 +7,11 @@ use glam::DVec3;
 
 use crate::geometry::{Mesh, Ray, uniform_direction};
 use crate::optics::{Ior, Medium};
-use crate::render::{Film, RenderSettings, VarianceReduction, accumulate};
+use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
 use crate::scene::SceneError;
 use crate::scene::camera::Camera;
 use crate::scene::description::{
-    CameraDescription, Description, Environment, Light, Refractor, Shape, Transform, WorldMedium,
+    CameraDescription, Description, Environment, Light, Object, Objects, Refractor, Shape, WorldMedium,
 };
 use crate::scene::shapes::tessellate;
 use crate::tracking::Mode;
@@ -33,23 +33,16 @@ pub fn empty(world_ior: f64) -> Description {
         world: WorldMedium { ior: Ior::Constant(world_ior), absorption: [0.0; 3] },
         environment: Environment::Color([1.0; 3]),
         media: Vec::new(),
-        refractors: Vec::new(),
-        solids: Vec::new(),
-        lights: Vec::new(),
+        objects: Objects::default(),
         source: None,
     }
 }
 
 /// Adds a refractor `object N` with a medium of its own, of the same name.
 pub fn add(description: &mut Description, shape: Shape, ior: f64, absorption: f64) {
-    let name = format!("object {}", description.refractors.len());
+    let name = format!("object {}", description.objects.refractors().len());
     description.media.push(Medium { name: name.clone(), ior: Ior::Constant(ior), absorption: [absorption; 3] });
-    description.refractors.push(refractor(name.clone(), name, shape));
-}
-
-/// A refractor where its shape is, with nothing special about it.
-pub fn refractor(name: String, medium: String, shape: Shape) -> Refractor {
-    Refractor { name, medium, shape, priority: 0, smooth: false, visible: true, transform: Transform::IDENTITY }
+    description.objects.push(Object::new(name.clone(), shape, Refractor::of(name)));
 }
 
 pub fn sphere(center: DVec3, radius: f64) -> Shape {
@@ -93,7 +86,7 @@ pub fn layers(boxes: &[(f64, f64, f64, f64)], degrees: f64) -> Description {
         add(&mut description, Shape::Box { min, max }, ior, absorption);
     }
     description.environment = Environment::Color([0.0; 3]);
-    description.lights.push(level_lamp(-1000.0));
+    description.objects.push(level_lamp(-1000.0));
     let angle = degrees.to_radians();
     description.camera.position = DVec3::new(-angle.sin(), angle.cos(), 0.0) * 10.0;
     description.camera.up = DVec3::Z;
@@ -102,15 +95,10 @@ pub fn layers(boxes: &[(f64, f64, f64, f64)], degrees: f64) -> Description {
 }
 
 /// A wide lamp of radiance 1 at this height, which shines towards height 0.
-pub fn level_lamp(height: f64) -> Light {
+pub fn level_lamp(height: f64) -> Object {
     let (edge_u, edge_v) = (DVec3::Z * 4e5, DVec3::X * 4e5 * -height.signum());
-    Light {
-        name: "lamp".into(),
-        shape: Shape::Quad { center: DVec3::Y * height, edge_u, edge_v },
-        radiance: [1.0; 3],
-        visible: true,
-        transform: Transform::IDENTITY,
-    }
+    let shape = Shape::Quad { center: DVec3::Y * height, edge_u, edge_v };
+    Object::new("lamp", shape, Light { radiance: [1.0; 3] })
 }
 
 /// # Errors
@@ -151,10 +139,15 @@ pub fn render(
     max_depth: Option<u32>,
 ) -> Result<Film, SceneError> {
     let camera = Camera::new(&scene.description.camera)?;
-    let settings = RenderSettings { mode, seed, max_depth, leave_out: true, variance: VarianceReduction::default() };
+    let settings = ImageSettings { max_depth, ..ImageSettings::new(mode, seed) };
     let mut film = Film::new(size.0, size.1);
     // Never cancelled: these films take a fraction of a second.
-    accumulate(scene, &camera, &settings, &mut film, samples, &AtomicBool::new(false));
+    Cpu.pass(
+        &RenderTask { prepared: scene, camera: &camera, settings: &settings },
+        &mut film,
+        samples,
+        &AtomicBool::new(false),
+    );
     Ok(film)
 }
 

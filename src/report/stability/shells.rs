@@ -62,7 +62,7 @@ pub(super) fn shells(gap: f64, kind: Kind, scale: f64, center: DVec3) -> Descrip
     for radius in [1.0, 1.0 - gap] {
         add(&mut description, kind.ball(radius, 3), 1.0, 0.0);
     }
-    for refractor in &mut description.refractors {
+    for refractor in description.objects.refractors_mut() {
         refractor.transform =
             Transform { scale: DVec3::splat(scale), rotate: DVec3::new(11.0, 22.0, 33.0), translate: center };
     }
@@ -116,7 +116,7 @@ fn coincident(subject: &Subject) -> Measured {
     for kind in Kind::BOTH {
         for (priorities, winner) in [([0, 0], "object 1"), ([1, 0], "object 0"), ([-1, 0], "object 1")] {
             let mut description = shells(0.0, kind, 1.0, DVec3::ZERO);
-            description.refractors.iter_mut().zip(priorities).for_each(|(r, p)| r.priority = p);
+            description.objects.refractor_roles_mut().zip(priorities).for_each(|(r, p)| r.priority = p);
             let scene = ready(description)?;
             let once = [("world", winner), (winner, "world")];
             for &mode in subject.modes {
@@ -154,8 +154,8 @@ fn planar_faces(subject: &Subject, measurements: &mut Vec<Measurement>) -> Resul
             for body in &bodies {
                 add(&mut description, body.shape.clone(), 1.0, 0.0);
             }
-            description.refractors.iter_mut().for_each(|r| r.transform.rotate = rotate);
-            let to_object = description.refractors[0].transform.matrix().inverse();
+            description.objects.refractors_mut().iter_mut().for_each(|r| r.transform.rotate = rotate);
+            let to_object = description.objects.refractors()[0].transform.matrix().inverse();
             let scene = ready(description)?;
             let mut numbers = Numbers(31);
             let mut wrong = vec![0; subject.modes.len()];
@@ -242,7 +242,7 @@ pub(super) fn scaled_paths(mode: Mode, scale: f64, count: usize) -> Result<Vec<T
     add(&mut description, icosphere(0.8, 2), 1.5, 0.0);
     add(&mut description, sphere(DVec3::new(0.3, 0.1, 0.2), 0.5), 1.7, 0.0);
     add(&mut description, cuboid([-0.5, 0.2, -0.5], [0.9, 0.6, 0.4]), 1.2, 0.0);
-    for refractor in &mut description.refractors {
+    for refractor in description.objects.refractors_mut() {
         refractor.transform.scale = DVec3::splat(scale);
     }
     let scene = ready(description)?;

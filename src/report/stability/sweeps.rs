@@ -8,8 +8,8 @@ use super::nests::{EVER_DENSER, HEIGHTS, deflections};
 use super::outcome::{Measurement, Step};
 use super::scenes::{Numbers, add, deflection_degrees, empty, icosphere, interfaces, nest, ready, sphere};
 use super::shells::{Kind, OUT_AND_IN, miscounted, scaled_paths, shells};
+use crate::formats::{self, builtin};
 use crate::geometry::Ray;
-use crate::scene::builtin;
 use crate::scene::camera::Camera;
 use crate::scene::description::{Description, Shape, Transform};
 use crate::tracking::Mode;
@@ -67,7 +67,7 @@ pub(super) const SWEEPS: &[SweepDefinition] = &[
 ];
 
 fn transformed(mut description: Description, scale: f64, center: DVec3) -> Description {
-    for refractor in &mut description.refractors {
+    for refractor in description.objects.refractors_mut() {
         refractor.transform = Transform { scale: DVec3::splat(scale), translate: center, ..Transform::IDENTITY };
     }
     description
@@ -246,14 +246,14 @@ fn slivers(subject: &Subject) -> Result<Vec<Step>, Unmeasured> {
         let mut squashed = empty(1.0);
         for radius in [1.0, 0.5] {
             add(&mut squashed, icosphere(radius, 3), 1.0, 0.0);
-            if let Some(refractor) = squashed.refractors.last_mut() {
+            if let Some(refractor) = squashed.objects.refractors_mut().last_mut() {
                 refractor.transform = Transform { scale: DVec3::new(1.0, thin, 1.0), ..turned };
             }
         }
         let single = |shape: Shape| {
             let mut description = empty(1.0);
             add(&mut description, shape, 1.0, 0.0);
-            description.refractors[0].transform = turned;
+            description.objects.refractors_mut()[0].transform = turned;
             description
         };
         let once = [("world", "object 0"), ("object 0", "world")];
@@ -298,7 +298,7 @@ fn builtin_scenes(subject: &Subject) -> Result<Vec<Step>, Unmeasured> {
     let mut steps = Vec::new();
     for (index, scene) in builtin::all().iter().enumerate() {
         subject.go_on()?;
-        let prepared = ready(builtin::description(scene)?)?;
+        let prepared = ready(formats::open(scene.name)?)?;
         let camera = Camera::new(&prepared.description.camera)?;
         let mut numbers = Numbers(67);
         let size = glam::DVec2::splat(512.0);

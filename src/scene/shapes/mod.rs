@@ -4,33 +4,19 @@
 //! crease stays sharp when normals are interpolated, have bit-equal positions.
 
 mod icosphere;
+mod limits;
 mod profile;
 mod revolve;
 mod validate;
 
 use glam::{DVec2, DVec3};
 
-use super::SceneError;
 use super::description::Shape;
+use super::error::SceneError;
 use crate::geometry::Mesh;
 
-pub use validate::{ShapeError, validate};
-
-/// Largest coordinate and length: beyond, products of two would overflow in single precision.
-pub const MAX_LENGTH: f64 = 1e18;
-/// Least length and scale: below it, products of three lengths are 0.
-pub const MIN_LENGTH: f64 = 1e-100;
-/// Most triangles that a shape may be tessellated into.
-pub const MAX_TRIANGLES: u64 = 4_000_000;
-/// Most segments of a shape of revolution, and most rings of a torus.
-pub const MAX_SEGMENTS: u32 = 8192;
-/// Most subdivisions of an icosphere: 20 · 4⁸ = 1.3 million triangles.
-pub const MAX_SUBDIVISIONS: u32 = 8;
-
-/// Segments around the axis where a scene gives none.
-pub const DEFAULT_SEGMENTS: u32 = 128;
-/// Rings of a torus where a scene gives none.
-pub const DEFAULT_RINGS: u32 = 64;
+pub use limits::*;
+pub use validate::validate;
 
 /// The mesh of a shape in object space, with unit normals except for meshes from files that have none; `None` for the analytic
 /// sphere, which has no mesh.

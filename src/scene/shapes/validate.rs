@@ -2,29 +2,16 @@
 
 use glam::DVec3;
 
+use super::limits::{MAX_LENGTH, MAX_SEGMENTS, MAX_SUBDIVISIONS, MAX_TRIANGLES, MIN_LENGTH};
 use super::profile::{clean, from_points, pieces_cross};
-use super::{MAX_LENGTH, MAX_SEGMENTS, MAX_SUBDIVISIONS, MAX_TRIANGLES, MIN_LENGTH};
 use crate::geometry::topology::MAX_FACES;
 use crate::scene::description::Shape;
+use crate::scene::error::Fault;
 
 /// Most points of a profile: every piece is tested against every other.
 const MAX_PROFILE_POINTS: usize = 4096;
 
-/// A shape that cannot be.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{message}")]
-pub struct ShapeError {
-    /// The key of the scene file that is to blame, such as `radius`; empty where it is the shape as a whole.
-    pub key: &'static str,
-    /// What is wrong and what would be right.
-    pub message: String,
-}
-
-type Checked = Result<(), ShapeError>;
-
-fn fault(key: &'static str, message: impl Into<String>) -> Checked {
-    Err(ShapeError { key, message: message.into() })
-}
+type Checked = Result<(), Fault>;
 
 /// Checks a shape without making its mesh.
 ///
@@ -40,7 +27,7 @@ pub fn validate(shape: &Shape) -> Checked {
             place("center", *center)?;
             length("radius", *radius)?;
             if *subdivisions > MAX_SUBDIVISIONS {
-                return fault(
+                return Fault::at(
                     "subdivisions",
                     format!("subdivisions is {subdivisions}, must be 0 to {MAX_SUBDIVISIONS}"),
                 );
@@ -51,7 +38,7 @@ pub fn validate(shape: &Shape) -> Checked {
             place("min", *min)?;
             place("max", *max)?;
             match (0..3).find(|&axis| min[axis] >= max[axis]) {
-                Some(axis) => fault(
+                Some(axis) => Fault::at(
                     "max",
                     format!(
                         "max must be greater than min on every axis, but along {} min is {} and max is {}",
@@ -74,7 +61,7 @@ pub fn validate(shape: &Shape) -> Checked {
             length("major", *major)?;
             length("minor", *minor)?;
             if minor >= major {
-                return fault(
+                return Fault::at(
                     "minor",
                     format!("minor is {minor}, must be less than major ({major}), or the tube crosses itself"),
                 );
@@ -92,22 +79,22 @@ pub fn validate(shape: &Shape) -> Checked {
             place("edge_v", *edge_v)?;
             for (key, edge) in [("edge_u", edge_u), ("edge_v", edge_v)] {
                 if edge.length() == 0.0 {
-                    return fault(key, format!("{key} has no length"));
+                    return Fault::at(key, format!("{key} has no length"));
                 }
             }
             if edge_u.normalize().cross(edge_v.normalize()).length() < 1e-12 {
-                return fault("edge_v", "edge_u and edge_v are parallel, so the quad has no area");
+                return Fault::at("edge_v", "edge_u and edge_v are parallel, so the quad has no area");
             }
             Ok(())
         }
         Shape::Mesh { mesh, .. } => {
             let vertices = mesh.positions.len();
             if mesh.triangles.is_empty() {
-                fault("", "the mesh has no triangles")
+                Fault::at("", "the mesh has no triangles")
             } else if !mesh.normals.is_empty() && mesh.normals.len() != vertices {
-                fault("", "the mesh must have one normal for each vertex, or none")
+                Fault::at("", "the mesh must have one normal for each vertex, or none")
             } else if mesh.triangles.len().max(vertices) > MAX_FACES {
-                fault(
+                Fault::at(
                     "",
                     format!(
                         "the mesh has {} triangles and {vertices} vertices, at most {MAX_FACES} of each are allowed",
@@ -115,9 +102,9 @@ pub fn validate(shape: &Shape) -> Checked {
                     ),
                 )
             } else if mesh.triangles.iter().flatten().any(|&i| i as usize >= vertices) {
-                fault("", "a triangle of the mesh names a vertex that does not exist")
+                Fault::at("", "a triangle of the mesh names a vertex that does not exist")
             } else if mesh.positions.iter().any(|p| !p.is_finite() || p.abs().max_element() > MAX_LENGTH) {
-                fault("", format!("a vertex of the mesh is not finite, or beyond {MAX_LENGTH:e}"))
+                Fault::at("", format!("a vertex of the mesh is not finite, or beyond {MAX_LENGTH:e}"))
             } else {
                 Ok(())
             }
@@ -127,10 +114,10 @@ pub fn validate(shape: &Shape) -> Checked {
 
 fn place(key: &'static str, p: DVec3) -> Checked {
     if !p.is_finite() {
-        return fault(key, format!("{key} is {:?}, must be finite", p.to_array()));
+        return Fault::at(key, format!("{key} is {:?}, must be finite", p.to_array()));
     }
     if p.abs().max_element() > MAX_LENGTH {
-        return fault(
+        return Fault::at(
             key,
             format!("{key} is {:?}, too large: use a scale with numbers below {MAX_LENGTH:e}", p.to_array()),
         );
@@ -140,10 +127,10 @@ fn place(key: &'static str, p: DVec3) -> Checked {
 
 fn length(key: &'static str, value: f64) -> Checked {
     if !(value > 0.0 && value <= MAX_LENGTH) {
-        return fault(key, format!("{key} is {value}, must be greater than 0 (and at most {MAX_LENGTH:e})"));
+        return Fault::at(key, format!("{key} is {value}, must be greater than 0 (and at most {MAX_LENGTH:e})"));
     }
     if value < MIN_LENGTH {
-        return fault(
+        return Fault::at(
             key,
             format!("{key} is {value:e}, too small to be computed with: must be at least {MIN_LENGTH:e}"),
         );
@@ -154,11 +141,11 @@ fn length(key: &'static str, value: f64) -> Checked {
 /// A number of parts around, each of which becomes `triangles_each`.
 fn count(key: &'static str, value: u32, triangles_each: u64) -> Checked {
     if !(3..=MAX_SEGMENTS).contains(&value) {
-        return fault(key, format!("{key} is {value}, must be 3 to {MAX_SEGMENTS}"));
+        return Fault::at(key, format!("{key} is {value}, must be 3 to {MAX_SEGMENTS}"));
     }
     let triangles = u64::from(value) * triangles_each;
     if triangles > MAX_TRIANGLES {
-        return fault(
+        return Fault::at(
             key,
             format!("{key} is {value}, which makes {triangles} triangles; at most {MAX_TRIANGLES} are allowed"),
         );
@@ -167,7 +154,7 @@ fn count(key: &'static str, value: u32, triangles_each: u64) -> Checked {
 }
 
 fn check_profile(points: &[[f64; 2]]) -> Checked {
-    let bad = |message: String| fault("profile", message);
+    let bad = |message: String| Fault::at("profile", message);
     if points.len() > MAX_PROFILE_POINTS {
         return bad(format!("the profile has {} points, at most {MAX_PROFILE_POINTS} are allowed", points.len()));
     }

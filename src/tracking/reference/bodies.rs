@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::boxes::{Bounds, Tree};
 use super::reading::Reading;
 use super::sheet;
-use super::winding::{Allowed, Place, Winding};
+use super::winding::{Allowed, PointInPlane, Winding};
 use crate::geometry::{Geometry, ObjectRange, PrimitiveId, SurfacePoint};
 use crate::scene::Scene;
 use crate::scene::description::{Description, Shape};
@@ -82,7 +82,7 @@ impl Bodies {
         let mut bodies = Vec::new();
         let mut of_object = vec![None; scene.objects.len()];
         let mut part_of_primitive = Vec::new();
-        for (index, refractor) in description.refractors.iter().enumerate().filter(|(_, r)| r.visible) {
+        for (index, refractor) in description.objects.refractors().iter().enumerate().filter(|(_, r)| r.visible) {
             let object = ObjectId(index as u32);
             let matrix = refractor.transform.matrix();
             if let Shape::Sphere { center, radius } = refractor.shape {
@@ -121,13 +121,13 @@ impl Bodies {
     }
 
     /// The place of a surface point.
-    pub(super) fn place(&self, geometry: &Geometry, point: &SurfacePoint) -> Place {
+    pub(super) fn place(&self, geometry: &Geometry, point: &SurfacePoint) -> PointInPlane {
         if geometry.sphere(point.primitive).is_some() {
-            return Place::new(point.position, point.normal, DVec3::ZERO);
+            return PointInPlane::new(point.position, point.normal, DVec3::ZERO);
         }
         let corners = geometry.corners(point.primitive);
         let reach = corners.into_iter().fold(DVec3::ZERO, |reach, p| reach.max(p.abs()));
-        Place::new(off_the_edges(point.position, &corners), point.normal, reach)
+        PointInPlane::new(off_the_edges(point.position, &corners), point.normal, reach)
     }
 
     /// How near faces of a part of `body` must come to those of the primitive to lie in one plane with it.
@@ -137,7 +137,7 @@ impl Bodies {
     }
 
     /// The media on both sides of a point on a refractor's surface.
-    pub(super) fn beside(&self, scene: &Scene, place: &Place, primitive: PrimitiveId) -> Beside {
+    pub(super) fn beside(&self, scene: &Scene, place: &PointInPlane, primitive: PrimitiveId) -> Beside {
         let mut found = Beside { front: MediumId::WORLD, back: MediumId::WORLD, is_doubtful: false };
         let Some(own) = self.body(ObjectId(scene.geometry.object_of(primitive))) else { return found };
         let mut top: [Option<&Body>; 2] = [None, None];
@@ -164,7 +164,7 @@ impl Bodies {
         self.sheets.iter().for_each(|&sheet| visit(&self.bodies[sheet as usize]));
     }
 
-    fn inside(&self, scene: &Scene, body: &Body, place: &Place, primitive: PrimitiveId, own: &Body) -> Inside {
+    fn inside(&self, scene: &Scene, body: &Body, place: &PointInPlane, primitive: PrimitiveId, own: &Body) -> Inside {
         let allowed = |part: u32| self.allowed(body, part, primitive, own);
         match &body.form {
             Form::Ball { center, radius } => {
@@ -216,7 +216,7 @@ impl Bodies {
 
     /// Whether another face at the same place, in the same plane, stands for that of `primitive`: one of something opaque, or the first of
     /// the refractors'. Of surfaces that are one, a path must cross just one.
-    pub(super) fn is_stood_for(&self, scene: &Scene, place: &Place, primitive: PrimitiveId) -> bool {
+    pub(super) fn is_stood_for(&self, scene: &Scene, place: &PointInPlane, primitive: PrimitiveId) -> bool {
         let geometry = &*scene.geometry;
         let own_object = ObjectId(geometry.object_of(primitive));
         let Some(own) = self.body(own_object) else { return false };

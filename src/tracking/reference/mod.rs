@@ -11,7 +11,7 @@
 //!   and add or take a half on either side, by the way they look: so no point has to be moved off the surface, and
 //!   surfaces that coincide are one place with two sides. One of them, the first, stands for all.
 
-mod bodies;
+pub mod bodies;
 mod boxes;
 mod reading;
 mod sheet;
@@ -20,9 +20,10 @@ mod winding;
 
 use glam::DVec3;
 
-use super::{Crossing, Sides, Tracker};
+use super::events::Events;
+use super::prepare::Prepared;
+use super::tracker::{Crossing, Sides, Tracker, TrackingMode};
 use crate::scene::{MediumId, Scene};
-use crate::tracking::Events;
 
 pub use bodies::Bodies;
 
@@ -30,6 +31,15 @@ pub use bodies::Bodies;
 pub struct Reference<'a> {
     pub scene: &'a Scene,
     pub bodies: &'a Bodies,
+}
+
+impl<'a> TrackingMode<'a> for Reference<'a> {
+    const NAME: &'static str = "reference";
+    const ABOUT: &'static str = "Asks what contains both sides of every hit, by winding numbers: slow, the truth the others are measured against.";
+
+    fn of(prepared: &'a Prepared) -> Self {
+        Self { scene: &prepared.scene, bodies: prepared.bodies() }
+    }
 }
 
 impl Tracker for Reference<'_> {

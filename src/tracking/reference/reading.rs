@@ -10,7 +10,7 @@ use glam::{DAffine3, DVec3};
 
 use super::boxes::{Bounds, Tree};
 use super::vertices::clustered;
-use super::winding::{Allowed, Place, Winding};
+use super::winding::{Allowed, PointInPlane, Winding};
 use crate::geometry::Mesh;
 
 /// A surface encloses nothing if closing it would take more than this share of its own area.
@@ -393,7 +393,7 @@ fn numbers_on(&[a, b, c]: &[DVec3; 3], winding: &Winding) -> [f64; 4] {
     let bounds = winding.bounds();
     let allowed = |_| Allowed { length: (bounds.max - bounds.min).length() / 2.0, is_of_one_surface: false };
     [middle, a.lerp(middle, 0.01), b.lerp(middle, 0.01), c.lerp(middle, 0.01)].map(|point| {
-        let sides = winding.beside(&Place::new(point, normal, DVec3::ZERO), allowed);
+        let sides = winding.beside(&PointInPlane::new(point, normal, DVec3::ZERO), allowed);
         (sides.front + sides.back).abs() / 2.0
     })
 }

@@ -22,7 +22,7 @@ const ROUNDING: f64 = 8.0 / (1u32 << 24) as f64;
 
 /// A point on a surface, and the plane across which it is asked about.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct PointInPlane {
     pub point: DVec3,
     /// Unit.
     pub normal: DVec3,
@@ -42,7 +42,7 @@ pub(super) struct Allowed {
     pub is_of_one_surface: bool,
 }
 
-impl Place {
+impl PointInPlane {
     pub fn new(point: DVec3, normal: DVec3, reach: DVec3) -> Self {
         let (u, v) = normal.any_orthonormal_pair();
         Self { point, normal, reach, axes: [u, v] }
@@ -119,7 +119,7 @@ struct Group {
 
 /// The winding numbers around a place on a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Sides {
+pub(super) struct WindingSides {
     /// On the side that the place's normal points to, and on the other.
     pub front: f64,
     pub back: f64,
@@ -163,7 +163,7 @@ impl Winding {
     }
 
     /// The winding numbers on both sides of a place; how far off faces may lie there depends on their part.
-    pub fn beside(&self, place: &Place, allowed: impl Fn(u32) -> Allowed) -> Sides {
+    pub fn beside(&self, place: &PointInPlane, allowed: impl Fn(u32) -> Allowed) -> WindingSides {
         let mut facing = 0;
         let mut is_on_surface = false;
         let rest = self.sum(place.point, |corners, part| match place.is_covered_by(corners, allowed(part)) {
@@ -175,7 +175,7 @@ impl Winding {
             None => solid_angle(corners.map(|p| p - place.point)),
         });
         let half = 0.5 * f64::from(facing);
-        Sides { front: rest - half, back: rest + half, is_on_surface }
+        WindingSides { front: rest - half, back: rest + half, is_on_surface }
     }
 
     #[inline]
@@ -342,12 +342,12 @@ mod tests {
                 for share in [0.1, 0.5] {
                     let point = corners[0].lerp(corners[1], share).lerp(corners[2], 0.4) + normal * off;
                     let allowed = |_| Allowed { length: 0.1, is_of_one_surface: true };
-                    let sides = tree.beside(&Place::new(point, normal, DVec3::ZERO), allowed);
+                    let sides = tree.beside(&PointInPlane::new(point, normal, DVec3::ZERO), allowed);
                     assert!(sides.is_on_surface);
                     assert!(sides.front.abs() < 0.01 && (sides.back - 1.0).abs() < 0.01, "{sides:?}");
                     // Asked about by another surface, which looks the other way.
                     let allowed = |_| Allowed { length: 0.1, is_of_one_surface: false };
-                    let turned = tree.beside(&Place::new(point, -normal, DVec3::ZERO), allowed);
+                    let turned = tree.beside(&PointInPlane::new(point, -normal, DVec3::ZERO), allowed);
                     assert!(turned.back.abs() < 0.01 && (turned.front - 1.0).abs() < 0.01, "{turned:?}");
                 }
             }
@@ -361,7 +361,7 @@ mod tests {
         let allowed = Allowed { length: 1.0, is_of_one_surface: false };
         for normal in [DVec3::Z, DVec3::NEG_Z] {
             for share in [0.25, 0.5, 0.7] {
-                let place = Place::new(a.lerp(c, share), normal, DVec3::ONE);
+                let place = PointInPlane::new(a.lerp(c, share), normal, DVec3::ONE);
                 let covers = [[a, b, c], [a, c, d]].map(|t| place.is_covered_by(&t, allowed).is_some());
                 assert_ne!(covers[0], covers[1], "{share}");
             }
@@ -372,7 +372,7 @@ mod tests {
     #[test]
     fn the_other_side_of_something_thin() {
         let under = [DVec3::ZERO, DVec3::Y, DVec3::X].map(|p| p - DVec3::Z * 1e-8);
-        let place = Place::new(DVec3::new(0.2, 0.2, 0.0), DVec3::Z, DVec3::ZERO);
+        let place = PointInPlane::new(DVec3::new(0.2, 0.2, 0.0), DVec3::Z, DVec3::ZERO);
         let covers = |is_of_one_surface| place.is_covered_by(&under, Allowed { length: 1.0, is_of_one_surface });
         assert_eq!([covers(false), covers(true)], [Some(false), None]);
     }

@@ -514,8 +514,8 @@ impl Case {
         let has_holes = !assembly.holed.is_empty();
         let shape = Shape::Mesh { path: "made.ply".into(), mesh: Arc::new(mesh), notes: Vec::new() };
         self.add(numbers, shape);
-        self.description.refractors.last_mut().unwrap().transform = transform;
-        let refractor = self.description.refractors.len() - 1;
+        self.description.objects.refractors_mut().last_mut().unwrap().transform = transform;
+        let refractor = self.description.objects.refractors().len() - 1;
         let volume = known.iter().zip(&roles).map(|(triangles, role)| {
             let volume = Shell::new(triangles.clone()).volume();
             if *role == Role::Solid { volume } else { -volume }
@@ -553,7 +553,7 @@ impl Case {
         };
         let triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().map(|t| t.map(|i| mesh.positions[i as usize])).collect();
         self.add(numbers, Shape::Mesh { path: "other.ply".into(), mesh: Arc::new(mesh), notes: Vec::new() });
-        let refractor = self.description.refractors.len() - 1;
+        let refractor = self.description.objects.refractors().len() - 1;
         let volume = Shell::new(triangles.clone()).volume();
         let (triangles, roles) = (vec![triangles], vec![Role::Solid]);
         self.known.push(Known { refractor, triangles, roles, volume, has_holes: false });
@@ -562,14 +562,14 @@ impl Case {
     /// Overlaps are decided by volumes only where these are clear: parts that overlap count in full in a mesh's volume, but once in
     /// the union's, and of holes the volume depends on how they are closed.
     fn tell_apart_by_priority(&mut self, numbers: &mut Numbers) {
-        let ranges: Vec<(f64, f64)> = (0..self.description.refractors.len())
+        let ranges: Vec<(f64, f64)> = (0..self.description.objects.refractors().len())
             .map(|index| match self.known.iter().find(|known| known.refractor == index) {
                 Some(known) => {
                     let count = known.roles.len() as f64;
                     let low = if count > 1.0 { known.volume / (2.0 * count) } else { known.volume };
                     if known.has_holes { (0.7 * low, 1.4 * known.volume) } else { (low * 0.999, known.volume * 1.001) }
                 }
-                None => match self.description.refractors[index].shape {
+                None => match self.description.objects.refractors()[index].shape {
                     Shape::Sphere { radius, .. } => [1.0; 2].map(|x: f64| x * 4.18879 * radius.powi(3)).into(),
                     _ => (0.0, f64::INFINITY),
                 },
@@ -579,7 +579,7 @@ impl Case {
             (0..ranges.len()).any(|i| (0..i).any(|j| ranges[i].0 <= ranges[j].1 && ranges[j].0 <= ranges[i].1));
         if is_doubtful || numbers.index(4) == 0 {
             let turn = numbers.index(3);
-            for (index, refractor) in self.description.refractors.iter_mut().enumerate() {
+            for (index, refractor) in self.description.objects.refractor_roles_mut().enumerate() {
                 refractor.priority = ((index + turn) % 3) as i32 - 1;
             }
         }

@@ -9,6 +9,7 @@ pub mod truth;
 
 use std::path::Path;
 
+use iorect::formats;
 use iorect::geometry::Mesh;
 use iorect::render::Film;
 use iorect::report::stability::scenes;
@@ -16,7 +17,6 @@ pub use iorect::report::stability::scenes::{
     Numbers, add, deflection_degrees, empty, icosphere, interfaces, layers, mean, mesh_shape, nest, sphere, through,
 };
 use iorect::scene::description::{Description, Shape};
-use iorect::scene::load;
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
 
@@ -31,7 +31,7 @@ pub fn render(prepared: &Prepared, mode: Mode, size: (u32, u32), spp: u32, max_d
 
 /// A scene of `tests/data/cases`.
 pub fn case(path: &str) -> Description {
-    load::file(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases").join(path)).unwrap()
+    formats::file(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases").join(path)).unwrap()
 }
 
 /// The triangles of a shape that has some, without normals.

@@ -4,7 +4,7 @@ use glam::DVec3;
 use iorect::optics::{Ior, Medium, catalog};
 use iorect::scene::Description;
 use iorect::scene::description::{
-    CameraDescription, Environment, Light, Paint, Refractor, Shape, Solid, Transform, WorldMedium,
+    CameraDescription, Environment, Light, Object, Paint, Refractor, Shape, Solid, Transform, WorldMedium,
 };
 use proptest::prelude::*;
 
@@ -150,36 +150,21 @@ pub fn description() -> impl Strategy<Value = Description> {
                 camera,
                 world,
                 environment,
-                refractors: (named("r", refractors).into_iter())
-                    .map(|(name, (medium, shape, priority, [smooth, visible], transform))| Refractor {
-                        name,
-                        medium: medium.get(&media).name.clone(),
-                        shape,
-                        priority,
-                        smooth,
-                        visible,
-                        transform,
+                objects: (named("r", refractors).into_iter())
+                    .map(|(name, (medium, shape, priority, [smooth, visible], transform))| {
+                        let medium = medium.get(&media).name.clone();
+                        let role = Refractor { medium, priority, smooth }.into();
+                        Object { name, shape, transform, visible, role }
                     })
-                    .collect(),
-                solids: (named("s", solids).into_iter())
-                    .map(|(name, (shape, paint, [mirror, smooth, visible], transform))| Solid {
-                        name,
-                        shape,
-                        paint,
-                        mirror,
-                        smooth,
-                        visible,
-                        transform,
-                    })
-                    .collect(),
-                lights: (named("l", lights).into_iter())
-                    .map(|(name, (shape, radiance, visible, transform))| Light {
-                        name,
-                        shape,
-                        radiance,
-                        visible,
-                        transform,
-                    })
+                    .chain((named("s", solids).into_iter()).map(
+                        |(name, (shape, paint, [mirror, smooth, visible], transform))| {
+                            let role = Solid { paint, mirror, smooth }.into();
+                            Object { name, shape, transform, visible, role }
+                        },
+                    ))
+                    .chain((named("l", lights).into_iter()).map(|(name, (shape, radiance, visible, transform))| {
+                        Object { name, shape, transform, visible, role: Light { radiance }.into() }
+                    }))
                     .collect(),
                 media,
                 source: None,

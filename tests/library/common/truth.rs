@@ -169,11 +169,13 @@ impl Truth {
         // The program rounds vertices to f32 about this point: what it is to be right about is the rounded surface.
         let origin = compile(description, None).expect("the scene is fine").geometry.origin;
         let body = |shape, transform, medium, priority| body(shape, transform, medium, priority, origin);
-        let refractors = (description.refractors.iter())
-            .map(|r| body(&r.shape, &r.transform, Some(medium_named(&r.medium)), r.priority));
-        let solids = description.solids.iter().map(|s| body(&s.shape, &s.transform, None, 0));
-        let lights = description.lights.iter().map(|l| body(&l.shape, &l.transform, None, 0));
-        let bodies: Vec<Body> = refractors.chain(solids).chain(lights).collect();
+        let bodies: Vec<Body> = (description.objects.iter())
+            .map(|object| {
+                let medium = object.refractor().map(|refractor| medium_named(&refractor.medium));
+                let priority = object.refractor().map_or(0, |refractor| refractor.priority);
+                body(&object.shape, &object.transform, medium, priority)
+            })
+            .collect();
         let (size, together, margin) = (0.0, 0.0, 0.0);
         let (top, coincident) = (is_above as fn(Candidate, Candidate) -> bool, Cell::new(0));
         let (origin, grazing, has_holes) = (DVec3::ZERO, 0.02, false);

@@ -9,7 +9,8 @@ use crate::app::measurement::{Curve, ErrorAxis, Point};
 use crate::app::settings::mode_title;
 use crate::app::state::State;
 use crate::app::theme::Palette;
-use crate::app::widgets::{duration, short_seconds};
+use crate::app::widgets::short_seconds;
+use crate::export::words::duration;
 use crate::tracking::Mode;
 
 /// Width over height.

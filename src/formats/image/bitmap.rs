@@ -1,0 +1,291 @@
+//! PNG and JPEG: sRGB, of 8 or 16 bits. What they were, they stay: transparency and colour profiles are not looked at.
+
+use std::io::Cursor;
+
+use image::codecs::jpeg::JpegDecoder;
+use image::{ColorType, ImageDecoder};
+
+use super::limits::{black, pixel_count};
+use crate::color::linear_from_srgb;
+use crate::scene::environment::EnvironmentImage;
+
+/// Row by row: a file that is cut off does not take the room of a whole one.
+///
+/// # Errors
+/// When the file is too large, damaged or cut off.
+pub(super) fn png(bytes: &[u8]) -> Result<EnvironmentImage, String> {
+    let decoding = |error: png::DecodingError| format!("cannot be decoded: {error}");
+    let mut decoder = png::Decoder::new(Cursor::new(bytes));
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let info = decoder.read_header_info().map_err(decoding)?;
+    let (width, height, is_interlaced) = (info.width as usize, info.height as usize, info.interlaced);
+    let count = pixel_count(width as u64, height as u64)?;
+    let mut reader = decoder.read_info().map_err(decoding)?;
+    let (color_type, depth) = reader.output_color_type();
+    let samples = color_type.samples();
+    let linear = Linear::new(if depth == png::BitDepth::Sixteen { u16::MAX } else { u16::from(u8::MAX) });
+    let mut pixels = black(count)?;
+    let passes = if is_interlaced { &ADAM_7[..] } else { &[Pass { x: 0, y: 0, dx: 1, dy: 1 }] };
+    for pass in passes {
+        let columns = width.saturating_sub(pass.x).div_ceil(pass.dx);
+        // Passes without a pixel have no rows either.
+        let rows = if columns == 0 { 0..0 } else { pass.y..height };
+        for y in rows.step_by(pass.dy) {
+            let row = reader.next_row().map_err(decoding)?.ok_or("cannot be decoded: rows are missing")?;
+            let values: Vec<u16> = match depth {
+                png::BitDepth::Sixteen => {
+                    row.data().chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])).collect()
+                }
+                _ => row.data().iter().map(|byte| u16::from(*byte)).collect(),
+            };
+            if values.len() != columns * samples {
+                return Err("cannot be decoded: a row is not as long as the image is wide".into());
+            }
+            let targets = pixels[y * width..][..width].iter_mut().skip(pass.x).step_by(pass.dx);
+            targets.zip(values.chunks_exact(samples)).for_each(|(pixel, values)| *pixel = linear.pixel(values));
+        }
+    }
+    // Also reads, and tests, what is left of the data.
+    match reader.next_row().map_err(decoding)? {
+        None => Ok(EnvironmentImage { width, height, pixels, notes: Vec::new() }),
+        Some(_) => Err("cannot be decoded: it has more rows than it should".into()),
+    }
+}
+
+/// One of the seven images that an interlaced PNG is stored as: every `dx`th pixel from `x`, of every `dy`th row from `y`.
+struct Pass {
+    x: usize,
+    y: usize,
+    dx: usize,
+    dy: usize,
+}
+
+/// PNG (third edition), 8.1.
+const ADAM_7: [Pass; 7] = [
+    Pass { x: 0, y: 0, dx: 8, dy: 8 },
+    Pass { x: 4, y: 0, dx: 8, dy: 8 },
+    Pass { x: 0, y: 4, dx: 4, dy: 8 },
+    Pass { x: 2, y: 0, dx: 4, dy: 4 },
+    Pass { x: 0, y: 2, dx: 2, dy: 4 },
+    Pass { x: 1, y: 0, dx: 2, dy: 2 },
+    Pass { x: 0, y: 1, dx: 1, dy: 2 },
+];
+
+/// # Errors
+/// When the file is too large, damaged or cut off.
+pub(super) fn jpeg(bytes: &[u8]) -> Result<EnvironmentImage, String> {
+    let decoding = |error: image::ImageError| format!("cannot be decoded: {error}");
+    let decoder = JpegDecoder::new(Cursor::new(bytes)).map_err(decoding)?;
+    let (width, height) = decoder.dimensions();
+    let count = pixel_count(u64::from(width), u64::from(height))?;
+    // The decoder fills in grey for what is missing, and takes the room of the whole image first. Each block of 8×8 pixels takes a bit
+    // at least in some component, whose size can be a quarter of the image's each way when others are smaller the other way.
+    let is_too_short = count as u64 > 1024 * bytes.len() as u64;
+    if is_too_short || !has_jpeg_end(bytes) {
+        return Err(format!("is cut off: its {} bytes do not hold all of its {width}×{height} pixels", bytes.len()));
+    }
+    let samples = match decoder.color_type() {
+        ColorType::L8 => 1,
+        ColorType::Rgb8 => 3,
+        other => return Err(format!("has pixels of type {other:?}, which is not read: save it in RGB")),
+    };
+    let mut values = vec![0; count * samples];
+    decoder.read_image(&mut values).map_err(decoding)?;
+    let linear = Linear::new(u16::from(u8::MAX));
+    let pixel = |values: &[u8]| match *values {
+        [r, g, b] => linear.pixel(&[r.into(), g.into(), b.into()]),
+        [grey, ..] => linear.pixel(&[grey.into()]),
+        [] => unreachable!("chunks are not empty"),
+    };
+    let mut pixels = black(count)?;
+    pixels.iter_mut().zip(values.chunks_exact(samples)).for_each(|(to, values)| *to = pixel(values));
+    Ok(EnvironmentImage { width: width as usize, height: height as usize, pixels, notes: Vec::new() })
+}
+
+/// Whether the marker that ends a JPEG stands anywhere after the first scan began. (Before it, there may be a thumbnail with an end of
+/// its own.)
+fn has_jpeg_end(bytes: &[u8]) -> bool {
+    const START_OF_SCAN: u8 = 0xda;
+    const END_OF_IMAGE: [u8; 2] = [0xff, 0xd9];
+    let mut at = 2;
+    while let [0xff, marker, high, low, ..] = bytes[at.min(bytes.len())..] {
+        if marker == START_OF_SCAN {
+            return bytes[at..].windows(2).any(|pair| pair == END_OF_IMAGE);
+        }
+        // Segments may have more than one 0xff before their marker.
+        at += if marker == 0xff { 1 } else { 2 + usize::from(u16::from_be_bytes([high, low])) };
+    }
+    // Not laid out as expected, but decoded nevertheless.
+    bytes.windows(2).any(|pair| pair == END_OF_IMAGE)
+}
+
+/// Linear values by sRGB code value.
+struct Linear(Vec<f32>);
+
+impl Linear {
+    fn new(max: u16) -> Self {
+        Self((0..=max).map(|value| linear_from_srgb(f32::from(value) / f32::from(max))).collect())
+    }
+
+    /// From grey or RGB, with or without transparency.
+    fn pixel(&self, samples: &[u16]) -> [f32; 3] {
+        let at = |index: usize| self.0[usize::from(samples[index])];
+        if samples.len() >= 3 { [at(0), at(1), at(2)] } else { [at(0); 3] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::{DynamicImage, GrayImage, ImageFormat, Rgb, RgbImage};
+
+    fn encode(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        image.into().write_to(&mut bytes, format).unwrap();
+        bytes.into_inner()
+    }
+
+    /// Asserts that pixels are what `image` makes of the file. Its own arithmetic differs in the last bit where it changes the layout.
+    fn is_as_decoded(read: &EnvironmentImage, bytes: &[u8]) {
+        let decoded = image::load_from_memory(bytes).unwrap();
+        let is_exact = matches!(decoded, DynamicImage::ImageRgb8(_) | DynamicImage::ImageRgb16(_));
+        let decoded = decoded.into_rgb32f();
+        assert_eq!((read.width as u32, read.height as u32), decoded.dimensions());
+        for (pixel, expected) in read.pixels.iter().zip(decoded.pixels()) {
+            let expected = expected.0.map(linear_from_srgb);
+            let is_near = pixel.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 4e-7 * b);
+            assert!(if is_exact { *pixel == expected } else { is_near }, "{pixel:?}, not {expected:?}");
+        }
+    }
+
+    fn color(x: u32, y: u32) -> [u8; 3] {
+        [(x * 37 + y * 11) as u8, (x * 5 + y * 91) as u8, (x ^ (y * 3)) as u8]
+    }
+
+    #[test]
+    fn png_is_srgb() {
+        let image = png(&encode(RgbImage::from_pixel(1, 1, Rgb([0, 128, 255])), ImageFormat::Png)).unwrap();
+        assert_eq!((image.pixels[0][0], image.pixels[0][2]), (0.0, 1.0));
+        assert!((image.pixels[0][1] - 0.215_860_5).abs() < 1e-6);
+    }
+
+    /// A PNG of 13×11 pixels, of any kind; `interlaced` stores the seven passes by their definition.
+    fn encode_png(color_type: png::ColorType, depth: png::BitDepth, interlaced: bool) -> Vec<u8> {
+        let (width, height) = (13_u32, 11_u32);
+        let bits = color_type.samples() * depth as usize;
+        let bit = |x: u32, y: u32, bit: usize| (x * 7 + y * 13 + bit as u32 * (x + 3 * y)) % 5 % 2;
+        let mut raw = Vec::new();
+        let whole = [Pass { x: 0, y: 0, dx: 1, dy: 1 }];
+        for pass in if interlaced { &ADAM_7[..] } else { &whole[..] } {
+            for y in (pass.y as u32..height).step_by(pass.dy) {
+                let columns: Vec<u32> = (pass.x as u32..width).step_by(pass.dx).collect();
+                if columns.is_empty() {
+                    continue;
+                }
+                let row: Vec<u32> = columns.iter().flat_map(|x| (0..bits).map(move |b| bit(*x, y, b))).collect();
+                raw.push(0); // no filter
+                raw.extend(
+                    row.chunks(8)
+                        .map(|bits| bits.iter().enumerate().fold(0, |byte, (i, b)| byte | (*b as u8) << (7 - i))),
+                );
+            }
+        }
+        // The encoder writes rows in order only, so the data are put in place of those of an image that it wrote.
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, width, height);
+        encoder.set_color(color_type);
+        encoder.set_depth(depth);
+        if color_type == png::ColorType::Indexed {
+            encoder.set_palette(
+                (0..1_usize << depth as usize).flat_map(|i| [(i * 31) as u8, 255 - i as u8, 9]).collect::<Vec<u8>>(),
+            );
+        }
+        encoder.write_header().unwrap();
+        // The writer has ended the file; what ends it comes again below.
+        bytes.truncate(bytes.len() - 12);
+        if interlaced {
+            // The byte that says so, and the header's checksum.
+            bytes[28] = 1;
+            let sum = crc(&bytes[12..29]);
+            bytes[29..33].copy_from_slice(&sum.to_be_bytes());
+        }
+        // zlib with one stored block.
+        let length = raw.len() as u16;
+        let mut data = vec![0x78, 0x01, 1];
+        data.extend(length.to_le_bytes());
+        data.extend((!length).to_le_bytes());
+        data.extend(&raw);
+        let (a, b) = raw.iter().fold((1_u32, 0_u32), |(a, b), byte| {
+            let a = (a + u32::from(*byte)) % 65521;
+            (a, (b + a) % 65521)
+        });
+        data.extend((b << 16 | a).to_be_bytes());
+        for (kind, data) in [(b"IDAT", data), (b"IEND", vec![])] {
+            bytes.extend((data.len() as u32).to_be_bytes());
+            let from = bytes.len();
+            bytes.extend(kind);
+            bytes.extend(data);
+            let sum = crc(&bytes[from..]);
+            bytes.extend(sum.to_be_bytes());
+        }
+        bytes
+    }
+
+    fn crc(bytes: &[u8]) -> u32 {
+        !bytes.iter().fold(u32::MAX, |sum, byte| {
+            (0..8).fold(sum ^ u32::from(*byte), |sum, _| if sum & 1 == 1 { sum >> 1 ^ 0xedb8_8320 } else { sum >> 1 })
+        })
+    }
+
+    #[test]
+    fn every_kind_of_png_reads_as_before() {
+        use png::BitDepth::{Eight, Four, One, Sixteen, Two};
+        use png::ColorType::{Grayscale, GrayscaleAlpha, Indexed, Rgb, Rgba};
+        let kinds = [
+            (Grayscale, &[One, Two, Four, Eight, Sixteen][..]),
+            (Indexed, &[One, Two, Four, Eight]),
+            (GrayscaleAlpha, &[Eight, Sixteen]),
+            (Rgb, &[Eight, Sixteen]),
+            (Rgba, &[Eight, Sixteen]),
+        ];
+        for (color_type, depths) in kinds {
+            for depth in depths {
+                for interlaced in [false, true] {
+                    let bytes = encode_png(color_type, *depth, interlaced);
+                    let read =
+                        png(&bytes).unwrap_or_else(|error| panic!("{color_type:?} {depth:?} {interlaced}: {error}"));
+                    assert_eq!((read.width, read.height), (13, 11));
+                    is_as_decoded(&read, &bytes);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn jpeg_reads_as_before() {
+        let colored = RgbImage::from_fn(37, 21, |x, y| Rgb(color(x, y)));
+        let grey = GrayImage::from_fn(37, 21, |x, y| image::Luma([color(x, y)[0]]));
+        for bytes in [encode(colored, ImageFormat::Jpeg), encode(grey, ImageFormat::Jpeg)] {
+            is_as_decoded(&jpeg(&bytes).unwrap(), &bytes);
+        }
+    }
+
+    /// The decoder would fill in grey.
+    #[test]
+    fn a_jpeg_that_is_cut_off_is_an_error() {
+        let bytes = encode(RgbImage::from_fn(64, 64, |x, y| Rgb(color(x, y))), ImageFormat::Jpeg);
+        assert!(jpeg(&bytes).is_ok());
+        for length in 0..bytes.len() {
+            assert!(jpeg(&bytes[..length]).is_err(), "cut at {length} of {}", bytes.len());
+        }
+    }
+
+    /// The smallest honest JPEG of its size: one colour, two bits a block or so.
+    #[test]
+    fn a_jpeg_of_one_color_is_read() {
+        let bytes = encode(RgbImage::from_pixel(2048, 1024, Rgb([90, 120, 200])), ImageFormat::Jpeg);
+        assert_eq!(jpeg(&bytes).unwrap().pixels.len(), 2048 * 1024);
+    }
+}

@@ -1,0 +1,47 @@
+//! Environment images.
+//!
+//! Whatever a file holds ends as a latitude–longitude image in linear Rec. 709, or as an error that says what to do. Sizes are tested on
+//! the header, before anything is decoded (see [`limits`]).
+
+mod bitmap;
+mod color;
+mod cube;
+mod exr;
+pub(crate) mod limits;
+mod radiance;
+mod repair;
+
+use std::path::Path;
+
+use super::ending::{Format, by_ending, list};
+use crate::scene::environment::EnvironmentImage;
+
+pub(super) type ImageFormat = Format<Result<EnvironmentImage, String>>;
+
+/// Every image format that is read.
+const FORMATS: &[ImageFormat] = &[
+    ImageFormat { endings: &["exr"], read: exr::read },
+    ImageFormat { endings: &["hdr", "pic"], read: radiance::read },
+    ImageFormat { endings: &["png"], read: bitmap::png },
+    ImageFormat { endings: &["jpg", "jpeg"], read: bitmap::jpeg },
+];
+
+/// The format that a file's ending names.
+///
+/// # Errors
+/// Lists the formats that are read.
+pub(super) fn format_of(path: &Path) -> Result<&'static ImageFormat, String> {
+    by_ending(FORMATS, path)
+        .ok_or_else(|| format!("`{}` is no environment image that is read: use {}", path.display(), list(FORMATS)))
+}
+
+/// Decodes an image: EXR and HDR as linear light, PNG and JPEG as sRGB. What had to be replaced or converted is said in its notes.
+///
+/// # Errors
+/// When the file is too large, damaged, cut off, or of a kind that is not read.
+pub(super) fn read(bytes: &[u8], format: &ImageFormat) -> Result<EnvironmentImage, String> {
+    let mut image = (format.read)(bytes)?;
+    repair::repair(&mut image);
+    cube::unfold(&mut image)?;
+    Ok(image)
+}

@@ -1,0 +1,91 @@
+//! Everything that is read from files and written to them: scenes with their meshes and images.
+//!
+//! Scenes come in here, from a name, a file or bytes, and leave as a [`Description`] that knows what was passed over in its files. Where
+//! those are found is a [`Files`]: the disk, what is compiled into the program, or memory.
+
+pub mod builtin;
+mod corners;
+pub mod disk;
+mod encoding;
+mod ending;
+mod files;
+pub(crate) mod image;
+mod lines;
+mod mesh;
+mod obj;
+mod passed_over;
+mod ply;
+mod polygon;
+mod polygons;
+mod suggest;
+mod toml;
+
+use std::path::Path;
+
+pub use self::builtin::BuiltIn;
+pub use self::disk::Disk;
+pub use self::files::{Files, Memory};
+use self::suggest::suggestion;
+pub use self::toml::{parse, save, to_text};
+use crate::geometry::Mesh;
+use crate::scene::environment::EnvironmentImage;
+use crate::scene::{Description, SceneError};
+
+/// A scene by the name of a built-in one, or by its file's path.
+///
+/// # Errors
+/// When there is no such scene, or it cannot be used.
+pub fn open(name_or_path: impl AsRef<Path>) -> Result<Description, SceneError> {
+    let path = name_or_path.as_ref();
+    let name = path.to_string_lossy();
+    if let Some(builtin) = builtin::find(&name) {
+        return parse(builtin.text, &builtin.path(), &BuiltIn);
+    }
+    let looks_like_a_name = path.extension().is_none() && path.components().count() == 1;
+    if looks_like_a_name && !path.exists() {
+        let names = || builtin::all().iter().map(|scene| scene.name);
+        return Err(SceneError::new(format!(
+            "there is no file and no built-in scene `{name}`{}; built-in scenes: {}",
+            suggestion(&name, names()),
+            names().collect::<Vec<_>>().join(", ")
+        )));
+    }
+    file(path)
+}
+
+/// A scene from a file on the disk, with the meshes and images that it names.
+///
+/// # Errors
+/// When the file or one that it names cannot be read or used.
+pub fn file(path: &Path) -> Result<Description, SceneError> {
+    let bytes = disk::read_or_receive(path, disk::MAX_SCENE_BYTES);
+    read(&bytes.map_err(|error| SceneError::in_file(path, error.to_string()))?, path, &Disk)
+}
+
+/// A scene from the bytes of its file. `path` names it in errors, and the files that it names are looked for in its folder, among
+/// `files`. All scenes are TOML so far, whatever the ending.
+///
+/// # Errors
+/// When the scene or a file that it names cannot be used.
+pub fn read(bytes: &[u8], path: &Path, files: &dyn Files) -> Result<Description, SceneError> {
+    toml::read(bytes, path, files)
+}
+
+/// A mesh from the `bytes` of a file called `name`, of which only the ending counts.
+///
+/// # Errors
+/// When the ending names no mesh format that is read, or the bytes hold no mesh: says why, with the line in text formats.
+pub fn mesh_from_bytes(bytes: &[u8], name: &Path) -> Result<Mesh, String> {
+    match mesh::read(bytes, mesh::format_of(name)?) {
+        Ok((mesh, _)) => Ok(mesh),
+        Err(fault) => Err(fault.line.map(|line| format!("line {line}: ")).unwrap_or_default() + &fault.message),
+    }
+}
+
+/// An environment image from the `bytes` of a file called `name`, of which only the ending counts.
+///
+/// # Errors
+/// When the ending names no image format that is read, or the bytes hold no image that can be used.
+pub fn image_from_bytes(bytes: &[u8], name: &Path) -> Result<EnvironmentImage, String> {
+    image::read(bytes, image::format_of(name)?)
+}

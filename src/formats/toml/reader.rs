@@ -1,0 +1,241 @@
+//! Fills in the fields of a scene's tables from TOML.
+
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::ior;
+use super::node::{Node, Table};
+use crate::formats::files::Files;
+use crate::formats::suggest::suggestion;
+use crate::formats::{image, mesh};
+use crate::geometry::Mesh;
+use crate::optics::{Medium, catalog, medium};
+use crate::scene::environment::EnvironmentImage;
+use crate::scene::fields::{Field, Slot, Visitor};
+use crate::scene::{Fault, LoadNote, SceneError};
+
+/// What the tables of a scene have to do with each other and with files.
+pub(super) struct Context<'a> {
+    /// Where meshes and images are found; `None` if only the scene's own text is read.
+    files: Option<&'a dyn Files>,
+    /// That of the scene file.
+    folder: &'a Path,
+    /// Names of the media, in their order.
+    media: Vec<String>,
+    known_media: HashSet<String>,
+    /// Names so far, each with what it names.
+    names: HashMap<String, &'static str>,
+    /// Meshes read so far, with what was passed over in their files: objects that name one file share it.
+    meshes: HashMap<PathBuf, (Arc<Mesh>, Vec<LoadNote>)>,
+}
+
+impl<'a> Context<'a> {
+    pub fn new(files: Option<&'a dyn Files>, folder: &'a Path) -> Self {
+        let (names, meshes) = (HashMap::new(), HashMap::new());
+        Self { files, folder, media: Vec::new(), known_media: HashSet::new(), names, meshes }
+    }
+
+    /// From here on names are those of objects, which may name these media.
+    pub fn set_media(&mut self, media: &[Medium]) {
+        self.media = media.iter().map(|medium| medium.name.clone()).collect();
+        self.known_media = self.media.iter().cloned().collect();
+        self.names.clear();
+    }
+
+    fn medium(&self, node: &Node<'_>) -> Result<String, SceneError> {
+        let name = node.words()?;
+        if self.known_media.contains(name) {
+            return Ok(name.to_owned());
+        }
+        let hint = if matches!(name, medium::WORLD | medium::VACUUM) {
+            "; the name is reserved: give this object a [[medium]] of its own, with the same IOR".to_owned()
+        } else if let Some(entry) = catalog::find(name) {
+            format!("; the catalogue has it: add a [[medium]] with ior = {{ catalog = \"{}\" }}", entry.name)
+        } else {
+            suggestion(name, self.media.iter().map(String::as_str))
+        };
+        let list = match &self.media[..] {
+            [] => "it has none".to_owned(),
+            media => format!("media: {}", media.join(", ")),
+        };
+        Err(node.error(format!("the scene has no medium `{name}`{hint}; {list}")))
+    }
+
+    fn mesh(&mut self, node: &Node<'_>, path: PathBuf) -> Result<(Arc<Mesh>, Vec<LoadNote>), SceneError> {
+        let format = mesh::format_of(&path).map_err(|message| node.error(message))?;
+        if let Some(found) = self.meshes.get(&path) {
+            return Ok(found.clone());
+        }
+        let Some(files) = self.files else { return Ok((Arc::default(), Vec::new())) };
+        let file = files.locate(&self.folder.join(&path));
+        let bytes =
+            files.read(&file).map_err(|message| node.error(format!("the mesh {} {message}", file.display())))?;
+        let (mesh, notes) = mesh::read(&bytes, format).map_err(|fault| match fault.line {
+            Some(line) => SceneError::at(file, line, 1, fault.message),
+            None => SceneError::in_file(file, fault.message),
+        })?;
+        Ok(self.meshes.entry(path).insert_entry((Arc::new(mesh), notes)).get().clone())
+    }
+
+    fn image(&self, node: &Node<'_>, path: PathBuf) -> Result<Option<EnvironmentImage>, SceneError> {
+        let Some(files) = self.files else { return Ok(None) };
+        let format = image::format_of(&path).map_err(|message| node.error(message))?;
+        let file = files.locate(&self.folder.join(&path));
+        let bytes =
+            (files.read(&file)).map_err(|message| node.error(format!("the image {} {message}", file.display())))?;
+        image::read(&bytes, format).map(Some).map_err(|message| SceneError::in_file(file, message))
+    }
+}
+
+/// Reads one table into what `fields` goes through.
+///
+/// # Errors
+/// Where the table has unknown keys, then where `fields` meets the first fault.
+pub(super) fn read_table(
+    table: Table<'_>,
+    kind: &'static str,
+    context: &mut Context<'_>,
+    fields: impl FnOnce(&mut dyn Visitor),
+) -> Result<(), SceneError> {
+    let mut reader = Reader { named: table.clone(), table, kind, context, keys: Vec::new(), error: None };
+    fields(&mut reader);
+    reader.table.only(&reader.keys)?;
+    reader.error.map_or(Ok(()), Err)
+}
+
+/// The tables of `[[kind]]`, each read into a blank value.
+pub(super) fn read_list<T>(
+    root: &Table<'_>,
+    kind: &'static str,
+    context: &mut Context<'_>,
+    blank: impl Fn() -> T,
+    fields: impl Fn(&mut T, &mut dyn Visitor),
+) -> Result<Vec<T>, SceneError> {
+    let tables = root.read(kind, Vec::new(), Node::tables)?;
+    let read_one = |table: Table<'_>| {
+        let mut value = blank();
+        read_table(table.renamed(format!("[[{kind}]]")), kind, context, |v| fields(&mut value, v))?;
+        Ok(value)
+    };
+    tables.into_iter().map(read_one).collect()
+}
+
+struct Reader<'t, 'c, 'f> {
+    table: Table<'t>,
+    /// The same, as errors call it once its name is known.
+    named: Table<'t>,
+    /// What the table describes, such as `medium`.
+    kind: &'static str,
+    context: &'c mut Context<'f>,
+    /// The keys that the table may have.
+    keys: Vec<&'static str>,
+    /// The first.
+    error: Option<SceneError>,
+}
+
+impl Reader<'_, '_, '_> {
+    fn allow(&mut self, key: &'static str) {
+        if !self.keys.contains(&key) {
+            self.keys.push(key);
+        }
+    }
+
+    fn fill(&mut self, node: &Node<'_>, slot: Slot<'_>) -> Result<(), SceneError> {
+        match slot {
+            Slot::Flag(value) => *value = node.boolean()?,
+            Slot::Integer(value) => *value = node.integer(i32::MIN..=i32::MAX)?,
+            Slot::Count(value) => *value = node.integer(0..=u32::MAX)?,
+            Slot::Number(value, limits) => *value = node.number_within(limits)?,
+            Slot::Maybe(value, limits) => *value = Some(node.number_within(limits)?),
+            Slot::Numbers(value, limits) => *value = node.numbers_within(limits)?,
+            Slot::Vector(value) => *value = node.numbers()?.into(),
+            Slot::Scale(value) if node.is_number() => *value = glam::DVec3::splat(node.number()?),
+            Slot::Scale(value) => *value = node.numbers()?.into(),
+            Slot::Points(value) => *value = node.items()?.iter().map(Node::numbers).collect::<Result<_, _>>()?,
+            Slot::Ior(value) => *value = ior::ior(node)?,
+            Slot::Name(value) => *value = self.name(node)?,
+            Slot::Medium(value) => *value = self.context.medium(node)?,
+            Slot::Mesh { path, mesh, notes } => {
+                *path = node.words()?.into();
+                (*mesh, *notes) = self.context.mesh(node, path.clone())?;
+            }
+            Slot::Image { path, image } => {
+                *path = node.words()?.into();
+                if let Some(read) = self.context.image(node, path.clone())? {
+                    *image = Arc::new(read);
+                }
+            }
+            Slot::Table(fields) => read_table(node.table()?, self.kind, self.context, fields)?,
+        }
+        Ok(())
+    }
+
+    /// Later errors call the table by its name.
+    fn name(&mut self, node: &Node<'_>) -> Result<String, SceneError> {
+        let (name, kind) = (node.words()?, self.kind);
+        if matches!(name, medium::WORLD | medium::VACUUM) {
+            return Err(node.error(format!("`{name}` is a reserved name; call the {kind} something else")));
+        }
+        if let Some(other) = self.context.names.insert(name.to_owned(), kind) {
+            return Err(node.error(match kind {
+                "medium" => format!("there are two media called `{name}`; names must be unique"),
+                _ => format!("there is already a {other} called `{name}`; names of objects must be unique"),
+            }));
+        }
+        self.named = self.table.clone().renamed(format!("{kind} `{name}`"));
+        Ok(name.to_owned())
+    }
+}
+
+impl Visitor for Reader<'_, '_, '_> {
+    fn field(&mut self, Field { key, slot, is_default }: Field<'_>) -> bool {
+        self.allow(key);
+        let node = self.table.get(key);
+        if self.error.is_none() {
+            self.error = match &node {
+                Some(node) => self.fill(node, slot).err(),
+                None if is_default.is_none() => self.named.need(key).err(),
+                None => None,
+            };
+        }
+        node.is_some()
+    }
+
+    fn form(&mut self, forms: &[&'static str], current: &'static str, default: Option<&'static str>) -> &'static str {
+        forms.iter().for_each(|form| self.allow(form));
+        match (&self.table.present(forms)[..], default) {
+            ([form], _) => form,
+            ([], Some(default)) => default,
+            ([first, .., last], Some(_)) => {
+                let both = format!("{} has both `{first}` and `{last}`; remove one", self.named.name);
+                let place = self.table.get(last);
+                self.error.get_or_insert_with(|| place.map_or_else(|| self.table.error(&*both), |p| p.error(&*both)));
+                current
+            }
+            (_, None) => {
+                let message = format!("{} must have exactly one of {}", self.named.name, forms.join(", "));
+                self.error.get_or_insert_with(|| self.table.error(message));
+                current
+            }
+        }
+    }
+
+    fn refuse(&mut self, key: &'static str, why: &str) {
+        self.allow(key);
+        if let Some(node) = self.table.get(key) {
+            self.error.get_or_insert_with(|| node.error(why));
+        }
+    }
+
+    fn check(&mut self, check: &dyn Fn() -> Result<(), Fault>) {
+        // What is blank would be at fault too.
+        if self.error.is_some() || self.context.files.is_none() {
+            return;
+        }
+        self.error = check().err().map(|Fault { key, message }| match self.table.get(key) {
+            Some(node) => node.error(message),
+            None => self.table.error(message),
+        });
+    }
+}

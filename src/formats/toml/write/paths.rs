@@ -1,0 +1,105 @@
+//! The files that a scene names, when the scene moves to another folder.
+
+use std::path::{Component, Path, PathBuf};
+
+use crate::formats::builtin::BuiltIn;
+use crate::formats::disk::{self, FileError};
+use crate::formats::files::{Files, normal};
+use crate::scene::SceneError;
+use crate::scene::description::{Description, Environment, Shape};
+use crate::writing::write_atomically;
+
+/// Makes the scene's relative paths right for a scene file at `target`.
+pub(super) fn relocate(description: &mut Description, target: &Path) -> Result<(), SceneError> {
+    let Some(source) = description.source.clone() else { return Ok(()) };
+    let old_folder = source.path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let new_folder = target.parent().unwrap_or(Path::new("")).to_path_buf();
+    let moved = |path: &mut PathBuf| -> Result<(), SceneError> {
+        if path.is_absolute() {
+            return Ok(());
+        }
+        *path = if source.is_builtin {
+            copy_asset(&old_folder.join(&*path), &new_folder)?
+        } else {
+            let (old, new) = (absolute(&old_folder), absolute(&new_folder));
+            if old == new {
+                return Ok(());
+            }
+            relative(&new, &normal(&old.join(&*path)))
+        };
+        // Scene files are text.
+        if path.to_str().is_none() {
+            let message = format!(
+                "names {}, which a scene file cannot: it is not UTF-8. Rename that folder, or save the scene beside its files",
+                path.display()
+            );
+            return Err(SceneError::in_file(target, message));
+        }
+        Ok(())
+    };
+    for object in &mut description.objects {
+        if let Shape::Mesh { path, .. } = &mut object.shape {
+            moved(path)?;
+        }
+    }
+    if let Environment::Image { path, .. } = &mut description.environment {
+        moved(path)?;
+    }
+    Ok(())
+}
+
+/// Writes a file that is compiled into the program into `folder`, under its own name or, where another file has that, a numbered one.
+fn copy_asset(asset: &Path, folder: &Path) -> Result<PathBuf, SceneError> {
+    let asset = BuiltIn.locate(asset);
+    let missing = || SceneError::in_file(&asset, "no such file is built into the program");
+    let bytes = BuiltIn.read(&asset).map_err(|_| missing())?;
+    let stem = asset.file_stem().ok_or_else(missing)?.to_string_lossy();
+    let ending = asset.extension().unwrap_or_default().to_string_lossy();
+    for number in 1_u32.. {
+        let name = if number == 1 { format!("{stem}.{ending}") } else { format!("{stem}-{number}.{ending}") };
+        let path = folder.join(&name);
+        match disk::read(&path, bytes.len() as u64) {
+            Ok(there) if *there == *bytes => return Ok(name.into()),
+            Err(FileError::NotFound) => {
+                write(&path, &bytes)?;
+                return Ok(name.into());
+            }
+            _ => {}
+        }
+    }
+    Err(missing())
+}
+
+/// Writes a file, whole or not at all.
+pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), SceneError> {
+    write_atomically(path, |writer| writer.write_all(bytes)).map_err(|error| SceneError::new(error.to_string()))
+}
+
+/// With links resolved where the folder exists.
+fn absolute(folder: &Path) -> PathBuf {
+    let folder = if folder == Path::new("") { Path::new(".") } else { folder };
+    std::fs::canonicalize(folder).or_else(|_| std::path::absolute(folder)).unwrap_or_else(|_| folder.to_path_buf())
+}
+
+/// The way from a folder to a file, both absolute; the file itself where there is none, as between drives.
+fn relative(folder: &Path, file: &Path) -> PathBuf {
+    let common = folder.components().zip(file.components()).take_while(|(a, b)| a == b).count();
+    if !folder.components().take(common).any(|c| matches!(c, Component::RootDir)) {
+        return file.to_path_buf();
+    }
+    let up = folder.components().skip(common).map(|_| Component::ParentDir);
+    up.chain(file.components().skip(common)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn the_way_between_folders() {
+        assert_eq!(relative(Path::new("/a/b"), Path::new("/a/c/m.obj")), Path::new("../c/m.obj"));
+        assert_eq!(relative(Path::new("/a"), Path::new("/a/m.obj")), Path::new("m.obj"));
+        assert_eq!(relative(Path::new("/a/b/c"), Path::new("/m.obj")), Path::new("../../../m.obj"));
+    }
+}

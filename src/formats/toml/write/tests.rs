@@ -1,0 +1,354 @@
+use glam::DVec3;
+
+use super::*;
+use crate::formats::{self, builtin};
+use crate::optics::{Ior, Medium, catalog};
+use crate::scene::description::{Environment, Kind, Light, Object, Paint, Shape, Transform, WorldMedium};
+
+const TEXT: &str = r#"# A scene with remarks.
+name = "Remarked"   # called so
+
+[camera]
+position = [0, 1, 4]   # standing
+target = [0.0, 0.0, 0.0]
+
+[[medium]]
+name = "glass"
+ior = 1.50   # typed with two digits
+
+# The thing itself.
+[[refractor]]
+name = "ball"
+medium = "glass"
+shape = { sphere = { center = [0, 0, 0], radius = 1 } }
+
+[[medium]]
+name = "water"
+ior = { catalog = "water" }
+
+[[solid]]
+name = "floor"
+color = [0.5, 0.5, 0.5]
+[solid.shape.quad]
+center = [0, -1, 0]
+edge_u = [0, 0, 4]
+edge_v = [4, 0, 0]
+"#;
+
+fn read(text: &str) -> Description {
+    formats::parse(text, Path::new("remarked.toml"), &formats::Disk).unwrap()
+}
+
+/// Reads what was written: it must say the same.
+fn assert_faithful(description: &Description) -> String {
+    let text = to_text(description);
+    let mut again = read(&text);
+    again.source.clone_from(&description.source);
+    assert_eq!(&again, description, "{text}");
+    text
+}
+
+#[test]
+fn what_was_not_edited_is_not_touched() {
+    assert_eq!(to_text(&read(TEXT)), TEXT);
+    for scene in builtin::all() {
+        assert_eq!(to_text(&formats::open(scene.name).unwrap()), scene.text, "{}", scene.name);
+    }
+}
+
+#[test]
+fn an_edit_changes_its_line_only() {
+    let mut scene = read(TEXT);
+    scene.media[0].ior = Ior::Constant(1.7);
+    let text = assert_faithful(&scene);
+    assert_eq!(text, TEXT.replace("1.50   #", "1.7   #"));
+    scene.camera.position.x = 0.1;
+    let text = assert_faithful(&scene);
+    assert!(text.contains("position = [0.1, 1, 4]   # standing"), "{text}");
+}
+
+#[test]
+fn every_kind_of_edit_is_read_back() {
+    let mut scene = read(TEXT);
+    scene.name = "Other \"name\"".into();
+    scene.camera.up = DVec3::Z;
+    scene.camera.vertical_fov = 35.5;
+    scene.camera.aperture_radius = 0.01;
+    scene.camera.focus_distance = Some(3.25);
+    scene.world = WorldMedium { ior: Ior::Cauchy([1.4, 0.01, 0.0]), absorption: [0.1, 0.2, 1e-7] };
+    scene.environment = Environment::Gradient { zenith: [0.1; 3], horizon: [1.0; 3], nadir: [1e9, 0.0, 0.0] };
+    scene.media[1].absorption = [0.0, 0.5, 1.0];
+    scene.media[0].ior = Ior::Sellmeier(vec![[1.0, 0.01], [0.1, 100.0]].into());
+    scene.objects.refractors_mut()[0].refractor_mut().unwrap().priority = -3;
+    scene.objects.refractors_mut()[0].refractor_mut().unwrap().smooth = true;
+    scene.objects.refractors_mut()[0].refractor_mut().unwrap().medium = "water".into();
+    scene.objects.refractors_mut()[0].transform =
+        Transform { scale: DVec3::splat(2.0), rotate: DVec3::X, translate: -DVec3::Y };
+    scene.objects.solids_mut()[0].solid_mut().unwrap().paint = Paint::Checker { a: [0.0; 3], b: [1.0; 3], size: 0.25 };
+    scene.objects.solids_mut()[0].solid_mut().unwrap().mirror = true;
+    scene.objects.solids_mut()[0].visible = false;
+    scene.objects.solids_mut()[0].shape =
+        Shape::Torus { center: DVec3::ZERO, major: 2.0, minor: 0.5, segments: 12, rings: 8 };
+    let shape = Shape::Lathe { profile: vec![[0.0, 0.0], [1.0, 0.5], [0.0, 1.0]], segments: 128 };
+    scene.objects.push(Object {
+        visible: false,
+        transform: Transform { scale: DVec3::new(1.0, -2.0, 3.0), ..Transform::IDENTITY },
+        ..Object::new("lamp", shape, Light { radiance: [3.0, 2.0, 1.0] })
+    });
+    let text = assert_faithful(&scene);
+    assert!(text.contains("# The thing itself.") && text.contains("# called so"), "{text}");
+}
+
+#[test]
+fn hidden_is_said_of_what_is_hidden_only() {
+    let mut scene = read(TEXT);
+    assert!(scene.objects.refractors()[0].visible && scene.objects.solids()[0].visible);
+    scene.objects.refractors_mut()[0].visible = false;
+    let text = assert_faithful(&scene);
+    assert_eq!(text.matches("visible").count(), 1, "{text}");
+    let mut hidden = read(&text);
+    hidden.objects.refractors_mut()[0].visible = true;
+    assert!(!to_text(&hidden).contains("visible"), "{}", to_text(&hidden));
+    // What says the default says it still.
+    let plain = TEXT.replace("name = \"ball\"", "name = \"ball\"\nvisible = true");
+    assert_eq!(to_text(&read(&plain)), plain);
+}
+
+#[test]
+fn objects_come_go_move_and_are_renamed() {
+    let mut scene = read(TEXT);
+    let ball = scene.objects.refractors()[0].clone();
+    scene.objects.push(Object { name: "first".into(), ..ball.clone() });
+    scene.objects.refractors_mut().swap(0, 1);
+    scene.objects.push(Object { name: "last".into(), ..ball });
+    assert_faithful(&scene);
+    scene.objects.remove(1);
+    scene.media.swap(0, 1);
+    scene.objects.solids_mut()[0].name = "ground".into();
+    let text = assert_faithful(&scene);
+    assert!(!text.contains("\"ball\"") && !text.contains("\"floor\""), "{text}");
+    // New ones around one with a subtable, and then in another order.
+    let ground = scene.objects.solids()[0].clone();
+    let quad = |center| Shape::Quad { center, edge_u: DVec3::Z, edge_v: DVec3::X };
+    scene.objects.push(Object { name: "before".into(), shape: quad(DVec3::Y), ..ground.clone() });
+    scene.objects.solids_mut().swap(0, 1);
+    scene.objects.push(Object { name: "after".into(), shape: quad(DVec3::X), ..ground });
+    assert_faithful(&scene);
+    scene.source = Some(std::sync::Arc::new(crate::scene::description::Source {
+        path: "remarked.toml".into(),
+        text: to_text(&scene),
+        is_builtin: false,
+    }));
+    scene.objects.solids_mut().rotate_left(1);
+    assert_faithful(&scene);
+    scene.objects.clear(Kind::Solid);
+    scene.objects.clear(Kind::Refractor);
+    let text = assert_faithful(&scene);
+    assert!(!text.contains("[[refractor]]") && !text.contains("[solid.shape"), "{text}");
+}
+
+#[test]
+fn a_scene_without_source_is_written_whole() {
+    for scene in builtin::all() {
+        let mut description = formats::open(scene.name).unwrap();
+        description.source = None;
+        let text = to_text(&description);
+        let again = parse_text_only(&text, Path::new("scene.toml")).unwrap();
+        assert_eq!(again.media, description.media, "{text}");
+        assert_eq!((again.camera, &again.world), (description.camera, &description.world));
+        assert!(again.objects.iter().map(|o| &o.name).eq(description.objects.iter().map(|o| &o.name)), "{text}");
+    }
+    let mut scene = read(TEXT);
+    scene.media[1].ior = Ior::Catalog(catalog::find("diamond").unwrap());
+    scene.source = None;
+    let mut again = read(&to_text(&scene));
+    again.source = None;
+    assert_eq!(again, scene);
+}
+
+#[test]
+fn saved_elsewhere_it_still_finds_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |path: &str| folder.path().join(path);
+    for sub in ["a/meshes", "b"] {
+        std::fs::create_dir_all(at(sub)).unwrap();
+    }
+    std::fs::write(at("a/meshes/m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    std::fs::write(
+        at("a/s.toml"),
+        TEXT.replace("sphere = { center = [0, 0, 0], radius = 1 }", "mesh = \"meshes/m.obj\""),
+    )
+    .unwrap();
+    let scene = formats::file(&at("a/s.toml")).unwrap();
+    save(&scene, &at("b/s.toml")).unwrap();
+    let again = formats::file(&at("b/s.toml")).unwrap();
+    let Shape::Mesh { path, mesh, .. } = &again.objects.refractors()[0].shape else { panic!("no mesh") };
+    assert_eq!((path.as_path(), mesh.triangles.len()), (Path::new("../a/meshes/m.obj"), 1));
+    // Back again, over itself.
+    save(&again, &at("a/s.toml")).unwrap();
+    assert_eq!(formats::file(&at("a/s.toml")).unwrap().objects[0].shape, scene.objects.refractors()[0].shape);
+}
+
+#[test]
+fn a_saved_built_in_scene_brings_its_image() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = formats::open("plain-glass").unwrap();
+    let path = folder.path().join("mine.toml");
+    std::fs::write(folder.path().join("sunset.exr"), "another file of that name").unwrap();
+    save(&scene, &path).unwrap();
+    save(&scene, &path).unwrap();
+    let again = formats::file(&path).unwrap();
+    let Environment::Image { path: image, .. } = &again.environment else { panic!("no image") };
+    assert_eq!(image, Path::new("sunset-2.exr"));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+}
+
+#[test]
+fn a_place_that_cannot_be_written_is_an_error() {
+    let scene = read(TEXT);
+    let folder = tempfile::tempdir().unwrap();
+    let error = save(&scene, &folder.path().join("no/such/folder/s.toml")).unwrap_err();
+    assert!(error.to_string().contains("there is no folder"), "{error}");
+    assert!(save(&scene, folder.path()).is_err());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left behind");
+}
+
+/// Notations that the editor of TOML would not write itself.
+const ODD: [&str; 5] = [
+    // Inline tables, in arrays and of their own; a table of dotted keys; odd spaces; numbers in every form.
+    "name   =   'odd'\ncamera={position=[ 0,1 , +4.0 ],target=[0e0,0.0_0,-0.0], }\n\
+     medium = [ { name = \"glass\",   ior=1.50 } , # clear\n   { name=\"water\" , ior = {catalog=\"water\"} },\n]\n\
+     [[refractor]]\n  name=\"ball\"\n  medium = \"glass\"\n  shape.sphere.center = [0,0,0]\n  shape.sphere.radius = 1\n\
+     \n  transform.translate = [ 0 , 1e0, 0]  # up\n  transform.scale = 2\n",
+    // Sections in any order, of several kinds in turn, with their parts in tables of their own.
+    "[[solid]]\nname = \"floor\"\n[solid.shape.quad]\nedge_u = [0, 0, 4] # long\nedge_v = [4, 0, 0]\ncenter = [0, -1, 0]\n[solid.transform]\nscale = 1\nrotate = [0, 0, 0]\n\
+     [[light]]\nname = \"lamp\"\nradiance = [\n  1, # red\n  2,\n  3,\n]\nshape = { sphere = { center = [0, 3, 0], radius = 0.1 } }\n\
+     [camera]\ntarget = [0, 0, 0]\n\n\nposition = [0, 0, 5]\n[[solid]]\nname = \"wall\"\nvisible = true\nshape = { quad = { center = [0, 0, -2], edge_u = [1, 0, 0], edge_v = [0, 1, 0] } }\n# the end",
+    // No end of the last line, tabs, a string of several lines, a quoted key.
+    "\"name\" = \"\"\"\nof two\nlines\"\"\"\n[camera]\n\tposition\t=\t[0,0,1]\n\ttarget\t=\t[0,0,0]\n\n\n",
+    // A profile of several lines.
+    "[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n[[medium]]\nname = \"glass\"\nior = 1.5\n[[refractor]]\nname = \"vase\"\nmedium = \"glass\"\n\
+     shape = { lathe = { profile = [\n  [0.0, 0.00],  # foot\n  [0.5, 0.50],\n  [0.0, 1.00],\n], segments = 16 } }\n",
+    // Dotted keys that take turns.
+    "camera.position = [0, 0, 1]\nworld.ior = 1.1\ncamera.target = [0, 0, 0]\nworld.absorption = [0, 0, 0]\n",
+];
+
+/// The same with other ends of lines and with a byte-order mark.
+fn variants(text: &str) -> Vec<String> {
+    let crlf = text.replace('\n', "\r\n");
+    let mixed = text.replacen('\n', "\r\n", text.matches('\n').count() / 2);
+    let mut all = vec![text.to_owned(), crlf, mixed];
+    // Those that can be read.
+    let marked: Vec<String> = all.iter().map(|text| format!("\u{feff}{text}")).collect();
+    all.extend(marked.into_iter().filter(|text| formats::parse(text, Path::new("odd.toml"), &formats::Disk).is_ok()));
+    all
+}
+
+#[test]
+fn odd_notations_are_not_touched() {
+    for text in ODD.iter().flat_map(|text| variants(text)) {
+        assert_eq!(to_text(&read(&text)), text);
+    }
+    for scene in builtin::all() {
+        let text = scene.text.replace('\n', "\r\n");
+        let description =
+            formats::parse(&text, Path::new(&format!("built-in/scenes/{}.toml", scene.name)), &formats::BuiltIn)
+                .unwrap();
+        assert_eq!(to_text(&description), text, "{}", scene.name);
+    }
+}
+
+/// Lines that differ, ends of lines included.
+fn differing(a: &str, b: &str) -> Vec<(String, String)> {
+    let (a, b): (Vec<&str>, Vec<&str>) = (a.split_inclusive('\n').collect(), b.split_inclusive('\n').collect());
+    assert_eq!(a.len(), b.len(), "{b:?}");
+    a.iter().zip(b).filter(|(a, b)| **a != *b).map(|(a, b)| ((*a).to_owned(), b.to_owned())).collect()
+}
+
+#[test]
+fn an_edit_of_an_odd_notation_changes_its_line_only() {
+    type Edit = fn(&mut Description);
+    let edits: [(usize, Edit, &str, &str); 11] = [
+        (0, |s| s.camera.position.z = 3.5, "+4.0 ]", "3.5 ]"),
+        (0, |s| s.media[0].ior = Ior::Constant(1.6), "ior=1.50 }", "ior=1.6 }"),
+        (0, |s| s.media[1].name = "ice".into(), "name=\"water\"", "name=\"ice\""),
+        (
+            0,
+            |s| s.objects.refractors_mut()[0].transform.translate.y = 2.0,
+            "[ 0 , 1e0, 0]  # up",
+            "[ 0 , 2.0, 0]  # up",
+        ),
+        (0, |s| s.objects.refractors_mut()[0].transform.scale = DVec3::splat(3.0), "scale = 2", "scale = 3.0"),
+        (
+            0,
+            |s| s.objects.refractors_mut()[0].shape = Shape::Sphere { center: DVec3::ZERO, radius: 0.5 },
+            "radius = 1",
+            "radius = 0.5",
+        ),
+        (1, |s| s.objects.lights_mut()[0].light_mut().unwrap().radiance[1] = 7.0, "  2,", "  7.0,"),
+        (1, |s| s.objects.solids_mut()[0].transform.scale = DVec3::splat(2.0), "scale = 1", "scale = 2.0"),
+        (1, |s| s.objects.solids_mut()[1].visible = false, "visible = true", "visible = false"),
+        (2, |s| s.camera.position.x = 1.0, "[0,0,1]", "[1.0,0,1]"),
+        (
+            3,
+            |s| {
+                let Shape::Lathe { profile, .. } = &mut s.objects.refractors_mut()[0].shape else { panic!("no lathe") };
+                profile[1][0] = 0.25;
+            },
+            "[0.5, 0.50]",
+            "[0.25, 0.50]",
+        ),
+    ];
+    for (which, edit, from, to) in edits {
+        for text in variants(ODD[which]) {
+            let mut scene = read(&text);
+            edit(&mut scene);
+            let saved = assert_faithful(&scene);
+            assert_eq!(saved, text.replacen(from, to, 1), "{from} → {to}");
+            assert_eq!(differing(&text, &saved).len(), 1, "{from} → {to}");
+        }
+    }
+}
+
+#[test]
+fn inline_lists_come_go_and_move() {
+    let mut scene = read(ODD[0]);
+    let glass = scene.media[0].clone();
+    scene.media.push(Medium { name: "ice".into(), absorption: [0.1; 3], ..glass });
+    let text = assert_faithful(&scene);
+    assert!(text.contains("{ name = \"glass\",   ior=1.50 }") && !text.contains("[[medium]]"), "{text}");
+    assert_eq!(text.matches("# clear").count(), 1, "{text}");
+    scene.media.rotate_left(1);
+    assert_faithful(&scene);
+    scene.objects.clear(Kind::Refractor);
+    scene.media.clear();
+    let text = assert_faithful(&scene);
+    assert!(!text.contains("medium"), "{text}");
+}
+
+#[test]
+fn many_media_are_saved_in_time_that_grows_with_their_number() {
+    let scene = |count: u32| {
+        let media = (0..count).map(|i| format!("[[medium]]\nname = \"medium{i}\"\nior = 1.5\n"));
+        let objects = (0..count).map(|i| {
+            format!(
+                "[[refractor]]\nname = \"ball{i}\"\nmedium = \"medium{i}\"\nshape = {{ sphere = {{ center = [{}, 0, 0], radius = 1 }} }}\n",
+                3 * i
+            )
+        });
+        let camera = "[camera]\nposition = [0, 0, 4]\ntarget = [0, 0, 0]\n".to_owned();
+        std::iter::once(camera).chain(media).chain(objects).collect::<String>()
+    };
+    let seconds = |count: u32| {
+        let text = scene(count);
+        let start = std::time::Instant::now();
+        let mut description = read(&text);
+        description.media[0].ior = Ior::Constant(1.25);
+        assert_eq!(to_text(&description), text.replacen("ior = 1.5", "ior = 1.25", 1));
+        start.elapsed().as_secs_f64()
+    };
+    // Of several, the least disturbed.
+    let least = |count| (0..3).map(|_| seconds(count)).fold(f64::INFINITY, f64::min);
+    let (few, many) = (least(1000), least(16_000));
+    assert!(many < 64.0 * few, "16 times the media take {:.1} times as long", many / few);
+}

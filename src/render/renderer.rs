@@ -1,0 +1,44 @@
+//! What renders: one interface for every backend and estimator.
+
+use std::sync::atomic::AtomicBool;
+
+use super::film::Film;
+use super::settings::{Backend, ImageSettings};
+use crate::scene::camera::Camera;
+use crate::tracking::Prepared;
+
+/// What is to be rendered, but for its size and samples, which are its film's.
+#[derive(Debug, Clone, Copy)]
+pub struct RenderTask<'a> {
+    pub prepared: &'a Prepared,
+    /// In scene coordinates.
+    pub camera: &'a Camera,
+    pub settings: &'a ImageSettings,
+}
+
+/// A way to render.
+pub trait Renderer: Sync {
+    /// What computes.
+    fn backend(&self) -> Backend;
+
+    /// Whether this renderer can render `task`.
+    ///
+    /// # Errors
+    /// When it cannot: why, and what to do instead.
+    fn require(&self, task: &RenderTask<'_>) -> Result<(), Unsupported>;
+
+    /// Adds `samples` samples to every pixel of `film`; with an allocation, in the mean. The result depends on the task and on the film's size
+    /// and earlier samples, not on how work is divided.
+    ///
+    /// Returns `false` when `cancel` was set before all was done: the film is then incomplete and should be dropped.
+    fn pass(&self, task: &RenderTask<'_>, film: &mut Film, samples: u32, cancel: &AtomicBool) -> bool;
+}
+
+/// What a renderer cannot do.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{what} cannot be rendered by the backend {}; {instead}", format!("{backend:?}").to_lowercase())]
+pub struct Unsupported {
+    pub what: String,
+    pub backend: Backend,
+    pub instead: String,
+}

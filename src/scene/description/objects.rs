@@ -1,0 +1,288 @@
+//! The objects of a scene: what all have in common, and what each role adds.
+
+use std::ops::{Deref, DerefMut};
+
+use super::shape::{Shape, Transform};
+
+/// An object of the scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Object {
+    pub name: String,
+    pub shape: Shape,
+    pub transform: Transform,
+    /// An invisible object is not there at all: nothing hits it, and it contains nothing.
+    pub visible: bool,
+    pub role: Role,
+}
+
+/// What an object is to light.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Role {
+    Refractor(Refractor),
+    Solid(Solid),
+    Light(Light),
+}
+
+/// A dielectric.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refractor {
+    /// Name of the medium inside.
+    pub medium: String,
+    /// Higher wins where volumes overlap.
+    pub priority: i32,
+    /// Whether normals are interpolated over faces.
+    pub smooth: bool,
+}
+
+/// Opaque and two-sided.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solid {
+    pub paint: Paint,
+    /// A perfect mirror, tinted by `paint`.
+    pub mirror: bool,
+    /// Whether normals are interpolated over faces.
+    pub smooth: bool,
+}
+
+/// Emitting, black and opaque; emits from its outward side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Light {
+    pub radiance: [f64; 3],
+}
+
+/// Albedo of a solid, each component in [0, 1].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Paint {
+    Color([f64; 3]),
+    /// Squares of side `size`: on quads by lengths along u and v from the corner, on other shapes by object x and z.
+    Checker {
+        a: [f64; 3],
+        b: [f64; 3],
+        size: f64,
+    },
+}
+
+/// The roles without what they hold, in the order of object ids.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Kind {
+    Refractor,
+    Solid,
+    Light,
+}
+
+impl Kind {
+    pub const ALL: [Self; 3] = [Self::Refractor, Self::Solid, Self::Light];
+
+    /// What such an object is called, in scene files too.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Refractor => "refractor",
+            Self::Solid => "solid",
+            Self::Light => "light",
+        }
+    }
+}
+
+impl Role {
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Refractor(_) => Kind::Refractor,
+            Self::Solid(_) => Kind::Solid,
+            Self::Light(_) => Kind::Light,
+        }
+    }
+}
+
+/// What each role gives to roles, objects and lists of objects alike.
+macro_rules! roles {
+    ($($role:ident: $one:ident, $one_mut:ident, $all:ident, $all_mut:ident;)*) => {
+        $(
+            impl From<$role> for Role {
+                fn from(role: $role) -> Self {
+                    Self::$role(role)
+                }
+            }
+
+            impl Object {
+                pub fn $one(&self) -> Option<&$role> {
+                    if let Role::$role(role) = &self.role { Some(role) } else { None }
+                }
+
+                pub fn $one_mut(&mut self) -> Option<&mut $role> {
+                    if let Role::$role(role) = &mut self.role { Some(role) } else { None }
+                }
+            }
+
+            impl Objects {
+                pub fn $all(&self) -> &[Object] {
+                    self.of(Kind::$role)
+                }
+
+                pub fn $all_mut(&mut self) -> &mut [Object] {
+                    let range = self.range(Kind::$role);
+                    &mut self.0[range]
+                }
+            }
+        )*
+    };
+}
+
+roles! {
+    Refractor: refractor, refractor_mut, refractors, refractors_mut;
+    Solid: solid, solid_mut, solids, solids_mut;
+    Light: light, light_mut, lights, lights_mut;
+}
+
+impl Refractor {
+    /// Of priority 0 and with flat faces.
+    pub fn of(medium: impl Into<String>) -> Self {
+        Self { medium: medium.into(), priority: 0, smooth: false }
+    }
+}
+
+impl Solid {
+    /// Diffuse and with flat faces.
+    pub fn of(paint: Paint) -> Self {
+        Self { paint, mirror: false, smooth: false }
+    }
+}
+
+impl Object {
+    /// A visible object where its shape stands.
+    pub fn new(name: impl Into<String>, shape: Shape, role: impl Into<Role>) -> Self {
+        Self { name: name.into(), shape, transform: Transform::IDENTITY, visible: true, role: role.into() }
+    }
+
+    pub fn kind(&self) -> Kind {
+        self.role.kind()
+    }
+
+    /// Whether normals are interpolated over faces.
+    pub fn is_smooth(&self) -> bool {
+        match &self.role {
+            Role::Refractor(refractor) => refractor.smooth,
+            Role::Solid(solid) => solid.smooth,
+            Role::Light(_) => false,
+        }
+    }
+}
+
+/// All objects of a scene, in the order of object ids: by role, and of one role in file order, which breaks ties between overlapping
+/// volumes. An object's role may be edited in its place, but not become another.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Objects(Vec<Object>);
+
+impl Objects {
+    /// Adds an object behind the others of its role.
+    pub fn push(&mut self, object: Object) {
+        let end = self.0.partition_point(|o| o.kind() <= object.kind());
+        self.0.insert(end, object);
+    }
+
+    pub fn remove(&mut self, index: usize) -> Object {
+        self.0.remove(index)
+    }
+
+    pub fn retain(&mut self, is_kept: impl FnMut(&Object) -> bool) {
+        self.0.retain(is_kept);
+    }
+
+    /// Removes all objects of one role.
+    pub fn clear(&mut self, kind: Kind) {
+        self.retain(|object| object.kind() != kind);
+    }
+
+    /// The objects of one role.
+    pub fn of(&self, kind: Kind) -> &[Object] {
+        &self.0[self.range(kind)]
+    }
+
+    fn range(&self, kind: Kind) -> std::ops::Range<usize> {
+        self.0.partition_point(|o| o.kind() < kind)..self.0.partition_point(|o| o.kind() <= kind)
+    }
+
+    /// What makes the refractors refractors, in their order.
+    pub fn refractor_roles(&self) -> impl DoubleEndedIterator<Item = &Refractor> {
+        self.iter().filter_map(Object::refractor)
+    }
+
+    pub fn refractor_roles_mut(&mut self) -> impl DoubleEndedIterator<Item = &mut Refractor> {
+        self.iter_mut().filter_map(Object::refractor_mut)
+    }
+
+    /// The object of that name.
+    pub fn find(&self, name: &str) -> Option<&Object> {
+        self.iter().find(|object| object.name == name)
+    }
+
+    pub fn find_mut(&mut self, name: &str) -> Option<&mut Object> {
+        self.iter_mut().find(|object| object.name == name)
+    }
+}
+
+impl Deref for Objects {
+    type Target = [Object];
+
+    fn deref(&self) -> &[Object] {
+        &self.0
+    }
+}
+
+impl DerefMut for Objects {
+    fn deref_mut(&mut self) -> &mut [Object] {
+        &mut self.0
+    }
+}
+
+impl<'a> IntoIterator for &'a Objects {
+    type Item = &'a Object;
+    type IntoIter = std::slice::Iter<'a, Object>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.iter()
+    }
+}
+
+impl<'a> IntoIterator for &'a mut Objects {
+    type Item = &'a mut Object;
+    type IntoIter = std::slice::IterMut<'a, Object>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.iter_mut()
+    }
+}
+
+impl FromIterator<Object> for Objects {
+    /// Those of one role stay in their order.
+    fn from_iter<I: IntoIterator<Item = Object>>(objects: I) -> Self {
+        let mut objects: Vec<Object> = objects.into_iter().collect();
+        objects.sort_by_key(Object::kind);
+        Self(objects)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn objects_stand_by_role_and_in_their_order() {
+        let shape = Shape::Sphere { center: DVec3::ZERO, radius: 1.0 };
+        let light = |name: &str| Object::new(name, shape.clone(), Light { radiance: [1.0; 3] });
+        let solid = |name: &str| Object::new(name, shape.clone(), Solid::of(Paint::Color([0.5; 3])));
+        let refractor = |name: &str| Object::new(name, shape.clone(), Refractor::of("glass"));
+        let names = |objects: &[Object]| objects.iter().map(|o| o.name.clone()).collect::<Vec<_>>().join(" ");
+        let all = || [light("a"), refractor("b"), solid("c"), light("d"), refractor("e")];
+        let mut objects = Objects::default();
+        all().into_iter().for_each(|object| objects.push(object));
+        assert_eq!(objects, all().into_iter().collect());
+        assert_eq!(names(&objects), "b e c a d");
+        assert_eq!(names(objects.refractors()), "b e");
+        assert_eq!(names(objects.solids()), "c");
+        assert_eq!(names(objects.lights()), "a d");
+        objects.clear(Kind::Solid);
+        assert_eq!((names(&objects).as_str(), objects.solids().len()), ("b e a d", 0));
+        assert_eq!(objects.find("d").map(Object::kind), Some(Kind::Light));
+    }
+}

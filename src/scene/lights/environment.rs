@@ -1,0 +1,290 @@
+//! Light from all around: constant, gradient, or an image that is importance sampled.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::sample::{DirectSample, EmittedRay, Target};
+use crate::geometry::sphere::Sphere;
+use crate::geometry::{Ray, uniform_direction};
+use crate::scatter::frame;
+use crate::scene::description::Environment;
+use crate::scene::environment::EnvironmentImage;
+use crate::spectrum::Spectrum;
+
+/// The environment, ready to be looked up and sampled.
+#[derive(Debug, Clone)]
+pub enum EnvironmentLight {
+    Constant(Spectrum),
+    Gradient { zenith: Spectrum, horizon: Spectrum, nadir: Spectrum },
+    Image(Arc<ImageLight>),
+}
+
+/// An image environment with its sampling tables.
+#[derive(Debug)]
+pub struct ImageLight {
+    image: Arc<EnvironmentImage>,
+    /// sin and cos of the rotation about +y.
+    rotation: (f64, f64),
+    scale: f64,
+    /// Running sums of the weights of each row's texels, each row from 0 to 1.
+    columns: Vec<f32>,
+    /// Running sums of the rows' weights, from 0 to 1.
+    rows: Vec<f64>,
+}
+
+impl EnvironmentLight {
+    pub fn new(environment: &Environment) -> Self {
+        match environment {
+            Environment::Color(color) => Self::Constant(Spectrum::from_rgb(*color)),
+            Environment::Gradient { zenith, horizon, nadir } => {
+                let [zenith, horizon, nadir] = [zenith, horizon, nadir].map(|rgb| Spectrum::from_rgb(*rgb));
+                Self::Gradient { zenith, horizon, nadir }
+            }
+            Environment::Image { image, rotation, scale, .. } => {
+                match ImageLight::new(Arc::clone(image), rotation.to_radians(), *scale) {
+                    Some(light) => Self::Image(Arc::new(light)),
+                    None => Self::Constant(Spectrum::ZERO),
+                }
+            }
+        }
+    }
+
+    /// Whether there is anything to gain from sampling it: an image that is not black.
+    pub fn is_image(&self) -> bool {
+        matches!(self, Self::Image(_))
+    }
+
+    /// Radiance arriving from unit `direction`.
+    #[inline]
+    pub fn radiance(&self, direction: DVec3) -> Spectrum {
+        match self {
+            Self::Constant(color) => *color,
+            Self::Gradient { zenith, horizon, nadir } => {
+                let (y, end) = if direction.y >= 0.0 { (direction.y, zenith) } else { (-direction.y, nadir) };
+                *horizon + (*end - *horizon) * y
+            }
+            Self::Image(light) => light.radiance(direction),
+        }
+    }
+
+    /// Probability per steradian with which [`Self::sample`] gives `direction`; 0 where there is no image.
+    #[inline]
+    pub fn pdf(&self, direction: DVec3) -> f64 {
+        match self {
+            Self::Image(light) => light.pdf(direction),
+            _ => 0.0,
+        }
+    }
+
+    /// A direction for `u` uniform in [0, 1)²; `None` where there is no image.
+    #[inline]
+    pub fn sample(&self, u: [f64; 2]) -> Option<DirectSample> {
+        match self {
+            Self::Image(light) => light.sample(u),
+            _ => None,
+        }
+    }
+
+    /// A ray that comes in from afar and meets the scene's bounding sphere: its direction as an image is sampled, else uniform; its start
+    /// uniform on a disc across it that covers the sphere.
+    pub fn sample_ray(&self, bounds: &Sphere, start: [f64; 2], direction: [f64; 2]) -> Option<EmittedRay> {
+        let to_light = match self {
+            Self::Image(light) => light.sample(direction)?.direction,
+            _ => uniform_direction(direction),
+        };
+        let [pdf_position, pdf_direction] = self.pdf_ray(bounds, -to_light);
+        let (tangent, bitangent) = frame(to_light);
+        let (sin, cos) = (TAU * start[1]).sin_cos();
+        let across = (tangent * cos + bitangent * sin) * (start[0].sqrt() * bounds.radius);
+        Some(EmittedRay {
+            ray: Ray::new(bounds.center + to_light * bounds.radius + across, -to_light),
+            radiance: self.radiance(to_light),
+            cosine: 1.0,
+            pdf_position,
+            pdf_direction,
+            start: None,
+        })
+    }
+
+    /// Densities of [`Self::sample_ray`], per area of the disc and per steradian, for a ray along `direction`.
+    pub fn pdf_ray(&self, bounds: &Sphere, direction: DVec3) -> [f64; 2] {
+        let pdf_direction = match self {
+            Self::Image(light) => light.pdf(-direction),
+            _ => 1.0 / (4.0 * PI),
+        };
+        [1.0 / (PI * bounds.radius * bounds.radius), pdf_direction]
+    }
+}
+
+impl ImageLight {
+    /// `None` when the image is black or `scale` is 0: there is nothing to look up.
+    fn new(image: Arc<EnvironmentImage>, rotation: f64, scale: f64) -> Option<Self> {
+        let (width, height) = (image.width, image.height);
+        let mut columns = vec![0.0; width * height];
+        let weights: Vec<f64> = (columns.par_chunks_mut(width).enumerate())
+            .map(|(row, columns)| {
+                let mut sum = 0.0;
+                let sums: Vec<f64> = (0..width)
+                    .map(|column| {
+                        sum += mean_luminance(&image, row, column);
+                        sum
+                    })
+                    .collect();
+                if sum > 0.0 {
+                    columns.iter_mut().zip(sums).for_each(|(column, s)| *column = (s / sum) as f32);
+                }
+                sum
+            })
+            .collect();
+        let mut rows = Vec::with_capacity(height);
+        let mut total = 0.0;
+        for (row, weight) in weights.into_iter().enumerate() {
+            total += weight * (PI * (row as f64 + 0.5) / height as f64).sin();
+            rows.push(total);
+        }
+        if total.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) || scale == 0.0 {
+            return None;
+        }
+        rows.iter_mut().for_each(|r| *r /= total);
+        Some(Self { image, rotation: rotation.sin_cos(), scale, columns, rows })
+    }
+
+    /// (u, v) of a direction in scene coordinates.
+    #[inline]
+    fn uv(&self, d: DVec3) -> (f64, f64) {
+        let (sin, cos) = self.rotation;
+        // Back by the rotation: counter-clockwise seen from above takes +x towards −z.
+        let (x, z) = (d.x * cos - d.z * sin, d.x * sin + d.z * cos);
+        let u = 0.5 + x.atan2(-z) / TAU;
+        let v = d.y.clamp(-1.0, 1.0).acos() / PI;
+        (u, v)
+    }
+
+    /// Bilinear between texel centres; wraps around in u.
+    #[inline]
+    fn radiance(&self, direction: DVec3) -> Spectrum {
+        let (width, height) = (self.image.width, self.image.height);
+        let (u, v) = self.uv(direction);
+        let (x, y) = (u * width as f64 - 0.5, v * height as f64 - 0.5);
+        let (fx, fy) = (x - x.floor(), y - y.floor());
+        let column = |offset: i64| (x.floor() as i64 + offset).rem_euclid(width as i64) as usize;
+        let row = |offset: i64| (y.floor() as i64 + offset).clamp(0, height as i64 - 1) as usize;
+        let texel = |i, j| Spectrum::from_rgb(self.image.pixels[row(j) * width + column(i)].map(f64::from));
+        let top = texel(0, 0) * (1.0 - fx) + texel(1, 0) * fx;
+        let bottom = texel(0, 1) * (1.0 - fx) + texel(1, 1) * fx;
+        (top * (1.0 - fy) + bottom * fy) * self.scale
+    }
+
+    #[inline]
+    fn pdf(&self, direction: DVec3) -> f64 {
+        let (width, height) = (self.image.width, self.image.height);
+        let (u, v) = self.uv(direction);
+        let row = ((v * height as f64) as usize).min(height - 1);
+        let column = ((u * width as f64) as usize).min(width - 1);
+        let sine = (1.0 - direction.y * direction.y).max(0.0).sqrt();
+        if sine == 0.0 {
+            return 0.0;
+        }
+        self.texel_probability(row, column) * (width * height) as f64 / (2.0 * PI * PI * sine)
+    }
+
+    /// Probability of a texel.
+    #[inline]
+    fn texel_probability(&self, row: usize, column: usize) -> f64 {
+        let sums = &self.columns[row * self.image.width..][..self.image.width];
+        let before = if column > 0 { sums[column - 1] } else { 0.0 };
+        let row_before = if row > 0 { self.rows[row - 1] } else { 0.0 };
+        f64::from(sums[column] - before) * (self.rows[row] - row_before)
+    }
+
+    #[inline]
+    fn sample(&self, u: [f64; 2]) -> Option<DirectSample> {
+        let (width, height) = (self.image.width, self.image.height);
+        let row = self.rows.partition_point(|&sum| sum <= u[1]).min(height - 1);
+        let row_before = if row > 0 { self.rows[row - 1] } else { 0.0 };
+        let sums = &self.columns[row * width..][..width];
+        let column = sums.partition_point(|&sum| f64::from(sum) <= u[0]).min(width - 1);
+        let before = if column > 0 { f64::from(sums[column - 1]) } else { 0.0 };
+        // Where inside the texel: what is left of the random numbers.
+        let dx = ((u[0] - before) / (f64::from(sums[column]) - before)).clamp(0.0, 1.0);
+        let dy = ((u[1] - row_before) / (self.rows[row] - row_before)).clamp(0.0, 1.0);
+        let phi = ((column as f64 + dx) / width as f64 - 0.5) * TAU;
+        let theta = (row as f64 + dy) / height as f64 * PI;
+        let (x, z) = (theta.sin() * phi.sin(), -theta.sin() * phi.cos());
+        let (sin, cos) = self.rotation;
+        let direction = DVec3::new(x * cos + z * sin, theta.cos(), z * cos - x * sin);
+        let sine = theta.sin();
+        let pdf = self.texel_probability(row, column) * (width * height) as f64 / (2.0 * PI * PI * sine);
+        (pdf > 0.0 && pdf.is_finite()).then_some(DirectSample { direction, pdf, target: Target::Environment })
+    }
+}
+
+/// Mean luminance over a texel of the picture as it is looked up, bilinear between texel centres: next to a sun a texel has a share of
+/// it, and must be sampled for that.
+fn mean_luminance(image: &EnvironmentImage, row: usize, column: usize) -> f64 {
+    const WEIGHTS: [f64; 3] = [1.0 / 8.0, 6.0 / 8.0, 1.0 / 8.0];
+    let mut sum = 0.0;
+    for (j, down) in WEIGHTS.into_iter().enumerate() {
+        let row = (row + j).saturating_sub(1).min(image.height - 1);
+        for (i, across) in WEIGHTS.into_iter().enumerate() {
+            let column = (column + i + image.width - 1) % image.width;
+            sum += down * across * luminance(image.pixels[row * image.width + column]);
+        }
+    }
+    sum
+}
+
+fn luminance(rgb: [f32; 3]) -> f64 {
+    0.2126 * f64::from(rgb[0]) + 0.7152 * f64::from(rgb[1]) + 0.0722 * f64::from(rgb[2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn light(rotation_degrees: f64) -> ImageLight {
+        // 8×4: one bright texel on a dim, uneven ground.
+        let pixels = (0..32).map(|i| if i == 11 { [50.0, 40.0, 30.0] } else { [0.1 * (i % 5) as f32; 3] }).collect();
+        let image = EnvironmentImage { width: 8, height: 4, pixels, notes: Vec::new() };
+        ImageLight::new(Arc::new(image), rotation_degrees.to_radians(), 2.0).unwrap()
+    }
+
+    #[test]
+    fn directions_of_the_image() {
+        let light = light(0.0);
+        let (u, v) = light.uv(DVec3::NEG_Z);
+        assert!((u - 0.5).abs() < 1e-12 && (v - 0.5).abs() < 1e-12);
+        assert!((light.uv(DVec3::X).0 - 0.75).abs() < 1e-12);
+        assert!(light.uv(DVec3::Y).1.abs() < 1e-12);
+    }
+
+    /// Counter-clockwise seen from above, by 90°: what stood at −z stands at −x.
+    #[test]
+    fn rotation_turns_the_image_about_up() {
+        let turned = light(90.0);
+        assert!((turned.uv(DVec3::NEG_X).0 - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn sampled_directions_have_the_pdf_that_is_reported_and_it_integrates_to_one() {
+        let light = light(33.0);
+        let count = 400;
+        let mut integral = 0.0;
+        for i in 0..count {
+            for j in 0..count {
+                let u = [(i as f64 + 0.5) / count as f64, (j as f64 + 0.5) / count as f64];
+                let s = light.sample(u).unwrap();
+                assert!((light.pdf(s.direction) / s.pdf - 1.0).abs() < 1e-6, "{s:?}");
+                // ∫ pdf over the sphere, by uniform directions.
+                let z = 1.0 - 2.0 * u[0];
+                let r = (1.0 - z * z).sqrt();
+                let (sin, cos) = (TAU * u[1]).sin_cos();
+                integral += light.pdf(DVec3::new(r * cos, z, r * sin)) * 4.0 * PI / f64::from(count * count);
+            }
+        }
+        assert!((integral - 1.0).abs() < 2e-2, "{integral}");
+    }
+}
