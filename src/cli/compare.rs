@@ -49,7 +49,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
         }
         require_writable(path).map_err(Failure::bad_output)?;
     }
-    let job = Job::new(image)?;
+    let job = Job::new(image, &arguments.modes)?;
     let rendered = job.render(&arguments.modes);
     let pictures: Vec<Picture> = rendered.iter().map(|image| Picture::from(&image.film)).collect();
     let differences = job.on_threads(|| differences(&rendered, &pictures, job.display()));

@@ -110,8 +110,8 @@ pub struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    /// Reads and prepares the scene.
-    pub fn new(arguments: &'a ImageArguments) -> Result<Self, Failure> {
+    /// Reads and prepares the scene, which is to be rendered in these modes.
+    pub fn new(arguments: &'a ImageArguments, modes: &[Mode]) -> Result<Self, Failure> {
         let start = Instant::now();
         let description = crate::formats::open(&arguments.scene)?;
         let load_secs = start.elapsed().as_secs_f64();
@@ -123,6 +123,10 @@ impl<'a> Job<'a> {
             .build()
             .map_err(|error| Failure::Failed(anyhow::Error::new(error).context("the threads cannot be started")))?;
         let prepared = pool.install(|| prepare_shown(Arc::new(description)))?;
+        for settings in modes.iter().map(|&mode| arguments.settings(mode)) {
+            let task = RenderTask { prepared: &prepared, camera: &camera, settings: &settings };
+            task.require().map_err(|error| Failure::Wrong(error.into()))?;
+        }
         Ok(Self { arguments, prepared, camera, load_secs, pool })
     }
 

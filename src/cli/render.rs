@@ -34,7 +34,7 @@ pub fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
         }
         require_writable(path).map_err(Failure::bad_output)?;
     }
-    let job = Job::new(image)?;
+    let job = Job::new(image, &[arguments.mode])?;
     let rendered = match arguments.samples {
         Some(samples) => job.render_part(arguments.mode, samples),
         None => job.render(&[arguments.mode]).remove(0),
