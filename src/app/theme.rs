@@ -86,6 +86,18 @@ const LIGHT: Palette = Palette {
     weak_text: rgb(0x5d646e),
 };
 
+/// Of the modes in their order, on dark and on light ground; the last are for modes to come.
+const MODES: [[u32; 2]; 8] = [
+    [0xe69f00, 0xb27700],
+    [0x56b4e9, 0x2280b8],
+    [0xd5c94a, 0x77701a],
+    [0xb3a2f0, 0x6a55bb],
+    [0x2fc090, 0x00845c],
+    [0xd98cb3, 0xa84e80],
+    [0xf0785a, 0xb3401a],
+    [0x8ea6ff, 0x3a4fc4],
+];
+
 impl Palette {
     /// The palette of the theme that `ui` has.
     pub fn of(ui: &egui::Ui) -> Self {
@@ -94,20 +106,8 @@ impl Palette {
 
     /// The mark of a mode, on labels and in tables.
     pub fn mode(&self, mode: Mode) -> Color32 {
-        match (mode, self.is_dark) {
-            (Mode::Naive, true) => rgb(0xe69f00),
-            (Mode::Stack, true) => rgb(0x56b4e9),
-            (Mode::Priority, true) => rgb(0xd5c94a),
-            (Mode::RectifiedObject, true) => rgb(0xb3a2f0),
-            (Mode::Rectified, true) => rgb(0x2fc090),
-            (Mode::Reference, true) => rgb(0xd98cb3),
-            (Mode::Naive, false) => rgb(0xb27700),
-            (Mode::Stack, false) => rgb(0x2280b8),
-            (Mode::Priority, false) => rgb(0x77701a),
-            (Mode::RectifiedObject, false) => rgb(0x6a55bb),
-            (Mode::Rectified, false) => rgb(0x00845c),
-            (Mode::Reference, false) => rgb(0xa84e80),
-        }
+        let [on_dark, on_light] = MODES[mode as usize % MODES.len()];
+        rgb(if self.is_dark { on_dark } else { on_light })
     }
 
     /// The swatch of the medium at `index` in the scene's list.
