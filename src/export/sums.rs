@@ -38,7 +38,7 @@ use crate::writing::write_atomically;
 /// Where the text stands in the file.
 const ATTRIBUTE: &str = "iorectSums";
 /// Version of the format; files of another are refused.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 /// Most pixels that are read: as many as can be rendered.
 const MOST_PIXELS: u64 = 1 << 26;
 /// Largest count of an event that is accepted from a file: the sums over all files cannot overflow.

@@ -672,10 +672,10 @@ fn scenes_of_nothing_but_bad_meshes() {
 
 /// What grows with the number of objects grows in proportion.
 #[test]
-fn a_hundred_thousand_objects() {
+fn many_objects() {
     let mut description = common::empty(1.0);
     let mesh = Arc::new(shape(&Shape::Box { min: DVec3::ZERO, max: DVec3::splat(0.5) }));
-    for i in 0..100_000_u32 {
+    for i in 0..20_000_u32 {
         let place = DVec3::new(f64::from(i % 50), f64::from(i / 50 % 50), f64::from(i / 2500));
         let shape = match i % 3 {
             0 => Shape::Mesh { path: "m.obj".into(), mesh: Arc::clone(&mesh), notes: Vec::new() },
@@ -693,7 +693,7 @@ fn a_hundred_thousand_objects() {
     let start = std::time::Instant::now();
     let again = compile(&moved, Some((&description, &scene))).unwrap();
     println!(
-        "100,000 objects: {} ms, of which topology {:.0} ms; one moved: {} ms, topology {:.0} ms",
+        "20,000 objects: {} ms, of which topology {:.0} ms; one moved: {} ms, topology {:.0} ms",
         first.as_millis(),
         scene.topology_secs * 1e3,
         start.elapsed().as_millis(),
@@ -701,7 +701,7 @@ fn a_hundred_thousand_objects() {
     );
     let distinct: std::collections::HashSet<_> =
         scene.objects.iter().filter_map(|o| o.topology.as_ref().map(Arc::as_ptr)).collect();
-    assert_eq!(distinct.len(), 33_334, "objects of one mesh share its topology");
+    assert_eq!(distinct.len(), 6_667, "objects of one mesh share its topology");
     assert!(scene.objects.iter().all(|o| o.enclosure == Enclosure::Closed && o.volume < 0.2));
 }
 

@@ -227,7 +227,7 @@ fn damaged_files_are_refused() {
     edited[position + 1] = b'3';
     desk.put("bad.exr", &edited);
     assert!(desk.wrong("merge a.exr bad.exr -o c.exr").contains("damaged or edited"));
-    let position = good.windows(10).position(|window| window == b"\"format\":2").unwrap();
+    let position = good.windows(10).position(|window| window == b"\"format\":3").unwrap();
     edited = good;
     edited[position + 9] = b'7';
     desk.put("bad.exr", &edited);
