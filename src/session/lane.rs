@@ -47,11 +47,11 @@ pub(super) fn run_lane(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessage>,
     let mut progress: Option<Progress> = None;
     loop {
         let has_work = progress.as_ref().is_some_and(Progress::has_work);
-        match if has_work { mailbox.take() } else { mailbox.wait().into() } {
+        match mailbox.wait(has_work.then_some(Duration::ZERO)) {
             Taken::Closed => return,
             Taken::Empty => {}
-            Taken::Message(LaneMessage::Hold) => progress = None,
-            Taken::Message(LaneMessage::Render(job)) => match &mut progress {
+            Taken::Message(None) => progress = None,
+            Taken::Message(Some(job)) => match &mut progress {
                 // Only the limit or the pause has changed: go on.
                 Some(p) if p.job.request.epoch == job.request.epoch => p.job = *job,
                 _ => {

@@ -75,18 +75,10 @@ pub(super) fn watched(
     progress: &Progress,
     work: impl FnOnce() + Send,
 ) {
-    /// Ends the watch even if the work panics.
-    struct Finish<'a>(&'a Mailbox<Asked>);
-    impl Drop for Finish<'_> {
-        fn drop(&mut self) {
-            self.0.finish();
-        }
-    }
-
-    requests.begin();
+    let watched = requests.begin();
     rayon::in_place_scope(|scope| {
         scope.spawn(|_| {
-            let _finish = Finish(requests);
+            let _watched = watched;
             work();
         });
         requests.watch(not_before, matters, || progress.cancel(), None);
