@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::arguments::CompareArguments;
 use super::image::{ImageReport, Job, Rendered, mega_samples_per_second, output_path};
-use super::table::{Align, Table};
+use super::table::Table;
 use super::{Failure, print, print_json};
 use crate::export::escape::{short_name, shown};
 use crate::export::words::{brief, duration, events_in_words};
@@ -139,12 +139,7 @@ fn summary(job: &Job<'_>, rendered: &[Rendered], differences: &[PairDifference],
     let film = &rendered[0].film;
     let name = short_name(&job.prepared.description.name);
     let mut text = format!("{name} · {}×{} · {} spp\n\n", film.width, film.height, film.samples);
-    let mut modes = Table::new(&[
-        ("mode", Align::Left),
-        ("time", Align::Right),
-        ("Msamples/s", Align::Right),
-        ("events", Align::Left),
-    ]);
+    let mut modes = Table::new("mode,>time,>Msamples/s,events");
     for image in rendered {
         modes.row([
             image.mode.to_string(),
@@ -155,13 +150,7 @@ fn summary(job: &Job<'_>, rendered: &[Rendered], differences: &[PairDifference],
     }
     text += &modes.render();
     if !differences.is_empty() {
-        let mut table = Table::new(&[
-            ("difference", Align::Left),
-            ("MSE", Align::Right),
-            ("relMSE", Align::Right),
-            ("mean |Δ|", Align::Right),
-            ("FLIP", Align::Right),
-        ]);
+        let mut table = Table::new("difference,>MSE,>relMSE,>mean |Δ|,>FLIP");
         for pair in differences {
             let figures = pair.figures;
             table.row([

@@ -29,7 +29,8 @@ use crate::export::escape::{elided, escaped_json, escaped_lines};
 use crate::scene::SceneError;
 use crate::writing::clean_up_when_interrupted;
 
-pub use window::{WindowError, WindowRequest, WindowScreenshot};
+pub use arguments::WindowArguments;
+pub use window::WindowError;
 
 /// Characters of an error that are shown at the most: names and lists of them can be long.
 const MOST_OF_ERROR: usize = 4000;
@@ -63,7 +64,7 @@ impl Failure {
 
 /// Runs the program. `open_window` shows the window and returns when it is closed: it is handed in by the binary, so that command line
 /// and window need not know each other.
-pub fn main(open_window: impl FnOnce(WindowRequest) -> Result<(), WindowError>) -> ExitCode {
+pub fn main(open_window: impl FnOnce(&WindowArguments) -> Result<(), WindowError>) -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {

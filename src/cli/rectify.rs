@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::arguments::{Granularity, RectifyArguments};
 use super::preparation::prepare_shown;
-use super::table::{Align, Table, wrapped};
+use super::table::{Table, wrapped};
 use super::{Failure, plural, print, print_json};
 use crate::check::{Severity, check};
 use crate::export::escape::short_name;
@@ -157,18 +157,7 @@ fn listed(names: &[&str]) -> String {
 
 fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
     let scene = &prepared.scene;
-    let mut table = Table::new(&[
-        ("refractor", Align::Left),
-        ("patch", Align::Right),
-        ("kind", Align::Left),
-        ("outside", Align::Left),
-        ("found in", Align::Left),
-        ("inside", Align::Left),
-        ("faces", Align::Right),
-        ("area", Align::Right),
-        ("rays", Align::Right),
-        ("confidence", Align::Right),
-    ]);
+    let mut table = Table::new("refractor,>patch,kind,outside,found in,inside,>faces,>area,>rays,>confidence");
     // Of media of one name, the first.
     let iors: HashMap<&str, f64> =
         scene.media.iter().rev().map(|medium| (medium.name.as_str(), medium.ior())).collect();

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 
 use super::arguments::TraceArguments;
 use super::preparation::prepare_shown;
-use super::table::{Align, Table};
+use super::table::Table;
 use super::{Failure, print, print_json};
 use crate::export::escape::short_name;
 use crate::export::words::{brief, events_in_words};
@@ -54,19 +54,7 @@ fn first_ray(arguments: &TraceArguments, camera: &Camera) -> Result<Ray, Failure
 
 fn summary(scene: &str, path: &TracedPath) -> String {
     let mut text = format!("{} · {} · starts in {}\n\n", short_name(scene), path.mode, short_name(&path.camera_medium));
-    let mut table = Table::new(&[
-        ("#", Align::Right),
-        ("event", Align::Left),
-        ("surface", Align::Left),
-        ("from", Align::Left),
-        ("", Align::Left),
-        ("to", Align::Left),
-        ("Fresnel R", Align::Right),
-        ("x", Align::Right),
-        ("y", Align::Right),
-        ("z", Align::Right),
-        ("", Align::Left),
-    ]);
+    let mut table = Table::new(">#,event,surface,from,,to,>Fresnel R,>x,>y,>z,");
     for (index, vertex) in path.vertices.iter().enumerate() {
         let (from, to) = (medium(&vertex.from, vertex.ior_from), medium(&vertex.to, vertex.ior_to));
         let arrow = if vertex.to.is_some() { "→" } else { "" };
