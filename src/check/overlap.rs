@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::rims::Rims;
-use super::{Problem, names, samples};
+use super::{Problem, distinct, names, samples};
 use crate::rectify::PatchKind;
 use crate::rectify::containment::{containment_beside, is_same_volume, medium_of, priority, top};
 use crate::rectify::copies::Copies;
@@ -66,10 +66,7 @@ fn groups(pairs: &[(ObjectId, ObjectId)]) -> Vec<Vec<(ObjectId, ObjectId)>> {
 
 /// The objects of some pairs, each once, in ascending order.
 fn members(pairs: &[(ObjectId, ObjectId)]) -> Vec<ObjectId> {
-    let mut members: Vec<ObjectId> = pairs.iter().flat_map(|&(a, b)| [a, b]).collect();
-    members.sort_unstable();
-    members.dedup();
-    members
+    distinct(pairs.iter().flat_map(|&(a, b)| [a, b]))
 }
 
 /// Whether two objects have equal priorities and different media, so that a tie decides what fills their overlap.
@@ -151,10 +148,7 @@ fn invisible(prepared: &Prepared, refractor: ObjectId) -> Option<Problem> {
         return None;
     }
     let name = &scene.object(refractor).name;
-    let mut fills: Vec<ObjectId> = patches.iter().filter_map(|patch| patch.inside_refractor).collect();
-    fills.sort_unstable();
-    fills.dedup();
-    fills.retain(|id| *id != refractor);
+    let fills = distinct(patches.iter().filter_map(|patch| patch.inside_refractor).filter(|id| *id != refractor));
     if fills.is_empty() {
         let container = patches[0].outside_refractor.map_or("the world", |id| &scene.object(id).name);
         return Some(Problem::advice(
