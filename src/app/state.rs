@@ -27,7 +27,7 @@ use crate::tracking::Mode;
 /// Largest magnification of the picture.
 pub const MAX_ZOOM: f32 = 64.0;
 
-/// A message that stays until it is dismissed.
+/// A message in the window.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Notice {
     pub id: u64,
@@ -61,14 +61,14 @@ pub struct Windows {
 pub struct State {
     pub document: Document,
     /// `false` while `document` is the placeholder before the first scene.
-    has_scene: bool,
+    pub has_scene: bool,
     /// The scene that is being read.
     opening: Option<Opening>,
     next_opening: u64,
     /// Edits that earlier instances did not save, latest first.
     pub left_behind: Vec<Found>,
     /// The last document that could be rendered, to return to when another cannot.
-    last_good: Option<Document>,
+    pub last_good: Option<Document>,
     pub settings: Settings,
     pub view: View,
     pub is_paused: bool,
@@ -81,7 +81,7 @@ pub struct State {
     /// Where something was last selected in the picture, in [0, 1]² of the film.
     last_pick: Option<[f64; 2]>,
     /// Views before jumps of the camera, latest last.
-    earlier_views: Vec<CameraDescription>,
+    pub earlier_views: Vec<CameraDescription>,
     /// The scene as the worker prepared it.
     pub report: Option<Arc<SceneReport>>,
     /// The scene that the worker is preparing.
@@ -96,7 +96,7 @@ pub struct State {
     film_size: [u32; 2],
     epoch: u64,
     /// Images of earlier epochs belong to another scene and are not shown.
-    epoch_floor: u64,
+    pub epoch_floor: u64,
     /// Whether the worker should be told.
     has_news: bool,
 }
@@ -138,11 +138,6 @@ impl State {
         Self { has_scene: false, ..Self::new(no_scene(), settings) }
     }
 
-    /// Whether there is a scene yet.
-    pub fn has_scene(&self) -> bool {
-        self.has_scene
-    }
-
     /// The scene that is being read.
     pub fn opening(&self) -> Option<&Opening> {
         self.opening.as_ref()
@@ -169,11 +164,6 @@ impl State {
     /// The present epoch: images of it show what the state says.
     pub fn epoch(&self) -> u64 {
         self.epoch
-    }
-
-    /// The earliest epoch whose images may be shown.
-    pub fn epoch_floor(&self) -> u64 {
-        self.epoch_floor
     }
 
     pub fn film_size(&self) -> [u32; 2] {
@@ -230,13 +220,8 @@ impl State {
     }
 
     fn show_document(&mut self, document: Document) {
-        self.view = View {
-            camera: document.description().camera,
-            zoom: 1.0,
-            zoom_center: [0.5; 2],
-            divider: self.view.divider,
-            active_pane: self.view.active_pane,
-        };
+        let camera = document.description().camera;
+        self.view = View { camera, zoom: 1.0, zoom_center: [0.5; 2], ..self.view };
         self.document = document;
         self.has_scene = true;
         self.selected = None;
@@ -287,11 +272,6 @@ impl State {
     pub fn is_prepared(&self) -> bool {
         let description = self.document.description();
         self.report.as_ref().is_some_and(|report| Arc::ptr_eq(&report.prepared.description, description))
-    }
-
-    /// Whether there is an earlier document to return to.
-    pub fn has_last_good(&self) -> bool {
-        self.last_good.is_some()
     }
 
     /// A request could not be served: says so and returns to what can be shown. Answers whether it did.

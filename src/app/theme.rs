@@ -94,20 +94,15 @@ impl Palette {
 
     /// The mark of a mode, on labels and in tables.
     pub fn mode(&self, mode: Mode) -> Color32 {
-        match (mode, self.is_dark) {
-            (Mode::Naive, true) => rgb(0xe69f00),
-            (Mode::Stack, true) => rgb(0x56b4e9),
-            (Mode::Priority, true) => rgb(0xd5c94a),
-            (Mode::RectifiedObject, true) => rgb(0xb3a2f0),
-            (Mode::Rectified, true) => rgb(0x2fc090),
-            (Mode::Reference, true) => rgb(0xd98cb3),
-            (Mode::Naive, false) => rgb(0xb27700),
-            (Mode::Stack, false) => rgb(0x2280b8),
-            (Mode::Priority, false) => rgb(0x77701a),
-            (Mode::RectifiedObject, false) => rgb(0x6a55bb),
-            (Mode::Rectified, false) => rgb(0x00845c),
-            (Mode::Reference, false) => rgb(0xa84e80),
-        }
+        let (dark, light) = match mode {
+            Mode::Naive => (0xe69f00, 0xb27700),
+            Mode::Stack => (0x56b4e9, 0x2280b8),
+            Mode::Priority => (0xd5c94a, 0x77701a),
+            Mode::RectifiedObject => (0xb3a2f0, 0x6a55bb),
+            Mode::Rectified => (0x2fc090, 0x00845c),
+            Mode::Reference => (0xd98cb3, 0xa84e80),
+        };
+        rgb(if self.is_dark { dark } else { light })
     }
 
     /// The swatch of the medium at `index` in the scene's list.
@@ -191,18 +186,12 @@ fn visuals(is_dark: bool) -> Visuals {
     v.window_stroke = Stroke::new(1.0, palette.line);
     v.window_corner_radius = CornerRadius::same(8);
     v.menu_corner_radius = CornerRadius::same(6);
-    v.window_shadow = Shadow {
-        offset: [0, 8],
-        blur: 28,
-        spread: 0,
-        color: Color32::from_black_alpha(if is_dark { 140 } else { 50 }),
+    let shadow = |down, blur, dark, light| {
+        let color = Color32::from_black_alpha(if is_dark { dark } else { light });
+        Shadow { offset: [0, down], blur, spread: 0, color }
     };
-    v.popup_shadow = Shadow {
-        offset: [0, 4],
-        blur: 14,
-        spread: 0,
-        color: Color32::from_black_alpha(if is_dark { 120 } else { 40 }),
-    };
+    v.window_shadow = shadow(8, 28, 140, 50);
+    v.popup_shadow = shadow(4, 14, 120, 40);
     v.faint_bg_color = if is_dark { rgb(0x212428) } else { rgb(0xebedf0) };
     v.extreme_bg_color = if is_dark { rgb(0x131517) } else { rgb(0xffffff) };
     v.weak_text_color = Some(palette.weak_text);

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::ErrorMetric;
 use super::curve::{Curve, Point};
-use crate::app::background::{Background, Bell, Desk};
+use crate::app::background::{Background, Bell, Desk, Repaint};
 use crate::measure::{MetricError, difference, difference_from_two, flip};
 use crate::render::Display;
 use crate::session::{Board, GroundTruth, Halves, Snapshot};
@@ -25,6 +25,13 @@ pub struct Plan {
     pub display: Display,
     /// Time that rectification has taken, counted with the modes that use what it found.
     pub rectification_seconds: f64,
+}
+
+impl Plan {
+    /// Time to be counted with a mode beside its film's, where it looks up what rectification found.
+    fn more_seconds(&self, mode: Mode) -> f64 {
+        if matches!(mode, Mode::Rectified | Mode::RectifiedObject) { self.rectification_seconds } else { 0.0 }
+    }
 }
 
 /// What has been measured.
@@ -52,27 +59,19 @@ type Results = Option<Arc<Measurements>>;
 pub type Measurer = Background<Plan, Results>;
 
 /// Starts the thread, which looks at `board` whenever `bell` rings and calls `wake` when it has measured something.
-///
-/// # Errors
-/// When the system refuses a thread.
-pub fn start(
-    bell: Bell<Plan, Results>,
-    board: Arc<Board>,
-    wake: impl Fn() + Send + 'static,
-) -> std::io::Result<Measurer> {
+pub fn start(bell: Bell<Plan, Results>, board: Arc<Board>, wake: Repaint) -> std::io::Result<Measurer> {
     Background::start("measure", bell, move |desk| run(desk, &board, &wake))
 }
 
-fn run(desk: &Desk<Plan, Results>, board: &Board, wake: &dyn Fn()) {
+fn run(desk: &Desk<Plan, Results>, board: &Board, wake: &Repaint) {
     let mut records = Records::default();
     let mut has_more = false;
     while let Some(plan) = desk.wait(if has_more { Some(Instant::now()) } else { records.live_due() }) {
         let truth = board.ground_truth().filter(|truth| plan.is_on && truth.epoch == plan.epoch);
-        let mut has_changed = records.take_in(&plan, board);
+        let is_out_of_date = records.take_in(&plan, board);
         // One film at a time: between two, the board may have films that must not be missed.
         has_more = records.measure_next(&plan, truth.as_ref());
-        has_changed |= has_more;
-        if has_changed {
+        if is_out_of_date || has_more {
             let measurements = Arc::new(records.measurements(&plan));
             desk.put(|finished| *finished = Some(measurements));
             wake();
@@ -92,6 +91,10 @@ struct Record {
 impl Record {
     fn new(film: Arc<Snapshot>) -> Self {
         Self { film: Some(film), point: None, flip_display: None }
+    }
+
+    fn samples(&self) -> Option<u32> {
+        self.film.as_ref().map(|film| film.samples).or(self.point.map(|point| point.samples))
     }
 
     fn is_due(&self, plan: &Plan, truth: &Halves, is_last: bool) -> bool {
@@ -119,11 +122,6 @@ impl Record {
     }
 }
 
-/// Whether a mode looks up what rectification found.
-fn uses_rectification(mode: Mode) -> bool {
-    matches!(mode, Mode::Rectified | Mode::RectifiedObject)
-}
-
 /// One mode's films.
 #[derive(Default)]
 struct Track {
@@ -142,7 +140,6 @@ struct Records {
     /// The images that `noise` is of.
     truth: Option<Arc<Halves>>,
     noise: Option<f64>,
-    rectification_seconds: f64,
 }
 
 impl Records {
@@ -162,7 +159,6 @@ impl Records {
                 return had_any;
             }
         }
-        self.rectification_seconds = plan.rectification_seconds;
         for (mode, film) in board.snapshots() {
             if film.epoch != self.epoch || film.is_preview() || film.samples == 0 {
                 continue;
@@ -209,7 +205,7 @@ impl Records {
             self.truth = Some(Arc::clone(halves));
         }
         for (mode, track) in &mut self.tracks {
-            let more_seconds = if uses_rectification(*mode) { plan.rectification_seconds } else { 0.0 };
+            let more_seconds = plan.more_seconds(*mode);
             if let Some(record) = track.records.iter_mut().find(|record| record.is_due(plan, halves, is_last)) {
                 record.measure(plan, halves, more_seconds);
                 return true;
@@ -229,9 +225,8 @@ impl Records {
 
     fn measurements(&self, plan: &Plan) -> Measurements {
         let curves = self.tracks.iter().map(|(mode, track)| {
-            let rectification_seconds = if uses_rectification(*mode) { plan.rectification_seconds } else { 0.0 };
             let points = track.records.iter().chain(&track.live).filter_map(|record| record.point).collect();
-            (*mode, Curve { points, rectification_seconds })
+            (*mode, Curve { points, rectification_seconds: plan.more_seconds(*mode) })
         });
         Measurements {
             epoch: self.epoch,
@@ -239,12 +234,6 @@ impl Records {
             curves: curves.collect(),
             truth_noise: self.noise,
         }
-    }
-}
-
-impl Record {
-    fn samples(&self) -> Option<u32> {
-        self.film.as_ref().map(|film| film.samples).or(self.point.map(|point| point.samples))
     }
 }
 

@@ -85,11 +85,6 @@ impl State {
         }
     }
 
-    /// Whether there is a view to return to.
-    pub fn has_earlier_view(&self) -> bool {
-        !self.earlier_views.is_empty()
-    }
-
     pub(super) fn frame_object(&mut self, name: &str) {
         let Some(object) = objects::object(self.document.description(), name) else { return };
         let (min, max) = object.scene_bounds();
@@ -130,12 +125,6 @@ impl State {
         }
     }
 
-    /// Distance at which dollying begins to push the target ahead: small against the scene.
-    pub fn near_distance(&self) -> f64 {
-        let scene = self.document.description().camera;
-        0.02 * scene.position.distance(scene.target)
-    }
-
     /// Moves the camera by what the pointer did in a pane of `height` points.
     pub fn navigate(&self, motion: Motion, height: f32) -> Command {
         let per_height =
@@ -143,7 +132,12 @@ impl State {
         Command::SetCamera(match motion {
             Motion::Orbit(drag) => navigation::orbit(&self.view.camera, per_height(drag)),
             Motion::Pan(drag) => navigation::pan(&self.view.camera, per_height(drag)),
-            Motion::Dolly(steps) => navigation::dolly(&self.view.camera, f64::from(steps), self.near_distance()),
+            Motion::Dolly(steps) => {
+                let scene = self.document.description().camera;
+                // Small against the scene.
+                let near = 0.02 * scene.position.distance(scene.target);
+                navigation::dolly(&self.view.camera, f64::from(steps), near)
+            }
         })
     }
 }

@@ -96,13 +96,8 @@ fn paint_scale(painter: &Painter, frame: Rect, least: Option<u8>) {
         for (width, color) in [(4.0, Color32::BLACK), (2.0, Color32::WHITE)] {
             painter.vline(x, bar.y_range().expand(2.0), egui::Stroke::new(width, color));
         }
-        painter.text(
-            pos2(bar.center().x, bar.bottom() + 3.0),
-            Align2::CENTER_TOP,
-            format!("least {least} %"),
-            font,
-            TEXT,
-        );
+        let below = pos2(bar.center().x, bar.bottom() + 3.0);
+        painter.text(below, Align2::CENTER_TOP, format!("least {least} %"), font, TEXT);
     }
 }
 
