@@ -15,7 +15,6 @@ use crate::measure::flip;
 use crate::render::Display;
 use crate::session::{Board, Halves, PaintedSurfaces, Snapshot};
 
-/// How to develop.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recipe {
     pub contents: BTreeSet<PaneContent>,
@@ -48,7 +47,6 @@ pub struct About {
 pub struct Source {
     /// One film, or two for a difference.
     pub films: Vec<Arc<Snapshot>>,
-    /// Painted surfaces.
     pub painted: Option<Arc<PaintedSurfaces>>,
     /// What the film is compared with, for an error.
     pub truth: Option<Arc<Halves>>,

@@ -2,11 +2,8 @@
 
 use std::future::Future;
 use std::path::{Path, PathBuf};
-use std::pin::pin;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::task::{Context, Poll, Wake, Waker};
-use std::thread::Thread;
 use std::time::{Duration, Instant};
 
 use image::RgbImage;
@@ -79,7 +76,6 @@ impl Purpose {
 
 /// What came of a request.
 pub enum Outcome {
-    /// A path was chosen.
     Chosen(Purpose, PathBuf),
     /// This system shows no dialogs: ask in the window.
     NoDialog(Purpose, PathBuf),
@@ -156,7 +152,7 @@ impl Files {
             Purpose::Open => Box::pin(dialog.pick_file()),
             _ => Box::pin(dialog.set_file_name(file_name).save_file()),
         };
-        self.spawn(move || match block_on(chosen) {
+        self.spawn(move || match pollster::block_on(chosen) {
             Some(file) => Some(Outcome::Chosen(purpose, purpose.extended(file.path()))),
             None if start.elapsed() < NO_DIALOG => Some(Outcome::NoDialog(purpose, suggestion)),
             None => None,
@@ -194,17 +190,14 @@ impl Files {
         });
     }
 
-    /// Writes the scene.
     pub fn save(&self, description: Arc<Description>, path: PathBuf) {
         self.attempt(move || crate::formats::save(&description, &path).map(|()| Outcome::Saved(path, description)));
     }
 
-    /// Writes pictures.
     pub fn export(&self, job: ExportJob) {
         self.attempt(move || write_pictures(&job).map(|()| Outcome::Exported(job.path)));
     }
 
-    /// Writes a table.
     pub fn export_text(&self, text: String, path: PathBuf) {
         let write = |path: &Path, text: &str| write_atomically(path, |file| file.write_all(text.as_bytes()));
         self.attempt(move || write(&path, &text).map(|()| Outcome::Exported(path)));
@@ -306,48 +299,9 @@ fn below(above: RgbImage, under: &RgbImage) -> RgbImage {
     sheet
 }
 
-/// Waits for a future on this thread.
-fn block_on<T>(future: impl Future<Output = T>) -> T {
-    struct Unpark(Thread);
-    impl Wake for Unpark {
-        fn wake(self: Arc<Self>) {
-            self.0.unpark();
-        }
-    }
-    let waker = Waker::from(Arc::new(Unpark(std::thread::current())));
-    let mut future = pin!(future);
-    loop {
-        match future.as_mut().poll(&mut Context::from_waker(&waker)) {
-            Poll::Ready(value) => return value,
-            Poll::Pending => std::thread::park(),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_future_that_wakes_later_is_waited_for() {
-        let (sender, receiver) = channel();
-        std::thread::spawn(move || {
-            std::thread::sleep(Duration::from_millis(20));
-            sender.send(5).expect("the test waits");
-        });
-        let future = std::future::poll_fn(move |context| match receiver.try_recv() {
-            Ok(value) => Poll::Ready(value),
-            Err(_) => {
-                let waker = context.waker().clone();
-                std::thread::spawn(move || {
-                    std::thread::sleep(Duration::from_millis(5));
-                    waker.wake();
-                });
-                Poll::Pending
-            }
-        });
-        assert_eq!(block_on(future), 5);
-    }
 
     #[test]
     fn extensions_are_added_where_there_is_none() {

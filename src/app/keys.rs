@@ -7,7 +7,6 @@ use super::objects::Manipulation;
 use super::settings::{Arrangement, Tab};
 use super::state::State;
 
-/// A key and what it does.
 pub struct Shortcut {
     pub keys: KeyboardShortcut,
     /// For the list; empty for a second key that does the same.
@@ -43,9 +42,9 @@ pub const EXPORT_ALL: KeyboardShortcut = key(CTRL_SHIFT, Key::E);
 pub const QUIT: KeyboardShortcut = key(CTRL, Key::Q);
 pub const UNDO: KeyboardShortcut = key(CTRL, Key::Z);
 pub const REDO: KeyboardShortcut = key(CTRL_SHIFT, Key::Z);
-pub const MOVE: KeyboardShortcut = key(NONE, Key::G);
-pub const ROTATE: KeyboardShortcut = key(NONE, Key::T);
-pub const SCALE: KeyboardShortcut = key(NONE, Key::S);
+const MOVE: KeyboardShortcut = key(NONE, Key::G);
+const ROTATE: KeyboardShortcut = key(NONE, Key::T);
+const SCALE: KeyboardShortcut = key(NONE, Key::S);
 pub const HIDE: KeyboardShortcut = key(NONE, Key::V);
 pub const FRAME: KeyboardShortcut = key(NONE, Key::F);
 pub const EARLIER_VIEW: KeyboardShortcut = key(NONE, Key::Backspace);
@@ -144,6 +143,15 @@ pub const GROUPS: &[Group] = &[
         ],
     },
 ];
+
+/// The key of a manipulation by handles.
+pub fn of(manipulation: Manipulation) -> KeyboardShortcut {
+    match manipulation {
+        Manipulation::Move => MOVE,
+        Manipulation::Rotate => ROTATE,
+        Manipulation::Scale => SCALE,
+    }
+}
 
 /// The handles for `manipulation`, or none if those are there already.
 fn handles(state: &State, manipulation: Manipulation) -> Command {

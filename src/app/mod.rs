@@ -56,7 +56,6 @@ const SETTINGS_KEY: &str = "settings";
 /// Passes after which a new scale has reached every size that is measured in points.
 const SETTLING_PASSES: u32 = 8;
 
-/// The window's contents.
 pub struct App {
     state: State,
     dialogs: Dialogs,
@@ -163,7 +162,6 @@ impl App {
         Ok(())
     }
 
-    /// What is shown.
     pub fn state(&self) -> &State {
         &self.state
     }
@@ -188,7 +186,6 @@ impl App {
         self.worker.board().snapshots().remove(&mode)
     }
 
-    /// Does what a command says.
     pub fn apply(&mut self, ctx: &egui::Context, command: Command) {
         match command {
             Command::AskOpen => self.ask(Purpose::Open),
@@ -419,10 +416,10 @@ impl App {
     }
 
     fn set_appearance(&mut self, ctx: &egui::Context) {
-        ctx.set_theme(match self.state.wants_dark() {
-            None => egui::ThemePreference::System,
-            Some(true) => egui::ThemePreference::Dark,
-            Some(false) => egui::ThemePreference::Light,
+        ctx.set_theme(match self.state.settings.theme {
+            Theme::System => egui::ThemePreference::System,
+            Theme::Dark => egui::ThemePreference::Dark,
+            Theme::Light => egui::ThemePreference::Light,
         });
         // For some passes after a change of scale, sizes in points are still those of the old one: to believe them would change the
         // scale again and again.
@@ -434,7 +431,10 @@ impl App {
         let to_native = ctx.pixels_per_point() / native;
         let window = ctx.content_rect().size() * to_native;
         let monitor = ctx.input(|input| input.viewport().monitor_size).map(|size| (size * to_native).into());
-        let factor = self.state.interface_factor(window.into(), monitor);
+        let factor = match self.state.settings.interface_scale {
+            InterfaceScale::Factor(factor) => factor,
+            InterfaceScale::Automatic => state::automatic_factor(window.into(), monitor),
+        };
         if (factor - ctx.zoom_factor()).abs() > 1e-3 {
             ctx.set_zoom_factor(factor);
             self.passes_at_scale = 0;

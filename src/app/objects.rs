@@ -50,7 +50,6 @@ pub struct Object<'a> {
     pub priority: Option<i32>,
 }
 
-/// The object of that name.
 pub fn object<'a>(description: &'a Description, name: &str) -> Option<Object<'a>> {
     let object = description.objects.find(name)?;
     Some(Object {

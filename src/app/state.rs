@@ -15,7 +15,7 @@ use super::document::Document;
 use super::measurement::Measurement;
 use super::objects::{self, Object};
 use super::opening::{Opening, no_scene};
-use super::settings::{InterfaceScale, Settings, Theme};
+use super::settings::Settings;
 use crate::check::Problem;
 use crate::render::ImageSettings;
 use crate::scene::camera::Camera;
@@ -138,7 +138,6 @@ impl State {
         Self { has_scene: false, ..Self::new(no_scene(), settings) }
     }
 
-    /// The scene that is being read.
     pub fn opening(&self) -> Option<&Opening> {
         self.opening.as_ref()
     }
@@ -204,7 +203,6 @@ impl State {
         })
     }
 
-    /// Shows another scene.
     pub fn open(&mut self, description: Description) {
         if let Some(source) = &description.source
             && !source.is_builtin
@@ -233,7 +231,6 @@ impl State {
         self.epoch_floor = self.epoch;
     }
 
-    /// A scene has been prepared.
     pub fn scene_ready(&mut self, report: Arc<SceneReport>) {
         if Arc::ptr_eq(&report.prepared.description, self.document.description()) {
             self.last_good = Some(self.document.clone());
@@ -313,27 +310,11 @@ impl State {
         let name = self.selected.as_deref()?;
         objects::object(self.document.description(), name).map(|object| (name, object))
     }
-
-    /// The size of interface for a window of `window` points at factor 1 on a screen of `monitor` points (if it is known).
-    pub fn interface_factor(&self, window: [f32; 2], monitor: Option<[f32; 2]>) -> f32 {
-        match self.settings.interface_scale {
-            InterfaceScale::Factor(factor) => factor,
-            InterfaceScale::Automatic => automatic_factor(window, monitor),
-        }
-    }
-
-    /// Whether the dark theme is wanted; `None` follows the system.
-    pub fn wants_dark(&self) -> Option<bool> {
-        match self.settings.theme {
-            Theme::System => None,
-            Theme::Dark => Some(true),
-            Theme::Light => Some(false),
-        }
-    }
 }
 
-/// Text of a comfortable size: larger on a screen with many points, never so large that the window cannot hold the panels.
-fn automatic_factor(window: [f32; 2], monitor: Option<[f32; 2]>) -> f32 {
+/// Text of a comfortable size for a window of so many points at factor 1 on a screen of `monitor` points (if it is known): larger on a
+/// screen with many points, never so large that the window cannot hold the panels.
+pub fn automatic_factor(window: [f32; 2], monitor: Option<[f32; 2]>) -> f32 {
     let fit = |size: [f32; 2], comfortable: [f32; 2]| (size[0] / comfortable[0]).min(size[1] / comfortable[1]);
     let wanted = fit(monitor.unwrap_or(window), [1700.0, 960.0]);
     let possible = fit(window, [1500.0, 840.0]);

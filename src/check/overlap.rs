@@ -90,29 +90,22 @@ fn reason(scene: &Scene, objects: &[ObjectId]) -> &'static str {
 fn tie(scene: &Scene, a: ObjectId, b: ObjectId) -> Problem {
     let [first, second] = [a, b].map(|id| &scene.object(id).name);
     let winner = top(scene, [a, b]).map_or("", |id| &scene.object(id).name);
-    Problem::warning(
-        format!("{first}, {second}"),
-        "overlap_tie",
-        format!(
-            "{first} and {second} overlap with equal priority: {}, here {winner}; set a priority to choose (higher wins)",
-            reason(scene, &[a, b])
-        ),
-    )
+    let reason = reason(scene, &[a, b]);
+    let message = format!(
+        "{first} and {second} overlap with equal priority: {reason}, here {winner}; set a priority to choose (higher wins)"
+    );
+    Problem::warning(format!("{first}, {second}"), "overlap_tie", message)
 }
 
 fn ties_of_many(scene: &Scene, pairs: &[(ObjectId, ObjectId)]) -> Problem {
     let objects = members(pairs);
-    Problem::warning(
-        names::place_of(scene, &objects),
-        "overlap_tie",
-        format!(
-            "{} objects, {}, overlap each other in {} pairs with equal priority: {}; set priorities to choose (higher wins)",
-            objects.len(),
-            names::list_of(scene, &objects),
-            pairs.len(),
-            reason(scene, &objects)
-        ),
-    )
+    let (count, list, pairs) = (objects.len(), names::list_of(scene, &objects), pairs.len());
+    let reason = reason(scene, &objects);
+    let message = format!(
+        "{count} objects, {list}, overlap each other in {pairs} pairs with equal priority: {reason}; set priorities to choose \
+         (higher wins)"
+    );
+    Problem::warning(names::place_of(scene, &objects), "overlap_tie", message)
 }
 
 /// Whether, of two with the same surface, the one that wins does fill the other all along it.

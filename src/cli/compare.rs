@@ -42,10 +42,8 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     require_distinct(&arguments.modes)?;
     if let Some(path) = &output {
         if Format::of(path).map_err(Failure::bad_output)? != Format::Png {
-            return Err(Failure::Wrong(anyhow::anyhow!(
-                "{}: a comparison is a picture to look at; use a name that ends in `.png`",
-                path.display()
-            )));
+            let advice = "a comparison is a picture to look at; use a name that ends in `.png`";
+            return Err(Failure::wrong(format!("{}: {advice}", path.display())));
         }
         require_writable(path).map_err(Failure::bad_output)?;
     }
@@ -68,7 +66,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
 
 fn require_distinct(modes: &[Mode]) -> Result<(), Failure> {
     match modes.iter().enumerate().find(|(index, mode)| modes[..*index].contains(mode)) {
-        Some((_, mode)) => Err(Failure::Wrong(anyhow::anyhow!("--modes lists `{mode}` twice"))),
+        Some((_, mode)) => Err(Failure::wrong(format!("--modes lists `{mode}` twice"))),
         None => Ok(()),
     }
 }
@@ -118,14 +116,10 @@ fn write_picture(
             picture,
         })
         .collect();
+    let Picture { width, height, .. } = pictures[0];
     let about = Comparison {
         title: job.prepared.description.name.clone(),
-        details: format!(
-            "{}×{} · seed {seed} · iorect {}",
-            pictures[0].width,
-            pictures[0].height,
-            env!("CARGO_PKG_VERSION")
-        ),
+        details: format!("{width}×{height} · seed {seed} · iorect {}", env!("CARGO_PKG_VERSION")),
         display: job.display(),
         baseline: most_trusted(rendered).filter(|_| rendered.len() > 1),
     };

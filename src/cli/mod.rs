@@ -51,6 +51,10 @@ impl From<SceneError> for Failure {
 }
 
 impl Failure {
+    fn wrong(message: impl Into<String>) -> Self {
+        Self::Wrong(anyhow::Error::msg(message.into()))
+    }
+
     /// An output that can be known to be impossible before any work is done.
     fn bad_output(error: impl Into<ExportError>) -> Self {
         Self::Wrong(error.into().into())
@@ -107,6 +111,12 @@ pub fn main(open_window: impl FnOnce(&WindowArguments) -> Result<(), WindowError
     }
 }
 
+/// So many threads, or one for each core.
+fn pool(threads: Option<u32>) -> Result<rayon::ThreadPool, Failure> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0) as usize).build();
+    pool.map_err(|error| Failure::Failed(anyhow::Error::new(error).context("the threads cannot be started")))
+}
+
 /// A word with quotation marks where a shell needs them.
 fn shell_word(word: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
@@ -118,9 +128,8 @@ fn shell_word(word: &str) -> String {
 }
 
 fn not_yet(command: &str) -> Result<ExitCode, Failure> {
-    Err(Failure::Wrong(anyhow::anyhow!(
-        "the command `{command}` is not yet supported; see `iorect --help` for those that are"
-    )))
+    let advice = "see `iorect --help` for those that are";
+    Err(Failure::wrong(format!("the command `{command}` is not yet supported; {advice}")))
 }
 
 /// The ending of a noun that is counted.

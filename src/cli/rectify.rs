@@ -201,20 +201,12 @@ fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
         text.push('\n');
     }
     let seconds = report.seconds;
-    let refractors = scene.refractors().count();
-    text += &format!(
-        "\n  {} refractor{}, {} patch{}, {} rays, {} (topology {} · patches {} · pre-trace {} · resolve {})\n",
-        refractors,
-        plural(refractors),
-        report.patches.len(),
-        if report.patches.len() == 1 { "" } else { "es" },
-        grouped(rays),
-        duration(seconds.total()),
-        duration(seconds.topology),
-        duration(seconds.patches),
-        duration(seconds.pretrace),
-        duration(seconds.resolve)
-    );
+    let times = [seconds.total(), seconds.topology, seconds.patches, seconds.pretrace, seconds.resolve];
+    let [total, topology, patching, pretrace, resolve] = times.map(duration);
+    let (refractors, patches, rays) = (scene.refractors().count(), report.patches.len(), grouped(rays));
+    let (s, es) = (plural(refractors), if patches == 1 { "" } else { "es" });
+    text += &format!("\n  {refractors} refractor{s}, {patches} patch{es}, {rays} rays, {total} ");
+    text += &format!("(topology {topology} · patches {patching} · pre-trace {pretrace} · resolve {resolve})\n");
     if !report.warnings.is_empty() {
         text.push('\n');
     }

@@ -10,7 +10,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::arguments::ReportArguments;
-use super::{Failure, print, shell_word};
+use super::{Failure, pool, print, shell_word};
 use crate::export::ExportError;
 use crate::export::escape::{escaped_json, short_name, shown};
 use crate::export::words::duration;
@@ -34,10 +34,7 @@ pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     };
     let store = Store::open(&arguments.output.join("cache")).map_err(unwritable)?;
     require_all_writable(&arguments.output).map_err(|error| unwritable(error.into()))?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads.unwrap_or(0) as usize)
-        .build()
-        .map_err(|error| Failure::Failed(anyhow::Error::new(error).context("the threads cannot be started")))?;
+    let pool = pool(arguments.threads)?;
     let threads = pool.current_num_threads();
     let extent = match arguments {
         ReportArguments { tiny: true, .. } => Extent::tiny(arguments.seed, threads),
@@ -79,9 +76,8 @@ fn subjects(names: &[PathBuf]) -> Result<Vec<Subject>, Failure> {
             let description = Arc::new(formats::open(name)?);
             let stem = name.file_stem().unwrap_or(name.as_os_str()).to_string_lossy().into_owned();
             if !taken.insert(stem.clone()) {
-                return Err(Failure::Wrong(anyhow::anyhow!(
-                    "two of the scenes are called `{stem}`; give each once, or copy one under another name"
-                )));
+                let advice = "give each once, or copy one under another name";
+                return Err(Failure::wrong(format!("two of the scenes are called `{stem}`; {advice}")));
             }
             Ok(Subject { name: stem, description })
         })

@@ -63,7 +63,6 @@ pub struct PaintedSurfaces {
 }
 
 impl PaintedSurfaces {
-    /// Whether this is a quick picture at a lower resolution.
     pub fn is_preview(&self) -> bool {
         [self.painting.width, self.painting.height] != self.full_size
     }
@@ -84,7 +83,6 @@ pub struct SceneReport {
     pub problems: Option<Vec<Problem>>,
 }
 
-/// What the threads publish and the window reads.
 #[derive(Debug, Default)]
 pub struct Board {
     state: Mutex<BoardState>,

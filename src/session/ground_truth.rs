@@ -134,15 +134,10 @@ impl Progress {
         let begin = Instant::now();
         for (half, film) in self.films.iter_mut().enumerate() {
             let settings = job.settings(Mode::Reference, seed_of(job.request.settings.seed, half));
+            let task = RenderTask { prepared: &job.prepared, camera: &job.camera, settings: &settings };
             let is_other = |message: &LaneMessage| message.as_ref().is_none_or(|other| !job.shows_the_same(other));
-            let is_complete = cancellable(pool, mailbox, is_other, begin, None, |cancel| {
-                Cpu.pass(
-                    &RenderTask { prepared: &job.prepared, camera: &job.camera, settings: &settings },
-                    film,
-                    samples,
-                    cancel,
-                )
-            });
+            let is_complete =
+                cancellable(pool, mailbox, is_other, begin, None, |cancel| Cpu.pass(&task, film, samples, cancel));
             if !is_complete {
                 return false;
             }

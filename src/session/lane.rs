@@ -140,6 +140,7 @@ impl Progress {
         };
         for ((film, seconds), mode) in self.films.iter_mut().zip(&mut self.seconds).zip(&self.job.modes) {
             let settings = self.job.settings(*mode, self.job.request.settings.seed);
+            let task = RenderTask { prepared: &self.job.prepared, camera: &self.job.camera, settings: &settings };
             let begin = Instant::now();
             let (pilot, last_published) = (&mut self.pilot, &mut self.last_published);
             let alarm = pilot.is_some().then(|| Alarm {
@@ -150,14 +151,8 @@ impl Progress {
                 }),
             });
             let is_other = of_another_epoch(self.job.request.epoch);
-            let is_complete = cancellable(pool, mailbox, is_other, grace_end, alarm, |cancel| {
-                Cpu.pass(
-                    &RenderTask { prepared: &self.job.prepared, camera: &self.job.camera, settings: &settings },
-                    film,
-                    samples,
-                    cancel,
-                )
-            });
+            let is_complete =
+                cancellable(pool, mailbox, is_other, grace_end, alarm, |cancel| Cpu.pass(&task, film, samples, cancel));
             if !is_complete {
                 return false;
             }

@@ -41,10 +41,8 @@ impl Preparation {
         self.progress.cancel();
     }
 
-    /// Prepares `description`, and cancels that when there is a request for another scene. `None`: that request is to be served.
-    ///
-    /// # Errors
-    /// When the scene is impossible, or was given up.
+    /// Prepares `description`, unless that is impossible or given up, and cancels it when there is a request for another scene. `None`: that
+    /// request is to be served.
     pub(super) fn run(
         &self,
         description: &Arc<Description>,

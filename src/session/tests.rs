@@ -159,12 +159,8 @@ fn previews_are_images_of_their_size() {
         let settings = ImageSettings { mode: snapshot.mode, ..first.settings };
         let mut film = Film::new(snapshot.size[0], snapshot.size[1]);
         let never = std::sync::atomic::AtomicBool::new(false);
-        Cpu.pass(
-            &RenderTask { prepared: &prepared, camera: &camera, settings: &settings },
-            &mut film,
-            snapshot.samples,
-            &never,
-        );
+        let task = RenderTask { prepared: &prepared, camera: &camera, settings: &settings };
+        Cpu.pass(&task, &mut film, snapshot.samples, &never);
         assert_eq!(film.to_rgb(), snapshot.rgb, "{} at {:?}", snapshot.mode, snapshot.size);
     }
 }

@@ -69,7 +69,6 @@ pub fn start(folder: PathBuf, wake: Repaint) -> std::io::Result<Autosaver> {
     })
 }
 
-/// The thread's state.
 struct Keeper {
     folder: PathBuf,
     slot: Option<Arc<Slot>>,

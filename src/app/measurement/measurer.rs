@@ -110,12 +110,9 @@ impl Record {
 
     fn measure(&mut self, plan: &Plan, truth: &Halves, more_seconds: f64) {
         let Some(film) = &self.film else { return };
-        let wants_flip = plan.metric == ErrorMetric::Flip;
-        match measured(film, truth, more_seconds, wants_flip.then_some(&plan.display)) {
-            Ok(point) => {
-                self.point = Some(point);
-                self.flip_display = wants_flip.then_some(plan.display);
-            }
+        let flip_display = (plan.metric == ErrorMetric::Flip).then_some(plan.display);
+        match measured(film, truth, more_seconds, flip_display) {
+            Ok(point) => (self.point, self.flip_display) = (Some(point), flip_display),
             // Not every figure is finite, or the sizes differ: there is nothing to be measured in this film.
             Err(_) => self.film = None,
         }
@@ -250,20 +247,17 @@ fn measured(
     film: &Snapshot,
     truth: &Halves,
     more_seconds: f64,
-    flip_display: Option<&Display>,
+    flip_display: Option<Display>,
 ) -> Result<Point, MetricError> {
     let [first, second] = &truth.rgb;
     let squared = difference_from_two(&film.rgb, [first, second])?;
     let smape = difference(&film.rgb, &truth.mean)?.smape;
-    let flip = match flip_display {
-        None => None,
-        Some(display) => {
-            let [width, height] = film.size.map(|side| side as usize);
-            let viewed = flip::DEFAULT_PIXELS_PER_DEGREE;
-            let reference = flip::Reference::displayed(&truth.mean, width, height, viewed, *display)?;
-            Some(reference.flip(&film.rgb)?.mean())
-        }
+    let flip_for = |display: Display| {
+        let [width, height] = film.size.map(|side| side as usize);
+        let viewed = flip::DEFAULT_PIXELS_PER_DEGREE;
+        Ok(flip::Reference::displayed(&truth.mean, width, height, viewed, display)?.flip(&film.rgb)?.mean())
     };
+    let flip = flip_display.map(flip_for).transpose()?;
     Ok(Point {
         samples: film.samples,
         seconds: film.seconds + more_seconds,

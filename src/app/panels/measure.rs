@@ -156,7 +156,7 @@ fn table_ui(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
             (None, Some(slope)) => value(signed(slope)),
             (None, None) => value("…"),
         };
-        let name = format!("{} {}", plot::mark(*mode), short_title(*mode));
+        let name = format!("{} {}", plot::look(*mode).0, short_title(*mode));
         let cells = [
             RichText::new(panes.join(" ")).small().color(palette.weak_text),
             RichText::new(name).small().color(palette.mode(*mode)),

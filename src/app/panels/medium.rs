@@ -17,14 +17,6 @@ const SLIDER_WIDTH: f32 = 60.0;
 /// Width that [`ior_ui`] takes.
 pub const IOR_WIDTH: f32 = VALUE_WIDTH + SLIDER_WIDTH + 6.0;
 
-/// The name of a medium on the screen.
-pub fn name(medium: &MediumRef) -> &str {
-    match medium {
-        MediumRef::World => "world",
-        MediumRef::Named(name) => name,
-    }
-}
-
 /// A slider and a typed value for an IOR, in the space at the right of `rect`. `owner` names the row, so that two objects of one
 /// medium keep their controls apart.
 pub fn ior_ui(
@@ -36,7 +28,7 @@ pub fn ior_ui(
     commands: &mut Vec<Command>,
 ) {
     let Some(model) = ior_of(description, medium) else { return };
-    let label = format!("IOR of {}", name(medium));
+    let label = format!("IOR of {}", medium.name());
     let ior = model.ior();
     let source = match model {
         Ior::Constant(_) => String::new(),
@@ -45,7 +37,7 @@ pub fn ior_ui(
             format!("\nFrom a {}, at 587.56 nm; dragging makes it a constant.", form(model))
         }
     };
-    let tip = format!("Index of refraction of {}. Drag, or type any value above 0.{source}", name(medium));
+    let tip = format!("Index of refraction of {}. Drag, or type any value above 0.{source}", medium.name());
     let layout = egui::Layout::right_to_left(egui::Align::Center);
     let ui = &mut ui.new_child(UiBuilder::new().max_rect(rect).id_salt(("ior", owner)).layout(layout));
     ui.spacing_mut().slider_width = SLIDER_WIDTH;
@@ -107,7 +99,7 @@ pub fn details_ui(ui: &mut Ui, description: &Description, medium: &MediumRef, co
         let mut is_changed = false;
         for (value, color) in edited.iter_mut().zip(["red", "green", "blue"]) {
             let drag = DragValue::new(value).speed(0.002).range(0.0..=1e6).max_decimals(3);
-            let label = format!("Absorption of {color} in {}", name(medium));
+            let label = format!("Absorption of {color} in {}", medium.name());
             is_changed |= number_ui(ui, width, drag, label, format!("{about}\nThis one is {color}."));
         }
         if is_changed && edited != absorption {

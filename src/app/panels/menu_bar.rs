@@ -144,14 +144,10 @@ fn edit_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
     ui.separator();
     for manipulation in Manipulation::ALL {
-        let keys = match manipulation {
-            Manipulation::Move => keys::MOVE,
-            Manipulation::Rotate => keys::ROTATE,
-            Manipulation::Scale => keys::SCALE,
-        };
         let is_on = state.settings.handles == Some(manipulation);
         let command = Command::SetHandles((!is_on).then_some(manipulation));
-        choice(ui, is_on, &format!("{} by handles", manipulation.name()), Some(keys), commands, command);
+        let text = format!("{} by handles", manipulation.name());
+        choice(ui, is_on, &text, Some(keys::of(manipulation)), commands, command);
     }
     let selected = state.selected_object();
     let name = selected.map(|(name, _)| name.to_owned()).unwrap_or_default();

@@ -30,16 +30,12 @@ pub(super) fn show(ui: &Ui, state: &State, source: &Source, quantity: SurfaceQua
         return;
     }
     let painter = ui.painter();
-    let place = |size: Vec2| {
-        let left = if at_left { room.left() } else { room.right() - size.x };
-        Rect::from_min_size(pos2(left, room.bottom() - size.y), size)
-    };
     if quantity == SurfaceQuantity::Confidence {
         let least = painted.painting.seen.iter().filter_map(|(tint, _)| match tint {
             Tint::Confidence(percent) => Some(*percent),
             _ => None,
         });
-        paint_scale(painter, place(vec2(210.0f32.min(room.width()), 38.0)), least.min());
+        paint_scale(painter, in_corner(room, vec2(210.0f32.min(room.width()), 38.0), at_left), least.min());
         return;
     }
     let font = egui::TextStyle::Small.resolve(ui.style());
@@ -63,7 +59,8 @@ pub(super) fn show(ui: &Ui, state: &State, source: &Source, quantity: SurfaceQua
         rows.push((None, fit("no refractor in sight".to_owned())));
     }
     let widest = rows.iter().map(|(_, galley)| galley.size().x).fold(0.0, f32::max);
-    let frame = place(vec2(widest + SWATCH + 6.0, rows.len() as f32 * ROW) + Vec2::splat(2.0 * PADDING));
+    let size = vec2(widest + SWATCH + 6.0, rows.len() as f32 * ROW) + Vec2::splat(2.0 * PADDING);
+    let frame = in_corner(room, size, at_left);
     painter.rect_filled(frame, 5.0, GROUND);
     for (index, (color, galley)) in rows.into_iter().enumerate() {
         let center = frame.top() + PADDING + (index as f32 + 0.5) * ROW;
@@ -76,16 +73,29 @@ pub(super) fn show(ui: &Ui, state: &State, source: &Source, quantity: SurfaceQua
     }
 }
 
+/// `size` in the lower right corner of `room`, or in the lower left one.
+pub(super) fn in_corner(room: Rect, size: Vec2, at_left: bool) -> Rect {
+    let left = if at_left { room.left() } else { room.right() - size.x };
+    Rect::from_min_size(pos2(left, room.bottom() - size.y), size)
+}
+
+/// A scale of colours, from 0 at the left to 1 at the right.
+pub(super) fn paint_bar(painter: &Painter, bar: Rect, color: impl Fn(f32) -> Color32) {
+    for step in 0..60 {
+        let x = bar.left() + bar.width() * step as f32 / 60.0;
+        let slice = Rect::from_min_size(pos2(x, bar.top()), vec2(bar.width() / 60.0 + 0.5, bar.height()));
+        painter.rect_filled(slice, 0.0, color(step as f32 / 59.0));
+    }
+}
+
 /// From "half of the rays agree" to "all do", with a mark at the least that is in sight.
 fn paint_scale(painter: &Painter, frame: Rect, least: Option<u8>) {
     painter.rect_filled(frame, 5.0, GROUND);
     let bar = Rect::from_min_size(frame.min + vec2(10.0, 9.0), vec2(frame.width() - 20.0, 8.0));
-    for step in 0..60 {
-        let [r, g, b] = confidence_color(step as f32 / 59.0);
-        let x = bar.left() + bar.width() * step as f32 / 60.0;
-        let slice = Rect::from_min_size(pos2(x, bar.top()), vec2(bar.width() / 60.0 + 0.5, bar.height()));
-        painter.rect_filled(slice, 0.0, Color32::from_rgb(r, g, b));
-    }
+    paint_bar(painter, bar, |part| {
+        let [r, g, b] = confidence_color(part);
+        Color32::from_rgb(r, g, b)
+    });
     let font = FontId::monospace(10.0);
     let ends = [(bar.left(), Align2::LEFT_TOP, "50 %"), (bar.right(), Align2::RIGHT_TOP, "100 %")];
     for (x, align, text) in ends {

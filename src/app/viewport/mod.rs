@@ -32,7 +32,7 @@ pub struct Viewport {
     drag: Option<input::Drag>,
     handles: handles::Handles,
     /// Where the pointer is over a pane, in [0, 1]² of the film.
-    pointer: Option<[f64; 2]>,
+    pub pointer: Option<[f64; 2]>,
 }
 
 /// One picture.
@@ -82,11 +82,6 @@ impl Viewport {
     pub fn film(&self, state: &State, mode: Mode) -> Option<&Arc<Snapshot>> {
         let shots = state.settings.shown_panes().iter().filter_map(|content| self.shown.get(content));
         shots.flat_map(|shot| &shot.about.source.films).find(|film| film.mode == mode)
-    }
-
-    /// Where the pointer is over a pane, in [0, 1]² of the film.
-    pub fn pointer(&self) -> Option<[f64; 2]> {
-        self.pointer
     }
 
     /// How the difference that `content` shows is coloured, and its mean; `None` where there is none of `epoch`.

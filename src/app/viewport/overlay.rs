@@ -32,13 +32,9 @@ pub(super) fn pane_ui(
     }
     // In a wipe the labels go to the outer corners, where the divider reaches them last.
     let [to_right, to_bottom] = label_corner(state, index);
-    let align = match (to_right, to_bottom) {
-        (false, false) => egui::Layout::top_down(egui::Align::Min),
-        (true, false) => egui::Layout::top_down(egui::Align::Max),
-        (false, true) => egui::Layout::bottom_up(egui::Align::Min),
-        (true, true) => egui::Layout::bottom_up(egui::Align::Max),
-    };
-    let mut child = ui.new_child(UiBuilder::new().max_rect(room).layout(align).id_salt(("label", index)));
+    let align = if to_right { egui::Align::Max } else { egui::Align::Min };
+    let layout = if to_bottom { egui::Layout::bottom_up(align) } else { egui::Layout::top_down(align) };
+    let mut child = ui.new_child(UiBuilder::new().max_rect(room).layout(layout).id_salt(("label", index)));
     child.set_clip_rect(pane.visible.intersect(ui.clip_rect()));
     label_ui(&mut child, state, about, index, commands);
 
@@ -75,10 +71,8 @@ fn label_ui(ui: &mut Ui, state: &State, about: &About, index: usize, commands: &
             format!("The luminance of {a} less that of {b}, at the display's exposure.")
         }
         PaneContent::Error(mode) => {
-            format!(
-                "The luminance of {} less that of the reference image, at the display's exposure.",
-                mode_title(mode)
-            )
+            let mode = mode_title(mode);
+            format!("The luminance of {mode} less that of the reference image, at the display's exposure.")
         }
         PaneContent::Surfaces(quantity) => quantity.about().to_owned(),
     };
@@ -275,23 +269,16 @@ fn paint_legend(ui: &Ui, state: &State, room: Rect, at_left: bool) {
     }
     let painter = ui.painter();
     let size = vec2(BAR.x + 20.0, LEGEND_HEIGHT);
-    let left = if at_left { room.left() } else { room.right() - size.x };
-    let frame = Rect::from_min_size(pos2(left, room.bottom() - size.y), size);
+    let frame = legend::in_corner(room, size, at_left);
     painter.rect_filled(frame, 5.0, GROUND);
     let bar = Rect::from_min_size(frame.min + vec2(10.0, 8.0), BAR);
     let kind = state.settings.difference;
     let is_signed = kind == DifferenceKind::Signed;
-    for step in 0..60 {
-        let part = step as f32 / 59.0;
-        let value = if is_signed { 2.0 * part - 1.0 } else { part };
-        let x = bar.left() + BAR.x * step as f32 / 60.0;
-        let slice = Rect::from_min_size(pos2(x, bar.top()), vec2(BAR.x / 60.0 + 0.5, BAR.y));
-        let color = match kind {
-            DifferenceKind::Flip => flip_color(value),
-            _ => difference_color(value, is_signed),
-        };
-        painter.rect_filled(slice, 0.0, color);
-    }
+    legend::paint_bar(painter, bar, |part| match kind {
+        DifferenceKind::Flip => flip_color(part),
+        DifferenceKind::Signed => difference_color(2.0 * part - 1.0, true),
+        DifferenceKind::Absolute => difference_color(part, false),
+    });
     let end = if kind == DifferenceKind::Flip { 0.0 } else { f64::from(-state.settings.display.exposure) };
     let end = end.exp2();
     let font = egui::FontId::monospace(10.0);
