@@ -159,14 +159,11 @@ fn handles(state: &State, manipulation: Manipulation) -> Command {
 }
 
 fn hide(state: &State) -> Command {
-    match state.selected_object() {
-        Some((name, object)) => Command::SetVisible(name.to_owned(), !object.visible),
-        None => Command::Nothing,
-    }
+    state.selected_object().map_or(Command::Nothing, |o| Command::SetVisible(o.name.clone(), !o.visible))
 }
 
 fn frame(state: &State) -> Command {
-    state.selected_object().map_or(Command::Nothing, |(name, _)| Command::FrameObject(name.to_owned()))
+    state.selected_object().map_or(Command::Nothing, |object| Command::FrameObject(object.name.clone()))
 }
 
 /// What the pointer does, for the list.

@@ -24,7 +24,6 @@ mod theme;
 mod viewport;
 mod widgets;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -523,6 +522,3 @@ impl eframe::App for App {
         visuals.panel_fill.to_normalized_gamma_f32()
     }
 }
-
-/// What the pictures on the screen were made of, by content.
-type Shown<T> = BTreeMap<PaneContent, T>;

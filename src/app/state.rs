@@ -13,13 +13,12 @@ use super::autosave::Found;
 use super::command::MediumRef;
 use super::document::Document;
 use super::measurement::Measurement;
-use super::objects::{self, Object};
 use super::opening::{Opening, no_scene};
 use super::settings::Settings;
 use crate::check::Problem;
 use crate::render::ImageSettings;
 use crate::scene::camera::Camera;
-use crate::scene::description::CameraDescription;
+use crate::scene::description::{CameraDescription, Object};
 use crate::scene::{Description, SceneError};
 use crate::session::{Preparation, Request, SceneReport};
 use crate::tracking::Mode;
@@ -305,10 +304,9 @@ impl State {
         self.next_notice += 1;
     }
 
-    /// The selected object with its name; `None` if nothing or the world is selected.
-    pub fn selected_object(&self) -> Option<(&str, Object<'_>)> {
-        let name = self.selected.as_deref()?;
-        objects::object(self.document.description(), name).map(|object| (name, object))
+    /// `None` if nothing or the world is selected.
+    pub fn selected_object(&self) -> Option<&Object> {
+        self.document.description().objects.find(self.selected.as_deref()?)
     }
 }
 

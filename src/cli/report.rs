@@ -7,9 +7,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
-
 use super::arguments::ReportArguments;
+use super::progress::bar;
 use super::{Failure, pool, print, shell_word};
 use crate::export::ExportError;
 use crate::export::escape::{escaped_json, short_name, shown};
@@ -43,7 +42,8 @@ pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     };
     let parts = if arguments.only.is_empty() { Part::ALL.to_vec() } else { arguments.only.clone() };
     let request = Request { subjects, parts, extent, seed: arguments.seed, command: command_line() };
-    let bar = progress_bar();
+    let bar = bar(STEPS, "{bar:30.cyan/dim} {percent:>3} % · {elapsed}, {eta} left · {wide_msg}");
+    bar.enable_steady_tick(Duration::from_millis(250));
     let tell = |what: &str, part: f64| {
         bar.set_position((part * STEPS as f64) as u64);
         bar.set_message(short_name(what));
@@ -88,15 +88,6 @@ fn subjects(names: &[PathBuf]) -> Result<Vec<Subject>, Failure> {
 fn command_line() -> String {
     let words = std::env::args_os().skip(1).map(|word| shell_word(&word.to_string_lossy()));
     std::iter::once("iorect".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
-}
-
-/// Draws on standard error, and only if that is a terminal.
-fn progress_bar() -> ProgressBar {
-    let template = "{bar:30.cyan/dim} {percent:>3} % · {elapsed}, {eta} left · {wide_msg}";
-    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    let bar = ProgressBar::new(STEPS).with_style(style.progress_chars("━━─"));
-    bar.enable_steady_tick(Duration::from_millis(250));
-    bar
 }
 
 fn summary(report: &Report, written: &[PathBuf]) -> String {

@@ -150,8 +150,8 @@ fn edit_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         choice(ui, is_on, &text, Some(keys::of(manipulation)), commands, command);
     }
     let selected = state.selected_object();
-    let name = selected.map(|(name, _)| name.to_owned()).unwrap_or_default();
-    let visible = selected.is_none_or(|(_, object)| object.visible);
+    let name = selected.map(|object| object.name.clone()).unwrap_or_default();
+    let visible = selected.is_none_or(|object| object.visible);
     let verb = if visible { "Hide" } else { "Show" };
     let hide = Command::SetVisible(name.clone(), !visible);
     item_enabled(ui, selected.is_some(), &format!("{verb} {name}"), Some(keys::HIDE), commands, hide);
@@ -176,7 +176,7 @@ fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     choice(ui, is_wipe, "Wipe", Some(keys::WIPE), commands, Command::SetArrangement(next));
     ui.separator();
     item(ui, "Camera as in the scene", Some(keys::RESET_CAMERA), commands, Command::ResetCamera);
-    let selected = state.selected_object().map(|(name, _)| name.to_owned());
+    let selected = state.selected_object().map(|object| object.name.clone());
     let to_selected = Command::FrameObject(selected.clone().unwrap_or_default());
     item_enabled(ui, selected.is_some(), "Camera to the selected object", Some(keys::FRAME), commands, to_selected);
     let has_earlier = !state.earlier_views.is_empty();

@@ -4,15 +4,16 @@ use egui::{DragValue, Ui};
 use glam::DVec3;
 
 use crate::app::command::Command;
-use crate::app::objects::{self, Manipulation, Object};
+use crate::app::objects::{self, Manipulation};
 use crate::app::widgets::{note, number_ui, row_ui};
-use crate::scene::description::{Shape, Transform};
+use crate::scene::description::{Object, Shape, Transform};
 
 /// Decimals that are shown; what was typed is kept in full.
 const DECIMALS: usize = 3;
 
 /// Rows for everything about an object that is not its medium or its colour.
-pub fn show(ui: &mut Ui, name: &str, object: &Object<'_>, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, object: &Object, commands: &mut Vec<Command>) {
+    let name = &object.name;
     let about = "Whether it is there at all: a hidden object is hit by nothing and contains nothing (V).";
     row_ui(ui, "Shown", about, |ui| {
         let mut visible = object.visible;
@@ -24,7 +25,7 @@ pub fn show(ui: &mut Ui, name: &str, object: &Object<'_>, commands: &mut Vec<Com
             ui.label(note(ui, "hidden"));
         }
     });
-    if let Some(priority) = object.priority {
+    if let Some(priority) = object.refractor().map(|refractor| refractor.priority) {
         let about = "Which refractor's medium is there where volumes overlap: the one with the higher number. Any whole number; where \
                      two are equal the smaller volume wins.";
         row_ui(ui, "Priority", about, |ui| {
@@ -36,11 +37,12 @@ pub fn show(ui: &mut Ui, name: &str, object: &Object<'_>, commands: &mut Vec<Com
             ui.label(note(ui, "higher wins"));
         });
     }
-    transform_ui(ui, name, object, commands);
+    transform_ui(ui, object, commands);
 }
 
-fn transform_ui(ui: &mut Ui, name: &str, object: &Object<'_>, commands: &mut Vec<Command>) {
-    let Object { shape, transform, .. } = *object;
+fn transform_ui(ui: &mut Ui, object: &Object, commands: &mut Vec<Command>) {
+    let Object { name, shape, transform, .. } = object;
+    let transform = *transform;
     let pivot = objects::pivot(shape);
     let (min, max) = objects::bounds(shape);
     let size = ((max - min) * transform.scale).length();

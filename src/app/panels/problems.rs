@@ -3,7 +3,6 @@
 use egui::{Align, CursorIcon, Label, Layout, RichText, ScrollArea, Sense, Ui};
 
 use crate::app::command::Command;
-use crate::app::objects;
 use crate::app::state::State;
 use crate::app::theme::{ADVICE_MARK, ERROR_MARK, Palette, WARNING_MARK};
 use crate::app::widgets::{button_ui, note};
@@ -93,7 +92,7 @@ fn fix(problem: &Problem, state: &State) -> Option<(String, Command)> {
     let is_second = top(scene, [id(a)?, id(b)?]) == id(b);
     let (winner, other) = if is_second { (b, a) } else { (a, b) };
     let description = state.document.description();
-    let priority = objects::object(description, other)?.priority?.checked_add(1)?;
+    let priority = description.objects.find(other)?.refractor()?.priority.checked_add(1)?;
     let tip = format!(
         "Sets the priority of {winner} to {priority}: it wins over {other}, as it does now without being told."
     );

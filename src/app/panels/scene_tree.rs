@@ -288,10 +288,10 @@ fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut
         medium::details_ui(ui, description, &MediumRef::World, commands);
         return;
     }
-    let Some((_, object)) = state.selected_object() else { return };
+    let Some(object) = state.selected_object() else { return };
     if let Some(medium) = medium_of(description, selected) {
         section_ui(ui, selected, medium.name());
-        object::show(ui, selected, &object, commands);
+        object::show(ui, object, commands);
         medium::details_ui(ui, description, &medium, commands);
         fact_ui(ui, "Outside", outside(state, selected), "The medium that rectification found on the other side.");
         if let Some(patch) = state.report.as_deref().and_then(|report| patch_of(report, selected)) {
@@ -300,11 +300,11 @@ fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut
         }
         return;
     }
-    let Some(role) = description.objects.find(selected).map(|object| &object.role) else { return };
+    let role = &object.role;
     let kind = if matches!(role, Role::Solid(solid) if solid.mirror) { "mirror" } else { role.kind().name() };
     section_ui(ui, selected, kind);
-    object::show(ui, selected, &object, commands);
-    fact_ui(ui, "Shape", shape_name(object.shape), "");
+    object::show(ui, object, commands);
+    fact_ui(ui, "Shape", shape_name(&object.shape), "");
     match role {
         Role::Refractor(_) => {}
         Role::Solid(solid) => fact_ui(ui, "Colour", paint_name(&solid.paint), "Albedo, linear RGB."),

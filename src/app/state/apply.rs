@@ -194,7 +194,7 @@ impl State {
 
     fn set_transform(&mut self, object: String, manipulation: Manipulation, transform: Transform, now_secs: f64) {
         let description = self.document.description();
-        let Some(shape) = objects::object(description, &object).map(|o| o.shape) else { return };
+        let Some(shape) = description.objects.find(&object).map(|o| &o.shape) else { return };
         if let Err(fault) = transform.validate(shape) {
             self.notify_error(fault.to_string());
             return;

@@ -86,8 +86,8 @@ impl State {
     }
 
     pub(super) fn frame_object(&mut self, name: &str) {
-        let Some(object) = objects::object(self.document.description(), name) else { return };
-        let (min, max) = object.scene_bounds();
+        let Some(object) = self.document.description().objects.find(name) else { return };
+        let (min, max) = objects::scene_bounds(object);
         let is_ball = matches!(object.shape, Shape::Sphere { .. } | Shape::Icosphere { .. });
         let radius = if is_ball { (max.x - min.x) / 2.0 } else { (max - min).length() / 2.0 };
         self.frame((min + max) / 2.0, radius);
@@ -97,9 +97,8 @@ impl State {
         if let Some(name) = names.first() {
             self.selected = Some(name.clone());
         }
-        let description = self.document.description();
-        let boxes: Vec<_> =
-            names.iter().filter_map(|name| objects::object(description, name)).map(|o| o.scene_bounds()).collect();
+        let all = &self.document.description().objects;
+        let boxes: Vec<_> = names.iter().filter_map(|name| all.find(name)).map(objects::scene_bounds).collect();
         let (center, radius) = match (spot, &boxes[..]) {
             (Some(spot), _) => (spot.center, spot.radius),
             (None, []) => return,

@@ -8,6 +8,7 @@ mod overlay;
 mod tools;
 mod values;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use egui::{Color32, Rect, Sense, TextureHandle, TextureOptions, Ui, Vec2};
@@ -15,7 +16,6 @@ use egui::{Color32, Rect, Sense, TextureHandle, TextureOptions, Ui, Vec2};
 use self::layout::{Pane, film_window, panes};
 pub use self::overlay::{content_menu_ui, event_meaning, event_name};
 pub use self::values::pixel_at;
-use super::Shown;
 use super::command::Command;
 use super::develop::{About, Picture, Source};
 use super::graphics::film_size;
@@ -28,7 +28,7 @@ use crate::tracking::Mode;
 /// The pictures on the graphics card.
 #[derive(Default)]
 pub struct Viewport {
-    shown: Shown<Shot>,
+    shown: BTreeMap<PaneContent, Shot>,
     drag: Option<input::Drag>,
     handles: handles::Handles,
     /// Where the pointer is over a pane, in [0, 1]² of the film.
@@ -43,7 +43,7 @@ struct Shot {
 
 impl Viewport {
     /// Uploads new pictures. Those of epochs before `floor` belong to another scene and are dropped.
-    pub fn upload(&mut self, ctx: &egui::Context, pictures: Shown<Picture>, floor: u64) {
+    pub fn upload(&mut self, ctx: &egui::Context, pictures: BTreeMap<PaneContent, Picture>, floor: u64) {
         for (content, picture) in pictures {
             if picture.about.source.epochs().any(|epoch| epoch < floor) {
                 continue;
