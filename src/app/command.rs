@@ -15,6 +15,7 @@ use crate::transport::inspect::Follow;
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum MediumRef {
+    /// The global medium.
     World,
     Named(String),
 }

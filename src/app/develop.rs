@@ -9,6 +9,7 @@ use egui::{Color32, ColorImage};
 
 use super::background::{Background, Bell, Desk, Repaint};
 use super::settings::{DifferenceKind, PaneContent};
+use super::theme::opaque;
 use crate::color::along;
 use crate::export::color_map::{diverging, luminance};
 use crate::measure::flip;
@@ -180,13 +181,13 @@ fn develop(content: PaneContent, source: &Source, recipe: &Recipe) -> Option<Pic
         Picture { image, about: About { source: source.clone(), ..About::default() } }
     };
     if let Some(painted) = &source.painted {
-        let pixels = painted.painting.pixels().map(|[r, g, b]| Color32::from_rgb(r, g, b)).collect();
+        let pixels = painted.painting.pixels().map(opaque).collect();
         return Some(finish([painted.painting.width, painted.painting.height], pixels));
     }
     let size = source.films.first()?.size;
     if !content.is_difference() {
         let pixels = source.films[0].rgb.iter().map(|rgb| recipe.display.encode(*rgb));
-        return Some(finish(size, pixels.map(|[r, g, b]| Color32::from_rgb(r, g, b)).collect()));
+        return Some(finish(size, pixels.map(opaque).collect()));
     }
     let [a, b] = source.pair()?;
     if recipe.difference == DifferenceKind::Flip {
@@ -229,10 +230,6 @@ fn sequential(size: f32) -> Color32 {
     opaque(along(&STOPS, size * (STOPS.len() - 1) as f32))
 }
 
-fn opaque([r, g, b]: [u8; 3]) -> Color32 {
-    Color32::from_rgb(r, g, b)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -253,8 +250,7 @@ mod tests {
         let recipe = Recipe { display: Display { exposure: 1.0, ..Display::default() }, ..Recipe::default() };
         let film = film(Mode::Naive, vec![[0.1, 0.2, 0.3]]);
         let picture = develop(PaneContent::Mode(Mode::Naive), &of(&[&film]), &recipe).unwrap();
-        let [r, g, b] = recipe.display.encode([0.1, 0.2, 0.3]);
-        assert_eq!(picture.image.pixels, [Color32::from_rgb(r, g, b)]);
+        assert_eq!(picture.image.pixels, [opaque(recipe.display.encode([0.1, 0.2, 0.3]))]);
     }
 
     #[test]

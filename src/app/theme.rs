@@ -49,6 +49,11 @@ const fn rgb(hex: u32) -> Color32 {
     Color32::from_rgb((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
 }
 
+/// A colour as pictures have it.
+pub fn opaque([r, g, b]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(r, g, b)
+}
+
 /// Colours of a theme that widgets do not have of their own.
 #[derive(Debug, Clone, Copy)]
 pub struct Palette {
@@ -107,14 +112,12 @@ impl Palette {
 
     /// The swatch of the medium at `index` in the scene's list.
     pub fn medium(&self, index: usize) -> Color32 {
-        let [r, g, b] = COLORS[index % COLORS.len()];
-        Color32::from_rgb(r, g, b)
+        opaque(COLORS[index % COLORS.len()])
     }
 
     /// The swatch of the global medium.
     pub fn world(&self) -> Color32 {
-        let [r, g, b] = WORLD_COLOR;
-        Color32::from_rgb(r, g, b)
+        opaque(WORLD_COLOR)
     }
 
     pub fn severity(&self, severity: Severity) -> Color32 {

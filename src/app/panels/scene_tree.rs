@@ -8,7 +8,7 @@ use egui::{
 use super::{medium, object};
 use crate::app::command::{Command, MediumRef};
 use crate::app::state::{State, medium_of};
-use crate::app::theme::{Palette, WARNING_MARK};
+use crate::app::theme::{Palette, WARNING_MARK, opaque};
 use crate::app::widgets::{fact_ui, note, section_first_ui, section_ui, swatch_ui};
 use crate::rectify::Patch;
 use crate::scene::Description;
@@ -353,10 +353,10 @@ fn plain_row_ui(ui: &mut Ui, state: &State, object: &Object, commands: &mut Vec<
     let name = &object.name;
     let is_selected = state.selected.as_ref() == Some(name);
     let (rect, response) = selectable_row_ui(ui, is_selected, name);
-    let [r, g, b] = crate::render::Display::default().encode(color_of(&object.role).map(|c| c as f32));
+    let color = opaque(crate::render::Display::default().encode(color_of(&object.role).map(|c| c as f32)));
     let left = rect.shrink2(vec2(4.0, 0.0));
     let mut contents = ui.new_child(UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center)));
-    swatch_ui(&mut contents, egui::Color32::from_rgb(r, g, b));
+    swatch_ui(&mut contents, color);
     contents.add(Label::new(row_name(ui, name, object.visible)).truncate().sense(Sense::empty()));
     if response.clicked() {
         commands.push(Command::SelectObject((!is_selected).then(|| name.clone())));

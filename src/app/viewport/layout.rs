@@ -24,9 +24,8 @@ pub fn panes(area: Rect, count: usize, arrangement: Arrangement, divider: [f32; 
                 (area.left() + area.width() * divider[0]).round(),
                 (area.top() + area.height() * divider[1]).round(),
             );
-            let parts = |all: Rangef, cut: f32, is_cut: bool| match is_cut {
-                true => vec![Rangef::new(all.min, cut), Rangef::new(cut, all.max)],
-                false => vec![all],
+            let parts = |all: Rangef, cut: f32, is_cut: bool| {
+                if is_cut { vec![Rangef::new(all.min, cut), Rangef::new(cut, all.max)] } else { vec![all] }
             };
             let columns = parts(area.x_range(), cut.x, count > 1);
             let rows = parts(area.y_range(), cut.y, count > 2);

@@ -5,8 +5,8 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Ui, Vec2, pos2, vec2};
 use super::layout::Pane;
 use crate::app::develop::Source;
 use crate::app::state::State;
-use crate::app::theme;
 use crate::app::theme::over_pictures::{GROUND, TEXT, WEAK};
+use crate::app::theme::{self, opaque};
 use crate::render::surfaces::{SurfaceQuantity, Tint, confidence_color, faces_along};
 use crate::scene::camera::Camera;
 
@@ -17,11 +17,6 @@ const PADDING: f32 = 8.0;
 const SHARE: Vec2 = vec2(0.6, 0.5);
 /// Lines of what is under the pointer.
 const MOST_FACES: usize = 8;
-
-fn color(tint: Tint) -> Color32 {
-    let [r, g, b] = tint.color();
-    Color32::from_rgb(r, g, b)
-}
 
 /// In the lower right corner of `room`, or in the lower left one where the pane's label is in the way.
 pub(super) fn show(ui: &Ui, state: &State, source: &Source, quantity: SurfaceQuantity, room: Rect, at_left: bool) {
@@ -51,7 +46,8 @@ pub(super) fn show(ui: &Ui, state: &State, source: &Source, quantity: SurfaceQua
         job.wrap = egui::text::TextWrapping::truncate_at_width(width);
         painter.layout_job(job)
     };
-    let mut rows: Vec<_> = tints.iter().map(|tint| (Some(color(*tint)), fit(tint.label(&report.prepared)))).collect();
+    let mut rows: Vec<_> =
+        tints.iter().map(|tint| (Some(opaque(tint.color())), fit(tint.label(&report.prepared)))).collect();
     if all.len() > count {
         rows.push((None, fit(format!("and {} more", all.len() - count))));
     }
@@ -92,10 +88,7 @@ pub(super) fn paint_bar(painter: &Painter, bar: Rect, color: impl Fn(f32) -> Col
 fn paint_scale(painter: &Painter, frame: Rect, least: Option<u8>) {
     painter.rect_filled(frame, 5.0, GROUND);
     let bar = Rect::from_min_size(frame.min + vec2(10.0, 9.0), vec2(frame.width() - 20.0, 8.0));
-    paint_bar(painter, bar, |part| {
-        let [r, g, b] = confidence_color(part);
-        Color32::from_rgb(r, g, b)
-    });
+    paint_bar(painter, bar, |part| opaque(confidence_color(part)));
     let font = FontId::monospace(10.0);
     let ends = [(bar.left(), Align2::LEFT_TOP, "50 %"), (bar.right(), Align2::RIGHT_TOP, "100 %")];
     for (x, align, text) in ends {
