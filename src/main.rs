@@ -25,7 +25,7 @@ fn open_window(arguments: &WindowArguments) -> Result<(), WindowError> {
         settings: screenshot.as_ref().map(|_| settings_for(arguments)),
         screenshot,
     };
-    app::run_with(launch).map_err(|error| match error {
+    app::run(launch).map_err(|error| match error {
         RunError::NoWindow(reason) => WindowError::NoWindow(reason),
         RunError::Scene(error) => WindowError::Scene(error),
         RunError::Screenshot(_) => WindowError::Other(error.to_string()),

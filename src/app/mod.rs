@@ -29,7 +29,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub use command::{Command, ExportKind, MediumRef};
-pub use launch::{Launch, RunError, Screenshot, run, run_with};
+pub use launch::{Launch, RunError, Screenshot, run};
 pub use measurement::{Curve, ErrorAxis, ErrorMetric, Measurement, Measurements, Point, Trend};
 pub use objects::Manipulation;
 pub use settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Settings, Tab, Theme};

@@ -40,29 +40,14 @@ impl Manipulation {
     }
 }
 
-/// The scene with another priority for a refractor; `None` if it has no such refractor or nothing would change.
-pub fn with_priority(description: &Description, name: &str, priority: i32) -> Option<Description> {
-    with(description, name, |object| object.refractor_mut().is_some_and(|r| replaced(&mut r.priority, priority)))
-}
-
-/// The scene with an object hidden or shown; `None` if it has no such object or nothing would change.
-pub fn with_visible(description: &Description, name: &str, visible: bool) -> Option<Description> {
-    with(description, name, |object| replaced(&mut object.visible, visible))
-}
-
-/// The scene with another transform for an object; `None` if it has no such object or nothing would change.
-pub fn with_transform(description: &Description, name: &str, transform: Transform) -> Option<Description> {
-    with(description, name, |object| replaced(&mut object.transform, transform))
-}
-
-/// The scene with an object edited, if `edit` says that it changed something.
-fn with(description: &Description, name: &str, edit: impl FnOnce(&mut Object) -> bool) -> Option<Description> {
+/// The scene with an object edited, if there is one of that name and `edit` says that it changed something.
+pub fn with(description: &Description, name: &str, edit: impl FnOnce(&mut Object) -> bool) -> Option<Description> {
     let mut edited = description.clone();
     edit(edited.objects.find_mut(name)?).then_some(edited)
 }
 
 /// Whether the value was another.
-fn replaced<T: PartialEq>(value: &mut T, new: T) -> bool {
+pub fn replaced<T: PartialEq>(value: &mut T, new: T) -> bool {
     std::mem::replace(value, new) != *value
 }
 

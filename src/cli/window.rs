@@ -20,19 +20,15 @@ const FALLBACK_SECS: f64 = 20.0;
 /// Why the window did not do what it was asked for.
 #[derive(Debug, thiserror::Error)]
 pub enum WindowError {
-    /// There is no display, or nothing to draw with.
     #[error("no window can be opened: {0}")]
     NoWindow(String),
-    /// The program was built without the feature `window`.
     #[error(
         "this iorect was built without its window: build it with the default features (`cargo build --release`), or use \
          `iorect render` or `iorect compare`"
     )]
     NotBuilt,
-    /// The scene cannot be used.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// Something else.
     #[error("{0}")]
     Other(String),
 }
