@@ -49,6 +49,11 @@ const fn rgb(hex: u32) -> Color32 {
     Color32::from_rgb((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
 }
 
+/// A colour as pictures have it.
+pub fn opaque([r, g, b]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(r, g, b)
+}
+
 /// Colours of a theme that widgets do not have of their own.
 #[derive(Debug, Clone, Copy)]
 pub struct Palette {
@@ -112,14 +117,12 @@ impl Palette {
 
     /// The swatch of the medium at `index` in the scene's list.
     pub fn medium(&self, index: usize) -> Color32 {
-        let [r, g, b] = COLORS[index % COLORS.len()];
-        Color32::from_rgb(r, g, b)
+        opaque(COLORS[index % COLORS.len()])
     }
 
     /// The swatch of the global medium.
     pub fn world(&self) -> Color32 {
-        let [r, g, b] = WORLD_COLOR;
-        Color32::from_rgb(r, g, b)
+        opaque(WORLD_COLOR)
     }
 
     pub fn severity(&self, severity: Severity) -> Color32 {
@@ -191,18 +194,12 @@ fn visuals(is_dark: bool) -> Visuals {
     v.window_stroke = Stroke::new(1.0, palette.line);
     v.window_corner_radius = CornerRadius::same(8);
     v.menu_corner_radius = CornerRadius::same(6);
-    v.window_shadow = Shadow {
-        offset: [0, 8],
-        blur: 28,
-        spread: 0,
-        color: Color32::from_black_alpha(if is_dark { 140 } else { 50 }),
+    let shadow = |down, blur, dark, light| {
+        let color = Color32::from_black_alpha(if is_dark { dark } else { light });
+        Shadow { offset: [0, down], blur, spread: 0, color }
     };
-    v.popup_shadow = Shadow {
-        offset: [0, 4],
-        blur: 14,
-        spread: 0,
-        color: Color32::from_black_alpha(if is_dark { 120 } else { 40 }),
-    };
+    v.window_shadow = shadow(8, 28, 140, 50);
+    v.popup_shadow = shadow(4, 14, 120, 40);
     v.faint_bg_color = if is_dark { rgb(0x212428) } else { rgb(0xebedf0) };
     v.extreme_bg_color = if is_dark { rgb(0x131517) } else { rgb(0xffffff) };
     v.weak_text_color = Some(palette.weak_text);

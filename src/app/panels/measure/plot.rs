@@ -28,13 +28,9 @@ const LOOKS: [(&str, MarkerShape, LineStyle); 8] = [
     ("▼", MarkerShape::Down, LineStyle::Dotted { spacing: 3.0 }),
 ];
 
-fn look(mode: Mode) -> (&'static str, MarkerShape, LineStyle) {
+/// The look of a mode.
+pub fn look(mode: Mode) -> (&'static str, MarkerShape, LineStyle) {
     LOOKS[mode as usize % LOOKS.len()]
-}
-
-/// A mode's marker, as a character.
-pub fn mark(mode: Mode) -> &'static str {
-    look(mode).0
 }
 
 /// The points of a curve that a logarithm has, as powers of ten.
@@ -105,10 +101,8 @@ pub fn show(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
                 let name = mode_title(*mode);
                 if let (Some(bias), [first, .., last]) = (curve.trend(metric).bias, &points[..]) {
                     let level = vec![[first[0], bias.log10()], [last[0], bias.log10()]];
-                    let line = Line::new(format!("bias of {name}"), PlotPoints::from(level));
-                    plot.line(
-                        line.color(color.gamma_multiply(0.7)).style(LineStyle::Dotted { spacing: 4.0 }).width(1.0),
-                    );
+                    let line = Line::new(format!("bias of {name}"), PlotPoints::from(level)).width(1.0);
+                    plot.line(line.color(color.gamma_multiply(0.7)).style(LineStyle::Dotted { spacing: 4.0 }));
                 }
                 plot.line(Line::new(name, PlotPoints::from(points.clone())).color(color).style(style).width(1.5));
                 plot.points(Points::new(name, PlotPoints::from(points)).color(color).shape(shape).radius(3.5));
@@ -167,7 +161,7 @@ mod tests {
             "{values:?}"
         );
         for (index, a) in Mode::ALL.into_iter().enumerate() {
-            assert!(Mode::ALL[index + 1..].iter().all(|b| look(a).1 != look(*b).1 && mark(a) != mark(*b)));
+            assert!(Mode::ALL[index + 1..].iter().all(|b| look(a).0 != look(*b).0 && look(a).1 != look(*b).1));
         }
     }
 }
