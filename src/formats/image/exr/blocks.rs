@@ -37,9 +37,6 @@ enum Role {
 }
 
 /// Reads the largest level of `layer`. `rest` stands after the headers.
-///
-/// # Errors
-/// When the file is cut off or damaged.
 pub(super) fn read(
     meta: &MetaData,
     layer: &Layer,
