@@ -49,10 +49,7 @@ impl Polygons {
         self.positions.push(position);
     }
 
-    /// Leaves out vertices that are not finite or too far away, as many exporters write for what is unused.
-    ///
-    /// # Errors
-    /// When a face uses one.
+    /// Leaves out vertices that are not finite or too far away, as many exporters write for what is unused. An error: a face uses one.
     pub fn drop_unusable(&mut self) -> Result<(), Fault> {
         let Some(&(_, first_line)) = self.unusable.first() else { return Ok(()) };
         let is_used = self.used_vertices();
@@ -114,10 +111,7 @@ impl Polygons {
         normals
     }
 
-    /// The mesh, and what was passed over.
-    ///
-    /// # Errors
-    /// When there is no face, a face uses what is no vertex, or takes too long to be cut.
+    /// The mesh, and what was passed over. An error: there is no face, or one uses what is no vertex or takes too long to be cut.
     pub fn finish(mut self) -> Result<(Mesh, Vec<LoadNote>), Fault> {
         self.drop_unusable()?;
         let normals = self.usable_normals();

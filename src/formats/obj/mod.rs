@@ -1,6 +1,5 @@
 //! Wavefront OBJ: positions, normals and faces. Materials, texture coordinates, groups, lines and points are passed over.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::str::SplitAsciiWhitespace;
@@ -40,10 +39,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Polygons, Fault> {
             statement = &joined;
         }
         // Names of groups and materials may be in any encoding.
-        let text = match std::str::from_utf8(statement) {
-            Ok(text) => Cow::Borrowed(text),
-            Err(_) => String::from_utf8_lossy(statement),
-        };
+        let text = String::from_utf8_lossy(statement);
         reader.statement(&text, number).map_err(|message| Fault::at(number, message))?;
     }
     let padding = lines.padding;

@@ -17,10 +17,7 @@ use crate::scene::description::{CameraDescription, Description, Environment, Kin
 use crate::scene::fields::Visitor;
 use crate::scene::tables::{blank_medium, medium_fields};
 
-/// A scene from the bytes of its file.
-///
-/// # Errors
-/// As [`parse`], and when it is no text in UTF-8.
+/// A scene from the bytes of its file, which must be text in UTF-8.
 pub fn read(bytes: &[u8], path: &Path, files: &dyn Files) -> Result<Description, SceneError> {
     if Utf16::of(bytes).is_some() {
         return Err(SceneError::in_file(path, "is text in UTF-16: scene files are TOML in UTF-8, so save it in that"));
