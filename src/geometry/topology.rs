@@ -62,53 +62,35 @@ pub enum Enclosure {
     Sheet,
 }
 
-/// What was found in a mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum FindingKind {
-    /// Faces with two corners at one place, left out. Counted in faces.
-    DegenerateTriangles,
-    /// Faces over the same corners as another that looks the same way, left out. Counted in faces.
-    DuplicateTriangles,
-    /// Faces over the same corners as another that looks the other way: both were left out, or one of each two if the whole mesh is made
-    /// of such pairs. Counted in pairs.
-    DoubleFaces,
-    /// Faces that looked the other way than their neighbours, turned over. Counted in faces.
-    MixedOrientation,
-    /// Components, such as a Möbius strip, whose faces cannot all look one way; left as they were. Counted in components.
-    OneSided,
-    /// Components that looked inward without being cavities, turned over. Counted in components.
-    InsideOut,
-    /// Edges with a face on one side only, or whose faces do not look the same way. Counted in edges.
-    OpenMesh,
-    /// Edges of three or more faces. Counted in edges.
-    NonManifold,
-    /// Pairs of faces that cross; at least so many.
-    SelfIntersection,
-    /// Components that look inward within one that looks outward: holes in the material. Counted in components.
-    Cavity,
-    /// Components that look outward within one that looks outward: they have the same material on both sides. Counted in components.
-    NestedComponents,
-    /// It is closed and encloses no volume, or has no faces. Counted in components.
-    ZeroVolume,
-}
-
-impl FindingKind {
-    /// A stable word.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::DegenerateTriangles => "degenerate_triangles",
-            Self::DuplicateTriangles => "duplicate_triangles",
-            Self::DoubleFaces => "double_faces",
-            Self::MixedOrientation => "mixed_orientation",
-            Self::OneSided => "one_sided",
-            Self::InsideOut => "inside_out",
-            Self::OpenMesh => "open_mesh",
-            Self::NonManifold => "non_manifold",
-            Self::SelfIntersection => "self_intersection",
-            Self::Cavity => "cavity",
-            Self::NestedComponents => "nested_components",
-            Self::ZeroVolume => "zero_volume",
-        }
+named! {
+    /// What was found in a mesh.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum FindingKind {
+        /// Faces with two corners at one place, left out. Counted in faces.
+        DegenerateTriangles = "degenerate_triangles",
+        /// Faces over the same corners as another that looks the same way, left out. Counted in faces.
+        DuplicateTriangles = "duplicate_triangles",
+        /// Faces over the same corners as another that looks the other way: both were left out, or one of each two if the whole mesh is made
+        /// of such pairs. Counted in pairs.
+        DoubleFaces = "double_faces",
+        /// Faces that looked the other way than their neighbours, turned over. Counted in faces.
+        MixedOrientation = "mixed_orientation",
+        /// Components, such as a Möbius strip, whose faces cannot all look one way; left as they were. Counted in components.
+        OneSided = "one_sided",
+        /// Components that looked inward without being cavities, turned over. Counted in components.
+        InsideOut = "inside_out",
+        /// Edges with a face on one side only, or whose faces do not look the same way. Counted in edges.
+        OpenMesh = "open_mesh",
+        /// Edges of three or more faces. Counted in edges.
+        NonManifold = "non_manifold",
+        /// Pairs of faces that cross; at least so many.
+        SelfIntersection = "self_intersection",
+        /// Components that look inward within one that looks outward: holes in the material. Counted in components.
+        Cavity = "cavity",
+        /// Components that look outward within one that looks outward: they have the same material on both sides. Counted in components.
+        NestedComponents = "nested_components",
+        /// It is closed and encloses no volume, or has no faces. Counted in components.
+        ZeroVolume = "zero_volume",
     }
 }
 

@@ -9,32 +9,24 @@ use super::subjects::is_refractor;
 use super::surroundings::{Answer, Fillers};
 use crate::scene::{MediumId, ObjectId, Scene};
 
-/// What kind of interface a patch is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum PatchKind {
-    /// One medium outside, another inside.
-    Clear,
-    /// The same medium on both sides, by identity and not by value: nothing is to be seen there.
-    Null,
-    /// Other surfaces cross it: the answer differs from place to place.
-    Mixed,
-    /// It coincides with another surface, which stands for both.
-    Masked,
+named! {
+    /// What kind of interface a patch is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum PatchKind {
+        /// One medium outside, another inside.
+        Clear = "clear",
+        /// The same medium on both sides, by identity and not by value: nothing is to be seen there.
+        Null = "null",
+        /// Other surfaces cross it: the answer differs from place to place.
+        Mixed = "mixed",
+        /// It coincides with another surface, which stands for both.
+        Masked = "masked",
+    }
 }
 
 impl PatchKind {
     pub const ALL: [Self; 4] = [Self::Clear, Self::Null, Self::Mixed, Self::Masked];
-
-    /// The word used in JSON, tables and legends.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Clear => "clear",
-            Self::Null => "null",
-            Self::Mixed => "mixed",
-            Self::Masked => "masked",
-        }
-    }
 }
 
 /// A part of a refractor's surface with the same surroundings everywhere, or the faces of it that the same refractors cross.

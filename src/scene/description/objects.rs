@@ -62,25 +62,18 @@ pub enum Paint {
     },
 }
 
-/// The roles without what they hold, in the order of object ids.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
-    Refractor,
-    Solid,
-    Light,
+named! {
+    /// The roles without what they hold, in the order of object ids. Their names stand in scene files too.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum Kind {
+        Refractor = "refractor",
+        Solid = "solid",
+        Light = "light",
+    }
 }
 
 impl Kind {
     pub const ALL: [Self; 3] = [Self::Refractor, Self::Solid, Self::Light];
-
-    /// What such an object is called, in scene files too.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Refractor => "refractor",
-            Self::Solid => "solid",
-            Self::Light => "light",
-        }
-    }
 }
 
 impl Role {
