@@ -21,14 +21,9 @@ impl<'a> TrackingMode<'a> for Naive {
 impl Tracker for Naive {
     type State = ();
 
-    #[inline]
-    fn start(&self, (): &mut ()) {}
 
     #[inline]
     fn sides(&self, (): &(), crossing: &Crossing, _: &mut Events) -> Option<Sides> {
-        Some(crossing.sides(MediumId::VACUUM))
+        Some(crossing.sides(MediumId::VACUUM, crossing.interior))
     }
-
-    #[inline]
-    fn transmit(&self, (): &mut (), _: &Crossing) {}
 }

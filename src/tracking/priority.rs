@@ -196,35 +196,27 @@ mod tests {
         ])
     }
 
-    fn across() -> Ray {
-        Ray::new(DVec3::new(-5.0, 1.0, 0.013), DVec3::X)
-    }
 
+    /// The higher priority wins, whichever it is. Of equals the one entered last is current: the water's own boundary on the way in, the
+    /// glass's on the way out.
     #[test]
     fn water_that_overlaps_its_glass() {
-        let scene = tumbler(1, 0);
-        let (sights, walk) = Walk::along(&scene, &across());
-        let expected = [Some((-1, GLASS)), None, Some((GLASS, WATER)), Some((WATER, GLASS)), None, Some((GLASS, -1))];
-        assert_eq!(sights, expected);
-        assert!(walk.list.is_empty() && walk.events == Events::default());
+        let [in_glass, in_water] = [(-1, GLASS), (GLASS, WATER)].map(Some);
+        let [out_of_glass, out_of_water] = [(GLASS, -1), (WATER, GLASS)].map(Some);
+        for (priorities, expected) in [
+            ((1, 0), [in_glass, None, in_water, out_of_water, None, out_of_glass]),
+            ((-7, -2), [in_glass, in_water, None, None, out_of_water, out_of_glass]),
+            ((3, 3), [in_glass, in_water, None, out_of_water, None, out_of_glass]),
+        ] {
+            let scene = tumbler(priorities.0, priorities.1);
+            let (sights, walk) = Walk::along(&scene, &Ray::new(DVec3::new(-5.0, 1.0, 0.013), DVec3::X));
+            assert_eq!(sights, expected, "{priorities:?}");
+            assert!(walk.list.is_empty() && walk.events == Events::default());
+        }
         // From above, through the water's surface and the bottom.
+        let scene = tumbler(1, 0);
         let (sights, _) = Walk::along(&scene, &Ray::new(DVec3::new(0.03, 5.0, 0.02), DVec3::NEG_Y));
-        assert_eq!(sights, [Some((-1, WATER)), Some((WATER, GLASS)), None, Some((GLASS, -1))]);
-    }
-
-    #[test]
-    fn the_higher_priority_wins_whichever_it_is() {
-        let (sights, _) = Walk::along(&tumbler(-7, -2), &across());
-        let expected = [Some((-1, GLASS)), Some((GLASS, WATER)), None, None, Some((WATER, GLASS)), Some((GLASS, -1))];
-        assert_eq!(sights, expected);
-    }
-
-    /// Of equals the one entered last is current: the water's own boundary on the way in, the glass's on the way out.
-    #[test]
-    fn a_tie_goes_to_what_was_entered_last() {
-        let (sights, _) = Walk::along(&tumbler(3, 3), &across());
-        let expected = [Some((-1, GLASS)), Some((GLASS, WATER)), None, Some((WATER, GLASS)), None, Some((GLASS, -1))];
-        assert_eq!(sights, expected);
+        assert_eq!(sights, [Some((-1, WATER)), out_of_water, None, out_of_glass]);
     }
 
     #[test]

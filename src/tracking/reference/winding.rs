@@ -123,8 +123,6 @@ pub(super) struct WindingSides {
     /// On the side that the place's normal points to, and on the other.
     pub front: f64,
     pub back: f64,
-    /// Whether a face lies there.
-    pub is_on_surface: bool,
 }
 
 impl Winding {
@@ -165,17 +163,15 @@ impl Winding {
     /// The winding numbers on both sides of a place; how far off faces may lie there depends on their part.
     pub fn beside(&self, place: &PointInPlane, allowed: impl Fn(u32) -> Allowed) -> WindingSides {
         let mut facing = 0;
-        let mut is_on_surface = false;
         let rest = self.sum(place.point, |corners, part| match place.is_covered_by(corners, allowed(part)) {
             Some(looks_along) => {
-                is_on_surface = true;
                 facing += if looks_along { 1 } else { -1 };
                 0.0
             }
             None => solid_angle(corners.map(|p| p - place.point)),
         });
         let half = 0.5 * f64::from(facing);
-        WindingSides { front: rest - half, back: rest + half, is_on_surface }
+        WindingSides { front: rest - half, back: rest + half }
     }
 
     #[inline]
@@ -208,21 +204,21 @@ impl Winding {
         sum / (4.0 * PI)
     }
 
-    /// Distance to the first face that a ray meets, beyond `least`, and whether from behind.
-    pub fn first_met(&self, origin: DVec3, direction: DVec3, least: f64) -> Option<(f64, bool)> {
+    /// Distance to the first face that a ray meets, and whether from behind.
+    pub fn first_met(&self, origin: DVec3, direction: DVec3) -> Option<(f64, bool)> {
         let inverse = direction.recip();
         let nearest = std::cell::Cell::new(f64::INFINITY);
         let mut is_from_behind = false;
         let is_met = |bounds: &Bounds| {
             let (a, b) = ((bounds.min - origin) * inverse, (bounds.max - origin) * inverse);
             // A NaN, of a ray in the plane of a side, is no bound.
-            let enter = a.min(b).to_array().into_iter().fold(least, f64::max);
+            let enter = a.min(b).to_array().into_iter().fold(0.0, f64::max);
             let leave = a.max(b).to_array().into_iter().fold(nearest.get(), f64::min);
             enter <= leave * (1.0 + 1e-12)
         };
         self.tree.walk(is_met, |place| {
             if let Some((t, from_behind)) = meet(origin, direction, &self.triangles[place])
-                && t > least
+                && t > 0.0
                 && t < nearest.get()
             {
                 nearest.set(t);
@@ -343,7 +339,6 @@ mod tests {
                     let point = corners[0].lerp(corners[1], share).lerp(corners[2], 0.4) + normal * off;
                     let allowed = |_| Allowed { length: 0.1, is_of_one_surface: true };
                     let sides = tree.beside(&PointInPlane::new(point, normal, DVec3::ZERO), allowed);
-                    assert!(sides.is_on_surface);
                     assert!(sides.front.abs() < 0.01 && (sides.back - 1.0).abs() < 0.01, "{sides:?}");
                     // Asked about by another surface, which looks the other way.
                     let allowed = |_| Allowed { length: 0.1, is_of_one_surface: false };
@@ -383,11 +378,11 @@ mod tests {
         for k in 0..50 {
             let t = f64::from(k);
             let direction = DVec3::new(t.sin(), (1.3 * t).cos(), (0.7 * t).sin() + 0.1).normalize();
-            let (t, from_behind) = tree.first_met(DVec3::ZERO, direction, 0.0).unwrap();
+            let (t, from_behind) = tree.first_met(DVec3::ZERO, direction).unwrap();
             assert!(from_behind && (0.99..=1.0).contains(&t));
-            let (t, from_behind) = tree.first_met(direction * -3.0, direction, 0.0).unwrap();
+            let (t, from_behind) = tree.first_met(direction * -3.0, direction).unwrap();
             assert!(!from_behind && (2.0..2.01).contains(&t));
-            assert_eq!(tree.first_met(direction * 3.0, direction, 0.0), None);
+            assert_eq!(tree.first_met(direction * 3.0, direction), None);
         }
     }
 }
