@@ -9,8 +9,7 @@ use rayon::prelude::*;
 use super::names::{brief, rounded_up};
 use super::{Problem, Spot, samples};
 use crate::geometry::{Ray, SurfacePoint};
-use crate::rectify::containment::{medium_of, priority};
-use crate::rectify::subjects::is_refractor;
+use crate::rectify::containment::medium_of;
 use crate::rectify::tolerance;
 use crate::rectify::{PatchKind, Progress};
 use crate::scene::{MediumId, ObjectId, Scene};
@@ -120,7 +119,7 @@ fn beside(scene: &Scene, id: ObjectId, point: SurfacePoint, reach: f64) -> Optio
         let ray = Ray::leaving(point.position, point.normal * sign, point.primitive);
         let hit = geometry.closest(&ray).filter(|hit| hit.t <= reach && hit.t > contact)?;
         let other = ObjectId(geometry.object_of(hit.primitive));
-        let is_meant = other != id && is_refractor(scene, other) && hit.is_front == (sign > 0.0);
+        let is_meant = other != id && scene.is_refractor(other) && hit.is_front == (sign > 0.0);
         is_meant.then_some(Beside { point, other, distance: sign * hit.t })
     })
 }
@@ -173,12 +172,12 @@ impl Found {
         let [inner, outer] = [self.inner, self.outer].map(|id| scene.object(id).name.as_str());
         // More than was seen at some points.
         let enough = rounded_up(1.5 * self.most);
-        let over = if priority(scene, self.outer) > priority(scene, self.inner) {
+        let over = if scene.priority(self.outer) > scene.priority(self.inner) {
             format!("`{outer}` wins there by its priority")
         } else {
             format!(
                 "give `{outer}` a priority above {}, so that it wins there (higher wins)",
-                priority(scene, self.inner)
+                scene.priority(self.inner)
             )
         };
         let (kind, message) = match self.kind {

@@ -145,6 +145,12 @@ impl Topology {
     }
 }
 
+/// [`Topology::neighbours`] of a mesh that is not analysed, given by the corners of its triangles. Where these are bit-equal they are the same.
+pub fn neighbours(corners: &[[DVec3; 3]]) -> Vec<[u32; 3]> {
+    let first_at = connect::weld(corners.as_flattened());
+    connect::connect(first_at.as_chunks().0, first_at.len()).neighbours
+}
+
 /// A mesh on its way.
 struct Analysis<'a> {
     mesh: &'a Mesh,
@@ -291,8 +297,19 @@ impl<'a> Analysis<'a> {
         self.findings.push(Finding { kind, count, center, radius });
     }
 
-    /// Leaves out some faces, and says so.
+    /// Says what was found at some faces, if there are any.
+    fn report_faces(&mut self, kind: FindingKind, count: usize, faces: &[u32]) {
+        if count > 0 {
+            let extent = Extent::of(faces.iter().flat_map(|&face| self.corners(face as usize)));
+            self.report(kind, count as u64, extent);
+        }
+    }
+
+    /// Leaves out some faces.
     fn keep(&mut self, is_kept: &[bool]) {
+        if !is_kept.contains(&false) {
+            return;
+        }
         let keep = |list: &[[u32; 3]]| -> Vec<[u32; 3]> {
             list.iter().zip(is_kept).filter(|(_, kept)| **kept).map(|(t, _)| *t).collect()
         };
@@ -302,28 +319,22 @@ impl<'a> Analysis<'a> {
 
     /// Leaves out the faces with two equal corners, and says so.
     fn drop_degenerate(&mut self) {
-        let lines: Vec<usize> = (0..self.faces.len()).filter(|&face| is_line(self.faces[face])).collect();
-        if !lines.is_empty() {
-            let extent = Extent::of(lines.iter().flat_map(|&face| self.corners(face)));
-            self.report(FindingKind::DegenerateTriangles, lines.len() as u64, extent);
-            self.drop_lines();
-        }
+        let lines: Vec<u32> = (0..self.faces.len() as u32).filter(|&face| is_line(self.faces[face as usize])).collect();
+        self.report_faces(FindingKind::DegenerateTriangles, lines.len(), &lines);
+        self.drop_lines();
     }
 
     /// Leaves out the faces with two equal corners.
     fn drop_lines(&mut self) {
         let is_kept: Vec<bool> = self.faces.iter().map(|&face| !is_line(face)).collect();
-        if is_kept.contains(&false) {
-            self.keep(&is_kept);
-        }
+        self.keep(&is_kept);
     }
 
     /// Joins vertices that differ by rounding: the ends of edges without length, then the rims of seams, from the nearest to the farthest that
     /// may be one. Faces that this makes lines are left out.
     fn join_seams(&mut self, mut edges: Edges) -> Edges {
         let extent = self.extent(|_| true);
-        let short = seam::short_edges(&self.faces, &self.positions, seam::rounding(extent));
-        if !short.is_empty() {
+        if let Some(short) = seam::short_edges(&self.faces, &self.positions, seam::rounding(extent)) {
             self.join(&short);
             edges = connect::connect(&self.faces, self.positions.len());
         }
@@ -331,8 +342,7 @@ impl<'a> Analysis<'a> {
             return edges;
         }
         for reach in seam::reaches(&self.positions, extent) {
-            let joints = seam::joints(&self.faces, &edges, &self.positions, reach);
-            if !joints.is_empty() {
+            if let Some(joints) = seam::joints(&self.faces, &edges, &self.positions, reach) {
                 self.join(&joints);
                 edges = connect::connect(&self.faces, self.positions.len());
             }
@@ -341,11 +351,7 @@ impl<'a> Analysis<'a> {
     }
 
     /// Makes each vertex one with the vertex that stands for it.
-    fn join(&mut self, joints: &[(u32, u32)]) {
-        let mut stands_for: Vec<u32> = (0..self.positions.len() as u32).collect();
-        for &(vertex, first) in joints {
-            stands_for[vertex as usize] = first;
-        }
+    fn join(&mut self, stands_for: &[u32]) {
         let positions = self.positions.to_mut();
         for (index, first) in self.first_at.iter_mut().enumerate() {
             let joined = stands_for[*first as usize];
@@ -361,17 +367,9 @@ impl<'a> Analysis<'a> {
     /// Leaves out repeated faces that are none, and says so.
     fn drop_repeats(&mut self) {
         let repeats = repeats::decide(&self.faces);
-        if !repeats.duplicates.is_empty() {
-            let extent = Extent::of(repeats.duplicates.iter().flat_map(|&face| self.corners(face as usize)));
-            self.report(FindingKind::DuplicateTriangles, repeats.duplicates.len() as u64, extent);
-        }
-        if !repeats.doubles.is_empty() {
-            let extent = Extent::of(repeats.doubles.iter().flatten().flat_map(|&face| self.corners(face as usize)));
-            self.report(FindingKind::DoubleFaces, repeats.doubles.len() as u64, extent);
-        }
-        if repeats.is_kept.contains(&false) {
-            self.keep(&repeats.is_kept);
-        }
+        self.report_faces(FindingKind::DuplicateTriangles, repeats.duplicates.len(), &repeats.duplicates);
+        self.report_faces(FindingKind::DoubleFaces, repeats.doubles.len(), repeats.doubles.as_flattened());
+        self.keep(&repeats.is_kept);
     }
 
     /// Turns faces over.

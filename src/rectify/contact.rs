@@ -12,7 +12,7 @@ use super::copies::Copies;
 use super::face::{Cover, Face};
 use super::progress::{Cancelled, Progress, Stage};
 use super::relation::Relation;
-use super::subjects::{is_refractor, primitives_of};
+use super::subjects::primitives_of;
 use super::tolerance::{Margins, Tolerance, largest};
 use crate::geometry::{PrimitiveId, SurfacePoint};
 use crate::scene::{ObjectId, Scene};
@@ -94,7 +94,7 @@ pub fn find(scene: &Scene, subjects: &[ObjectId], copies: &Copies, progress: &Pr
                 scene,
                 subject,
                 copies,
-                is_refractor: is_refractor(scene, subject),
+                is_refractor: scene.is_refractor(subject),
                 margin: margins[&subject],
             };
             let faces = range.len();
@@ -141,7 +141,7 @@ impl Seeker<'_> {
         Other {
             object,
             is_copy: self.copies.is_copy(object),
-            is_refractor: is_refractor(self.scene, object),
+            is_refractor: self.scene.is_refractor(object),
             tolerance: Tolerance::between(&self.scene.geometry, self.subject.0, object.0),
         }
     }
@@ -228,7 +228,7 @@ pub fn is_stood_for(scene: &Scene, point: &SurfacePoint) -> bool {
     let (min, max) = (point.position - margin, point.position + margin);
     let search = geometry.search_near_box(min, max, except, |primitive| {
         let object = ObjectId(geometry.object_of(primitive));
-        let goes_first = primitive < point.primitive || !is_refractor(scene, object);
+        let goes_first = primitive < point.primitive || !scene.is_refractor(object);
         if primitive == point.primitive || !goes_first || (except.is_some() && object == own) {
             return ControlFlow::Continue(());
         }

@@ -5,7 +5,6 @@ use super::containment::{outward_ray, top};
 use super::object_table::container_along;
 use super::random::Random;
 use super::site::{Faces, Site, SiteVotes};
-use super::subjects::is_refractor;
 use super::surroundings::Fillers;
 use crate::geometry::Enclosure;
 use crate::scene::{ObjectId, Scene};
@@ -62,7 +61,7 @@ impl Nest {
             found = Some(container);
         }
         let is_larger = |container: ObjectId| {
-            let is_refractor = is_refractor(scene, site.subject);
+            let is_refractor = scene.is_refractor(site.subject);
             !is_refractor || scene.object(container).volume > scene.object(site.subject).volume
         };
         found.filter(|found| found.is_none_or(|found| self.is_whole[found.0 as usize] && is_larger(found)))
@@ -87,10 +86,7 @@ fn whole_sites(scene: &Scene, sites: &[Site]) -> Vec<Option<usize>> {
 pub fn fillers(scene: &Scene, sites: &[Site], votes: &[SiteVotes]) -> Vec<Fillers> {
     let whole = whole_sites(scene, sites);
     let of_listed = |(site, votes): (&Site, &SiteVotes)| {
-        votes.within.is_none().then(|| {
-            let surroundings = votes.surroundings(site);
-            Fillers { outer: surroundings.outer_refractor(scene), inner: surroundings.inner_refractor(scene) }
-        })
+        votes.within.is_none().then(|| votes.surroundings(site).fillers(scene))
     };
     let mut fillers: Vec<Option<Fillers>> = sites.iter().zip(votes).map(of_listed).collect();
     for first in 0..fillers.len() {
@@ -158,8 +154,7 @@ mod tests {
         let fillers = fillers(&scene, &layout.sites, votes);
         for (number, site) in layout.sites.iter().enumerate() {
             let all = vote(&scene, site, &Nest::default(), SiteVotes::default()).surroundings(site);
-            let expected = Fillers { outer: all.outer_refractor(&scene), inner: all.inner_refractor(&scene) };
-            assert_eq!(fillers[number], expected, "{}", scene.object(site.subject).name);
+            assert_eq!(fillers[number], all.fillers(&scene), "{}", scene.object(site.subject).name);
         }
         assert!(table.repeated(&scene).says_the_same(&table));
     }

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::containment::Vote;
 use super::layout::{Layout, MixedGroup};
 use super::site::{Site, SiteVotes};
-use super::subjects::is_refractor;
 use super::surroundings::{Answer, Fillers};
 use crate::scene::{MediumId, ObjectId, Scene};
 
@@ -84,7 +83,7 @@ pub(super) fn list(scene: &Scene, layout: &Layout, votes: &[SiteVotes], fillers:
         Patches { of_site: vec![0; layout.sites.len()], of_group: vec![0; layout.groups.len()], ..Patches::default() };
     for (subject, is_mixed, number) in order {
         // Lights come after all refractors in the order of object ids, so this numbers patches first, then lights.
-        let list = if is_refractor(scene, subject) { &mut patches.refractors } else { &mut patches.lights };
+        let list = if scene.is_refractor(subject) { &mut patches.refractors } else { &mut patches.lights };
         let index = list.last().filter(|last| last.refractor == subject).map_or(0, |last| last.index + 1);
         let patch = if is_mixed {
             of_group(&layout.groups[number], index)
@@ -138,9 +137,9 @@ fn of_site(scene: &Scene, site: &Site, votes: &SiteVotes, fillers: Fillers, inde
         faces: site.face_count(&scene.geometry),
         area: site.area(&scene.geometry),
         outside: (!is_masked).then_some(answer.outside),
-        inside: (!is_masked && is_refractor(scene, site.subject)).then_some(answer.inside),
+        inside: (!is_masked && scene.is_refractor(site.subject)).then_some(answer.inside),
         outside_refractor: fillers.outer.filter(|_| !is_masked),
-        inside_refractor: fillers.inner.filter(|_| !is_masked && is_refractor(scene, site.subject)),
+        inside_refractor: fillers.inner.filter(|_| !is_masked && scene.is_refractor(site.subject)),
         crossed_by: Vec::new(),
         rays: votes.rays,
         confidence,

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::containment::medium_at;
 use crate::geometry::{PrimitiveId, Ray};
-use crate::scene::{MediumId, ObjectId, Scene, Surface};
+use crate::scene::{MediumId, ObjectId, Scene};
 
 /// A ray starts on a surface where the surface lies this many of its roundings away or less.
 const ON_SURFACE: f64 = 4.0;
@@ -44,10 +44,7 @@ impl StartRegion {
     /// The same, with another way to ask for media.
     pub fn by_asking(scene: &Scene, center: DVec3, radius: f64, ask: Ask<'_>) -> Self {
         let geometry = &scene.geometry;
-        let is_refractor = |primitive| {
-            let object = ObjectId(geometry.object_of(primitive));
-            matches!(scene.object(object).surface, Surface::Refractor { .. })
-        };
+        let is_refractor = |primitive| scene.is_refractor(ObjectId(geometry.object_of(primitive)));
         let reach = DVec3::splat(radius + room_around(scene, center, radius));
         let mut near = Vec::new();
         geometry.for_each_near_box(center - reach, center + reach, None, |primitive| {

@@ -74,19 +74,14 @@ impl Surroundings {
         }
     }
 
-    /// The refractor that fills the outer side.
-    pub fn outer_refractor(&self, scene: &Scene) -> Option<ObjectId> {
-        top(scene, self.outer.iter().copied())
-    }
-
-    /// The refractor that fills the inner side.
-    pub fn inner_refractor(&self, scene: &Scene) -> Option<ObjectId> {
-        top(scene, self.inner.iter().copied().chain([self.subject]))
+    /// The refractors that fill the two sides.
+    pub fn fillers(&self, scene: &Scene) -> Fillers {
+        let outer = top(scene, self.outer.iter().copied());
+        Fillers { outer, inner: top(scene, self.inner.iter().copied().chain([self.subject])) }
     }
 
     pub fn resolve(&self, scene: &Scene) -> Answer {
-        let fillers = Fillers { outer: self.outer_refractor(scene), inner: self.inner_refractor(scene) };
-        Answer::of(scene, self.is_masked, fillers)
+        Answer::of(scene, self.is_masked, self.fillers(scene))
     }
 }
 

@@ -14,7 +14,7 @@ use super::patch::{self, Patch};
 use super::pretrace;
 use super::progress::{Cancelled, Progress, RectifySeconds};
 use super::site::{Faces, SiteVotes};
-use super::subjects::{is_refractor, primitives_of};
+use super::subjects::primitives_of;
 use super::surroundings::Answer;
 use crate::geometry::{Geometry, Mask, PrimitiveId, SurfacePoint};
 use crate::scene::{ObjectId, Scene};
@@ -142,7 +142,7 @@ impl InterfaceTable {
         let mut mask = Mask::default();
         for (site, answer) in layout.sites.iter().zip(&answers) {
             // The inner side of a light has no answer.
-            if !is_passable(answer) || !is_refractor(scene, site.subject) {
+            if !is_passable(answer) || !scene.is_refractor(site.subject) {
                 continue;
             }
             match &site.faces {

@@ -191,6 +191,11 @@ impl Scene {
         matches!(self.object(id).surface, Surface::Refractor { .. })
     }
 
+    /// The priority of a refractor; the lowest of all for other objects.
+    pub fn priority(&self, id: ObjectId) -> i32 {
+        if let Surface::Refractor { priority, .. } = self.object(id).surface { priority } else { i32::MIN }
+    }
+
     /// Ids and interior media of the refractors.
     pub fn refractors(&self) -> impl Iterator<Item = (ObjectId, MediumId)> {
         self.objects.iter().enumerate().filter_map(|(index, object)| match object.surface {

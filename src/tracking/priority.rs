@@ -16,7 +16,7 @@
 use super::events::Events;
 use super::prepare::Prepared;
 use super::tracker::{Crossing, Sides, Tracker, TrackingMode};
-use crate::scene::{MediumId, ObjectId, Scene, Surface};
+use crate::scene::{MediumId, ObjectId, Scene};
 
 #[derive(Debug, Clone, Copy)]
 pub struct Priority<'a> {
@@ -31,16 +31,6 @@ pub struct Entry {
     priority: i32,
     /// Entries less exits, at least 1.
     depth: u32,
-}
-
-impl Priority<'_> {
-    fn priority(&self, refractor: ObjectId) -> i32 {
-        match self.scene.object(refractor).surface {
-            Surface::Refractor { priority, .. } => priority,
-            // Only refractors are crossed.
-            _ => i32::MIN,
-        }
-    }
 }
 
 /// The refractor's place in the list. What was entered last is usually left first.
@@ -79,12 +69,12 @@ impl Tracker for Priority<'_> {
         let place = position(state, crossing.refractor);
         if crossing.is_entering {
             let is_current =
-                place.is_none() && current.is_none_or(|entry| entry.priority <= self.priority(crossing.refractor));
+                place.is_none() && current.is_none_or(|entry| entry.priority <= self.scene.priority(crossing.refractor));
             return is_current.then(|| Sides { from: medium(current), to: crossing.interior });
         }
         let Some(place) = place else {
             events.stack_underflow += 1;
-            let was_current = current.is_none_or(|entry| entry.priority < self.priority(crossing.refractor));
+            let was_current = current.is_none_or(|entry| entry.priority < self.scene.priority(crossing.refractor));
             return was_current.then(|| Sides { from: crossing.interior, to: medium(current) });
         };
         let was_current = place + 1 == state.len() && state[place].depth == 1;
@@ -96,7 +86,7 @@ impl Tracker for Priority<'_> {
         match (position(state, crossing.refractor), crossing.is_entering) {
             (Some(place), true) => state[place].depth += 1,
             (None, true) => {
-                let priority = self.priority(crossing.refractor);
+                let priority = self.scene.priority(crossing.refractor);
                 let place = state.partition_point(|entry| entry.priority <= priority);
                 let (refractor, interior) = (crossing.refractor, crossing.interior);
                 state.insert(place, Entry { refractor, interior, priority, depth: 1 });

@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use super::NONE;
 use super::connect::Edges;
 use crate::geometry::hierarchy::Extent;
+use crate::geometry::sets::Sets;
 
 /// Vertices farther apart than this share of the longest edge of the faces around them are different places.
 const SHARE_OF_FACES: f64 = 1.0 / 16.0;
@@ -46,8 +47,8 @@ pub(super) fn reaches(positions: &[DVec3], extent: Extent) -> Vec<f64> {
     reaches
 }
 
-/// Vertices that are the same place, as pairs of a vertex and the one that stands for it: the ends of edges no longer than `rounding`.
-pub(super) fn short_edges(faces: &[[u32; 3]], positions: &[DVec3], rounding: f64) -> Vec<(u32, u32)> {
+/// Which vertices are the same place, the ends of edges no longer than `rounding`: what stands for each. `None` where there are no such edges.
+pub(super) fn short_edges(faces: &[[u32; 3]], positions: &[DVec3], rounding: f64) -> Option<Vec<u32>> {
     let is_short = |a: DVec3, b: DVec3| (a - b).abs().max_element() <= rounding;
     let short: Vec<[u32; 3]> = (faces.par_iter().copied())
         .filter(|face| {
@@ -55,7 +56,10 @@ pub(super) fn short_edges(faces: &[[u32; 3]], positions: &[DVec3], rounding: f64
             is_short(a, b) || is_short(b, c) || is_short(c, a)
         })
         .collect();
-    let mut joined = Joined::default();
+    if short.is_empty() {
+        return None;
+    }
+    let mut joined = Sets::new(positions.len());
     for face in short {
         for k in 0..3 {
             let (a, b) = (face[k], face[(k + 1) % 3]);
@@ -64,7 +68,7 @@ pub(super) fn short_edges(faces: &[[u32; 3]], positions: &[DVec3], rounding: f64
             }
         }
     }
-    joined.pairs()
+    joined.joined()
 }
 
 /// One side of an edge whose faces do not cancel.
@@ -74,15 +78,15 @@ struct FreeEdge {
     to: u32,
 }
 
-/// Vertices that are the same place, as pairs of a vertex and the one that stands for it: the endpoints of free edges that lie on each other within
-/// `reach`, and of free edges that are no longer than it. Empty where there are none.
-pub(super) fn joints(faces: &[[u32; 3]], edges: &Edges, positions: &[DVec3], reach: f64) -> Vec<(u32, u32)> {
+/// Which vertices are the same place, the endpoints of free edges that lie on each other within `reach`, and of free edges that are no longer
+/// than it: what stands for each. `None` where there are none.
+pub(super) fn joints(faces: &[[u32; 3]], edges: &Edges, positions: &[DVec3], reach: f64) -> Option<Vec<u32>> {
     let (free, scales) = free_edges(faces, edges, positions);
     if free.is_empty() {
-        return Vec::new();
+        return None;
     }
     let places = Places::new(&free, &scales, positions, reach);
-    let mut joined = Joined::default();
+    let mut joined = Sets::new(positions.len());
     let mut sides: Vec<(u32, u32, bool, FreeEdge)> = Vec::with_capacity(free.len());
     for edge in free {
         let (from, to) = (places.of(edge.from), places.of(edge.to));
@@ -105,7 +109,7 @@ pub(super) fn joints(faces: &[[u32; 3]], edges: &Edges, positions: &[DVec3], rea
             joined.join(high, other_high);
         }
     }
-    joined.pairs()
+    joined.joined()
 }
 
 /// The vertices of a free edge at the lower and at the higher of its places.
@@ -193,38 +197,6 @@ impl Places {
     }
 }
 
-/// Disjoint sets of vertices, each of which its lowest stands for.
-#[derive(Default)]
-struct Joined {
-    parents: HashMap<u32, u32>,
-}
-
-impl Joined {
-    fn find(&mut self, vertex: u32) -> u32 {
-        let mut root = vertex;
-        while let Some(&parent) = self.parents.get(&root) {
-            root = parent;
-        }
-        if root != vertex {
-            self.parents.insert(vertex, root);
-        }
-        root
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.find(a), self.find(b));
-        if a != b {
-            self.parents.insert(a.max(b), a.min(b));
-        }
-    }
-
-    fn pairs(mut self) -> Vec<(u32, u32)> {
-        let mut vertices: Vec<u32> = self.parents.keys().copied().collect();
-        vertices.sort_unstable();
-        vertices.into_iter().map(|vertex| (vertex, self.find(vertex))).collect()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -241,23 +213,23 @@ mod tests {
         (faces.collect(), positions)
     }
 
-    fn joints_of(gap: f64, reach: f64) -> Vec<(u32, u32)> {
+    fn joints_of(gap: f64, reach: f64) -> Option<Vec<u32>> {
         let (faces, positions) = ring(gap);
         joints(&faces, &connect(&faces, positions.len()), &positions, reach)
     }
 
     #[test]
     fn rims_within_reach_are_joined_and_others_not() {
-        assert_eq!(joints_of(1e-9, 1e-8), [(6, 0), (7, 1)]);
-        assert_eq!(joints_of(1e-9, 1e-10), []);
-        assert_eq!(joints_of(0.3, 1.0), [], "a gap as wide as a face is a gap");
+        assert_eq!(joints_of(1e-9, 1e-8), Some(vec![0, 1, 2, 3, 4, 5, 0, 1]));
+        assert_eq!(joints_of(1e-9, 1e-10), None);
+        assert_eq!(joints_of(0.3, 1.0), None, "a gap as wide as a face is a gap");
     }
 
     #[test]
     fn edges_of_no_length_become_points() {
         let positions = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1e-16, 0.0), DVec3::Y, DVec3::new(1.0, 1e-9, 0.0)];
-        assert_eq!(short_edges(&[[0, 1, 2], [0, 2, 3]], &positions, 1e-15), [(2, 1)]);
-        assert_eq!(short_edges(&[[0, 1, 4]], &positions, 1e-15), []);
+        assert_eq!(short_edges(&[[0, 1, 2], [0, 2, 3]], &positions, 1e-15), Some(vec![0, 1, 1, 3, 4]));
+        assert_eq!(short_edges(&[[0, 1, 4]], &positions, 1e-15), None);
     }
 
     #[test]
@@ -266,7 +238,7 @@ mod tests {
         faces.extend(faces.clone().iter().map(|face| face.map(|v| v + 8)));
         positions.extend(positions.clone().iter().map(|p| p + DVec3::splat(1e-12)));
         let edges = connect(&faces, positions.len());
-        assert_eq!(joints(&faces, &edges, &positions, 1e-9), []);
+        assert_eq!(joints(&faces, &edges, &positions, 1e-9), None);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::formats::{self, builtin};
 use crate::rectify::InterfaceTable;
 use crate::rectify::asked::answer_anew;
 use crate::rectify::random::Random;
-use crate::rectify::subjects::{is_refractor, primitives_of, subjects};
+use crate::rectify::subjects::{primitives_of, subjects};
 use crate::scene::compile::compile;
 
 /// Two boxes that share a part of a face, an opaque plate on a part of another face, a ball that crosses both boxes and a lamp that crosses one.
@@ -147,7 +147,7 @@ fn every_index_is_in_range() {
         assert_eq!(unlisted, layout.unlisted as usize, "{name}");
         assert_eq!(unlisted > 0, name == "shells", "{name}");
         for member in &layout.members {
-            assert!(is_refractor(&scene, ObjectId(member.refractor)), "{name}");
+            assert!(scene.is_refractor(ObjectId(member.refractor)), "{name}");
             assert!((member.first_coincident + member.coincident_count) as usize <= layout.coincident.len(), "{name}");
         }
         assert!(layout.coincident.iter().all(|c| c.primitive < primitives && c.is_same <= 1), "{name}");

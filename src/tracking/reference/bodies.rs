@@ -224,7 +224,7 @@ impl Bodies {
         let mut is_stood_for = false;
         geometry.for_each_near_box(place.point - margin, place.point + margin, None, |other| {
             let object = ObjectId(geometry.object_of(other));
-            let is_opaque = !matches!(scene.object(object).surface, Surface::Refractor { .. });
+            let is_opaque = !scene.is_refractor(object);
             if is_stood_for || other == primitive || !(is_opaque || other < primitive) {
                 return;
             }
@@ -325,11 +325,7 @@ impl Body {
 
     /// Whether it, not `other`, fills what both contain: by priority, then the smaller volume, then the later.
     fn is_above(&self, other: &Self, scene: &Scene) -> bool {
-        let priority = |body: &Self| match scene.object(body.object).surface {
-            Surface::Refractor { priority, .. } => priority,
-            _ => i32::MIN,
-        };
-        let (own, others) = (priority(self), priority(other));
+        let (own, others) = (scene.priority(self.object), scene.priority(other.object));
         if own != others {
             return own > others;
         }

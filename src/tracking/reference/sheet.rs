@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::winding::Winding;
 use crate::geometry::Ray;
-use crate::scene::{ObjectId, Scene, Surface};
+use crate::scene::{ObjectId, Scene};
 
 /// Rays, evenly spread over the sphere.
 const RAYS: u32 = 32;
@@ -20,7 +20,7 @@ pub(super) fn contains(scene: &Scene, sheet: &Winding, point: DVec3) -> (bool, b
         let mut is_hidden = false;
         scene.geometry.for_each_hit(&Ray::new(point, direction), |hit| {
             let object = ObjectId(scene.geometry.object_of(hit.primitive));
-            is_hidden |= hit.t < t && !matches!(scene.object(object).surface, Surface::Refractor { .. });
+            is_hidden |= hit.t < t && !scene.is_refractor(object);
         });
         if !is_hidden {
             asked += 1;
