@@ -30,7 +30,8 @@ const LEAST_RADIUS: f64 = 8.0 * f64::EPSILON;
 pub fn compile(description: &Description, previous: Option<(&Description, &Scene)>) -> Result<Scene, SceneError> {
     require_radiances(description)?;
     let media = compile_media(description)?;
-    let kept = previous.filter(|(before, _)| has_same_geometry(before, description)).map(|(_, scene)| scene);
+    let is_same = |before| changed_objects(before, description).is_some_and(|changed| changed.is_empty());
+    let kept = previous.filter(|(before, _)| is_same(before)).map(|(_, scene)| scene);
     let (geometry, bodies, topology_secs) = match kept {
         Some(scene) => (Arc::clone(&scene.geometry), scene.objects.iter().map(Body::of_object).collect(), 0.0),
         None => {
@@ -113,35 +114,21 @@ fn require_radiances(description: &Description) -> Result<(), SceneError> {
 }
 
 fn compile_media(description: &Description) -> Result<Vec<SceneMedium>, SceneError> {
-    let world = &description.world;
-    let mut media = vec![
-        compile_medium(medium::WORLD, &world.ior, world.absorption)?,
-        SceneMedium {
-            name: medium::VACUUM.into(),
-            model: Ior::Constant(1.0),
-            ior_minus_one: 0.0,
-            absorption: Spectrum::ZERO,
-        },
-    ];
-    for m in &description.media {
-        media.push(compile_medium(&m.name, &m.ior, m.absorption)?);
-    }
-    Ok(media)
+    let (world, vacuum) = (&description.world, Ior::Constant(1.0));
+    let reserved = [(medium::WORLD, &world.ior, world.absorption), (medium::VACUUM, &vacuum, [0.0; 3])];
+    let own = description.media.iter().map(|m| (&*m.name, &m.ior, m.absorption));
+    reserved.into_iter().chain(own).map(|(name, ior, absorption)| compile_medium(name, ior, absorption)).collect()
 }
 
 fn compile_medium(name: &str, ior: &Ior, absorption: [f64; 3]) -> Result<SceneMedium, SceneError> {
     let ior_minus_one = ior.ior_minus_one(WAVELENGTH_D_UM);
-    if !IOR_RANGE.contains(&(1.0 + ior_minus_one)) {
-        let value = 1.0 + ior_minus_one;
-        return Err(SceneError::new(format!(
-            "medium `{name}`: the IOR is {value}, must be greater than 0 (from 1e-6 to 1e6)"
-        )));
+    let (value, [r, g, b]) = (1.0 + ior_minus_one, absorption);
+    let fault = |what: String| Err(SceneError::new(format!("medium `{name}`: {what}")));
+    if !IOR_RANGE.contains(&value) {
+        return fault(format!("the IOR is {value}, must be greater than 0 (from 1e-6 to 1e6)"));
     }
     if !absorption.iter().all(|a| a.is_finite() && *a >= 0.0) {
-        let [r, g, b] = absorption;
-        return Err(SceneError::new(format!(
-            "medium `{name}`: the absorption is [{r}, {g}, {b}], each must be 0 or more"
-        )));
+        return fault(format!("the absorption is [{r}, {g}, {b}], each must be 0 or more"));
     }
     Ok(SceneMedium { name: name.into(), model: ior.clone(), ior_minus_one, absorption: Spectrum::from_rgb(absorption) })
 }
@@ -179,11 +166,7 @@ fn analyse(description: &Description, previous: Option<(&Description, &Scene)>) 
                     Some(Topology::of_shape(&mesh.unwrap_or_default()))
                 }
             };
-            let topology = topology.map(Arc::new);
-            if let Some(topology) = &topology {
-                known.add(&refractor.name, &refractor.shape, topology);
-            }
-            Ok(topology)
+            Ok(topology.map(Arc::new).inspect(|topology| known.add(&refractor.name, &refractor.shape, topology)))
         })
         .collect()
 }
@@ -302,8 +285,7 @@ fn transform_mesh(mesh: &mut Mesh, matrix: &DAffine3) {
 /// Refuses spheres so small for their place that all their points round to their centre.
 fn require_distinct_spheres(description: &Description, geometry: &Geometry) -> Result<(), SceneError> {
     for (name, object) in description.objects.iter().map(|object| &object.name).zip(0..) {
-        let ObjectRange::Sphere(id) = geometry.range(object) else { continue };
-        let Some(sphere) = geometry.sphere(*id) else { continue };
+        let Some(sphere) = geometry.sphere_of(object) else { continue };
         let distance = sphere.center.abs().max_element();
         if sphere.radius < distance * LEAST_RADIUS {
             return Err(SceneError::new(format!(
@@ -430,11 +412,6 @@ fn albedo(paint: &description::Paint, shape: &Shape, transform: &Transform, loca
             }
         }
     }
-}
-
-/// Whether two descriptions give the same primitives, object by object.
-fn has_same_geometry(a: &Description, b: &Description) -> bool {
-    changed_objects(a, b).is_some_and(|changed| changed.is_empty())
 }
 
 /// The objects whose primitives differ between two descriptions, in ascending order; `None` where the objects themselves are others.

@@ -227,24 +227,6 @@ impl DerefMut for Objects {
     }
 }
 
-impl<'a> IntoIterator for &'a Objects {
-    type Item = &'a Object;
-    type IntoIter = std::slice::Iter<'a, Object>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.0.iter()
-    }
-}
-
-impl<'a> IntoIterator for &'a mut Objects {
-    type Item = &'a mut Object;
-    type IntoIter = std::slice::IterMut<'a, Object>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.0.iter_mut()
-    }
-}
-
 impl FromIterator<Object> for Objects {
     /// Those of one role stay in their order.
     fn from_iter<I: IntoIterator<Item = Object>>(objects: I) -> Self {
