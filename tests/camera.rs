@@ -7,7 +7,7 @@ use common::{add, empty, ready, render, sphere};
 use glam::{DVec2, DVec3};
 use iorect::geometry::{Ray, uniform_direction};
 use iorect::rectify::containment::medium_at;
-use iorect::rectify::start::{StartRegion, start};
+use iorect::rectify::start::{StartRegion, start_by_asking};
 use iorect::scene::description::{Description, Shape, Transform};
 use iorect::tracking::Mode;
 use iorect::tracking::Prepared;
@@ -30,7 +30,8 @@ fn disc(count: u32) -> impl Iterator<Item = DVec2> {
 
 /// Of a ray in scene coordinates.
 fn name_at_start(prepared: &Prepared, ray: Ray) -> &str {
-    let started = start(&prepared.scene, Ray::new(ray.origin - prepared.scene.geometry.origin, ray.direction));
+    let ray = Ray::new(ray.origin - prepared.scene.geometry.origin, ray.direction);
+    let started = start_by_asking(&prepared.scene, ray, &|point| medium_at(&prepared.scene, point));
     assert!(!started.is_ambiguous);
     &prepared.scene.medium(started.medium).name
 }
@@ -168,11 +169,12 @@ fn check_lens(prepared: &Prepared, center: DVec3, radius: f64, expected: impl Fn
     // Tilted, looking along −z and a little down.
     let (right, up) = (DVec3::X, DVec3::new(0.0, 0.98, -0.199).normalize());
     let to_local = -prepared.scene.geometry.origin;
-    let lens = StartRegion::new(&prepared.scene, center + to_local, radius);
+    let ask = |point| medium_at(&prepared.scene, point);
+    let lens = StartRegion::by_asking(&prepared.scene, center + to_local, radius, &ask);
     let mut inside = 0;
     for (point, direction) in disc(4000).zip(directions(4000)) {
         let origin = center + (right * point.x + up * point.y) * radius;
-        let started = lens.start(&prepared.scene, Ray::new(origin + to_local, direction));
+        let started = lens.start_by_asking(&prepared.scene, Ray::new(origin + to_local, direction), &ask);
         assert!(!started.is_ambiguous);
         assert_eq!(prepared.scene.medium(started.medium).name == "object 0", expected(origin), "at {origin}");
         inside += u32::from(expected(origin));

@@ -25,8 +25,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use self::boundary::HalfEdge;
-use self::boundary::Loop;
+use self::boundary::{HalfEdge, Loop};
 use self::components::{Components, run_the_same_way};
 use self::connect::Edges;
 use self::crossing::Crossings;
@@ -184,7 +183,7 @@ impl<'a> Analysis<'a> {
             edges = connect::connect(&self.faces, self.positions.len());
         }
         partners::find(&mut edges, &self.faces, &self.triangles, &self.positions);
-        let components = components::components(&self.faces, &edges, |face| self.area_vector(face).length());
+        let components = components::components(&self.faces, &edges, |face| area_vector(self.corners(face)).length());
         let mixed = if is_repaired { &components.turned[..] } else { &[] };
         self.turn(&mut edges, |face| mixed.get(face).copied().unwrap_or_default());
 
@@ -195,17 +194,13 @@ impl<'a> Analysis<'a> {
         let size = (all.max - all.min).length();
         let area: f64 = parts.iter().map(|part| part.area).sum();
         let bodies: Vec<Option<Body>> = parts.iter().map(|part| part.body(size)).collect();
-        let tree = is_repaired.then(|| Hierarchy::build(self.faces.len(), |face| self.corners(face as usize)));
-        let crossings = (tree.as_ref())
-            .map(|tree| crossing::crossings(tree, &self.faces, &self.positions, &components.of_face))
-            .unwrap_or_default();
-        let mut verdicts = match &tree {
-            Some(tree) => {
-                let meetings = &crossings.meetings;
-                nesting::judge(&bodies, tree, &self.faces, &components.of_face, &self.positions, meetings)
-            }
-            None => vec![Verdict::default(); bodies.len()],
-        };
+        let (mut crossings, mut verdicts) = (Crossings::default(), vec![Verdict::default(); bodies.len()]);
+        if is_repaired {
+            let (faces, positions, of_face) = (&self.faces, &self.positions, &components.of_face);
+            let tree = Hierarchy::build(faces.len(), |face| self.corners(face as usize));
+            crossings = crossing::crossings(&tree, faces, positions, of_face);
+            verdicts = nesting::judge(&bodies, &tree, faces, of_face, positions, &crossings.meetings);
+        }
         // What encloses something only as a whole is turned as a whole.
         let sum_of_volumes = || parts.iter().map(|part| part.volume).sum::<f64>();
         if is_repaired && bodies.iter().all(Option::is_none) && filling.area <= GAP_OF_SHEET * area {
@@ -274,9 +269,6 @@ impl<'a> Analysis<'a> {
         [at(a), at(b), at(c)]
     }
 
-    fn area_vector(&self, face: usize) -> DVec3 {
-        area_vector(self.corners(face))
-    }
 
     /// The point that volumes are measured from: one of the mesh, so that a far mesh keeps its digits.
     fn reference(&self) -> DVec3 {
@@ -389,9 +381,8 @@ impl<'a> Analysis<'a> {
         for (index, (face, neighbours)) in self.faces.iter().zip(&edges.neighbours).enumerate() {
             let component = components.of_face[index];
             for (k, &other) in neighbours.iter().enumerate() {
-                let is_matched = other != NONE
-                    && !(components.is_doubtful(component) && run_the_same_way(&self.faces, index, k, other as usize));
-                if !is_matched {
+                let is_doubtful = components.one_sided[component as usize];
+                if other == NONE || is_doubtful && run_the_same_way(&self.faces, index, k, other as usize) {
                     found.push(HalfEdge { component, from: face[k], to: face[(k + 1) % 3] });
                 }
             }

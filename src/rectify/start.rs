@@ -3,7 +3,6 @@
 
 use glam::DVec3;
 
-use super::containment::medium_at;
 use crate::geometry::{PrimitiveId, Ray};
 use crate::scene::{MediumId, ObjectId, Scene};
 
@@ -37,11 +36,6 @@ pub type Ask<'a> = &'a (dyn Fn(DVec3) -> (MediumId, bool) + Sync);
 
 impl StartRegion {
     /// The region within `radius` ≥ 0 of `center` (local coordinates).
-    pub fn new(scene: &Scene, center: DVec3, radius: f64) -> Self {
-        Self::by_asking(scene, center, radius, &|point| medium_at(scene, point))
-    }
-
-    /// The same, with another way to ask for media.
     pub fn by_asking(scene: &Scene, center: DVec3, radius: f64, ask: Ask<'_>) -> Self {
         let geometry = &scene.geometry;
         let is_refractor = |primitive| scene.is_refractor(ObjectId(geometry.object_of(primitive)));
@@ -59,12 +53,6 @@ impl StartRegion {
     }
 
     /// How a ray (local coordinates) starts whose origin lies in the region.
-    #[inline]
-    pub fn start(&self, scene: &Scene, ray: Ray) -> Start {
-        self.start_by_asking(scene, ray, &|point| medium_at(scene, point))
-    }
-
-    /// The same, with another way to ask for media.
     #[inline]
     pub fn start_by_asking(&self, scene: &Scene, ray: Ray, ask: Ask<'_>) -> Start {
         match self.whole {
@@ -120,11 +108,6 @@ fn room_around(scene: &Scene, center: DVec3, radius: f64) -> f64 {
 }
 
 /// How `ray` (local coordinates) starts.
-pub fn start(scene: &Scene, ray: Ray) -> Start {
-    start_by_asking(scene, ray, &|point| medium_at(scene, point))
-}
-
-/// The same, with another way to ask for media.
 pub fn start_by_asking(scene: &Scene, ray: Ray, ask: Ask<'_>) -> Start {
     StartRegion::by_asking(scene, ray.origin, 0.0, ask).start_by_asking(scene, ray, ask)
 }

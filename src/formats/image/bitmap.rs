@@ -28,12 +28,14 @@ pub(super) fn png(bytes: &[u8]) -> Result<EnvironmentImage, String> {
     let mut rows = 0;
     // What is asked for after the last row also reads, and tests, what is left of the data.
     while let Some(row) = reader.next_interlaced_row().map_err(decoding)? {
-        let samples: Vec<u16> = if has_words {
-            row.data().chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])).collect()
+        let samples = color_type.samples();
+        let colors: Vec<[f32; 3]> = if has_words {
+            let word = |pair: &[u8]| u16::from_be_bytes([pair[0], pair[1]]);
+            let words: Vec<u16> = row.data().chunks_exact(2).map(word).collect();
+            words.chunks_exact(samples).map(|pixel| linear.pixel(pixel)).collect()
         } else {
-            row.data().iter().map(|byte| u16::from(*byte)).collect()
+            row.data().chunks_exact(samples).map(|pixel| linear.pixel(pixel)).collect()
         };
-        let colors: Vec<[f32; 3]> = samples.chunks_exact(color_type.samples()).map(|s| linear.pixel(s)).collect();
         match row.interlace() {
             png::InterlaceInfo::Null(_) => pixels[rows * width..][..width].copy_from_slice(&colors),
             png::InterlaceInfo::Adam7(pass) => {
@@ -66,13 +68,8 @@ pub(super) fn jpeg(bytes: &[u8]) -> Result<EnvironmentImage, String> {
     let mut values = vec![0; count * samples];
     decoder.read_image(&mut values).map_err(decoding)?;
     let linear = Linear::new(u16::from(u8::MAX));
-    let pixel = |values: &[u8]| match *values {
-        [r, g, b] => linear.pixel(&[r.into(), g.into(), b.into()]),
-        [grey, ..] => linear.pixel(&[grey.into()]),
-        [] => unreachable!("chunks are not empty"),
-    };
     let mut pixels = black(count)?;
-    pixels.iter_mut().zip(values.chunks_exact(samples)).for_each(|(to, values)| *to = pixel(values));
+    pixels.iter_mut().zip(values.chunks_exact(samples)).for_each(|(to, values)| *to = linear.pixel(values));
     Ok(EnvironmentImage { width: width as usize, height: height as usize, pixels, notes: Vec::new() })
 }
 
@@ -102,8 +99,8 @@ impl Linear {
     }
 
     /// From grey or RGB, with or without transparency.
-    fn pixel(&self, samples: &[u16]) -> [f32; 3] {
-        let at = |index: usize| self.0[usize::from(samples[index])];
+    fn pixel<S: Copy + Into<usize>>(&self, samples: &[S]) -> [f32; 3] {
+        let at = |index: usize| self.0[samples[index].into()];
         if samples.len() >= 3 { [at(0), at(1), at(2)] } else { [at(0); 3] }
     }
 }

@@ -85,11 +85,11 @@ pub(super) fn joints(faces: &[[u32; 3]], edges: &Edges, positions: &[DVec3], rea
     if free.is_empty() {
         return None;
     }
-    let places = Places::new(&free, &scales, positions, reach);
+    let places = places(&free, &scales, positions, reach);
     let mut joined = Sets::new(positions.len());
     let mut sides: Vec<(u32, u32, bool, FreeEdge)> = Vec::with_capacity(free.len());
     for edge in free {
-        let (from, to) = (places.of(edge.from), places.of(edge.to));
+        let (from, to) = (places[&edge.from], places[&edge.to]);
         if from == to {
             joined.join(edge.from, edge.to);
         } else {
@@ -153,48 +153,42 @@ fn balanced_crowds(faces: &[[u32; 3]], edges: &Edges) -> HashSet<u32> {
         .collect()
 }
 
-/// Which vertices of free edges lie at one place.
-struct Places {
-    /// The vertex that stands for each one's place.
-    of_vertex: HashMap<u32, u32>,
-}
-
-impl Places {
-    fn new(free: &[FreeEdge], scales: &HashMap<u32, f64>, positions: &[DVec3], reach: f64) -> Self {
-        let mut vertices: Vec<u32> = free.iter().flat_map(|edge| [edge.from, edge.to]).collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        let cell_of = |p: DVec3| (p / reach).floor().to_array().map(|x| x as i64);
-        let mut standing: HashMap<[i64; 3], Vec<u32>> = HashMap::with_capacity(vertices.len());
-        let mut of_vertex = HashMap::with_capacity(vertices.len());
-        for vertex in vertices {
-            let position = positions[vertex as usize];
-            let own_reach = |v: u32| reach.min(SHARE_OF_FACES * scales[&v]);
-            let cell = cell_of(position);
-            let mut nearest: Option<(f64, u32)> = None;
-            for shift in 0..27 {
-                let near =
-                    std::array::from_fn(|axis| cell[axis].saturating_add(shift / 3_i64.pow(axis as u32) % 3 - 1));
-                for &other in standing.get(&near).into_iter().flatten().take(MOST_COMPARED) {
-                    let distance = position.distance(positions[other as usize]);
-                    let is_near = distance <= own_reach(vertex).min(own_reach(other));
-                    if is_near && nearest.is_none_or(|(least, _)| distance < least) {
-                        nearest = Some((distance, other));
-                    }
+/// The vertex that stands for the place of each vertex of a free edge.
+fn places(
+    free: &[FreeEdge],
+    scales: &HashMap<u32, f64>,
+    positions: &[DVec3],
+    reach: f64,
+) -> HashMap<u32, u32> {
+    let mut vertices: Vec<u32> = free.iter().flat_map(|edge| [edge.from, edge.to]).collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let cell_of = |p: DVec3| (p / reach).floor().to_array().map(|x| x as i64);
+    let mut standing: HashMap<[i64; 3], Vec<u32>> = HashMap::with_capacity(vertices.len());
+    let mut of_vertex = HashMap::with_capacity(vertices.len());
+    for vertex in vertices {
+        let position = positions[vertex as usize];
+        let own_reach = |v: u32| reach.min(SHARE_OF_FACES * scales[&v]);
+        let cell = cell_of(position);
+        let mut nearest: Option<(f64, u32)> = None;
+        for shift in 0..27 {
+            let near =
+                std::array::from_fn(|axis| cell[axis].saturating_add(shift / 3_i64.pow(axis as u32) % 3 - 1));
+            for &other in standing.get(&near).into_iter().flatten().take(MOST_COMPARED) {
+                let distance = position.distance(positions[other as usize]);
+                let is_near = distance <= own_reach(vertex).min(own_reach(other));
+                if is_near && nearest.is_none_or(|(least, _)| distance < least) {
+                    nearest = Some((distance, other));
                 }
             }
-            let stands = nearest.map_or(vertex, |(_, other)| other);
-            if stands == vertex {
-                standing.entry(cell).or_default().push(vertex);
-            }
-            of_vertex.insert(vertex, stands);
         }
-        Self { of_vertex }
+        let stands = nearest.map_or(vertex, |(_, other)| other);
+        if stands == vertex {
+            standing.entry(cell).or_default().push(vertex);
+        }
+        of_vertex.insert(vertex, stands);
     }
-
-    fn of(&self, vertex: u32) -> u32 {
-        self.of_vertex.get(&vertex).copied().unwrap_or(vertex)
-    }
+    of_vertex
 }
 
 #[cfg(test)]
