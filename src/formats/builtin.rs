@@ -68,7 +68,6 @@ pub fn all() -> &'static [Builtin] {
     SCENES
 }
 
-/// The built-in scene of that name.
 pub fn find(name: &str) -> Option<&'static Builtin> {
     SCENES.iter().find(|scene| scene.name == name)
 }

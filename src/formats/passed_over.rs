@@ -85,18 +85,14 @@ impl Kind {
     fn message(self, count: u64, example: &str) -> String {
         let of = |one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
         match self {
-            Self::UnknownStatement if count == 1 => {
-                format!("1 statement, {example}, is none of OBJ and was passed over")
-            }
-            Self::UnknownStatement => {
-                format!("{count} statements, the first {example}, are none of OBJ and were passed over")
-            }
-            Self::UnknownHeaderLine if count == 1 => {
-                format!("1 line of the header, {example}, is none of PLY and was passed over")
-            }
-            Self::UnknownHeaderLine => {
-                format!("{count} lines of the header, the first {example}, are none of PLY and were passed over")
-            }
+            Self::UnknownStatement => of(
+                &format!("statement, {example}, is none of OBJ and was passed over"),
+                &format!("statements, the first {example}, are none of OBJ and were passed over"),
+            ),
+            Self::UnknownHeaderLine => of(
+                &format!("line of the header, {example}, is none of PLY and was passed over"),
+                &format!("lines of the header, the first {example}, are none of PLY and were passed over"),
+            ),
             Self::ShortFaces => of(
                 "face has fewer than three corners and was left out",
                 "faces have fewer than three corners and were left out",

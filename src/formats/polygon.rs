@@ -13,19 +13,12 @@ pub(super) fn too_many_corners(corners: usize) -> String {
 /// Polygons of more corners than this are cut ear by ear as they come, without choosing the best: that can take the cube of their number.
 const MOST_TO_CHOOSE_FROM: usize = 48;
 
-/// How many corners may still be looked at in search of ears of such polygons: a few seconds' work for one mesh.
-#[derive(Debug)]
-pub(super) struct Patience(usize);
-
-impl Default for Patience {
-    fn default() -> Self {
-        Self(1 << 30)
-    }
-}
+/// How many corners may be looked at in search of ears of such polygons: a few seconds' work for one mesh.
+pub(super) const PATIENCE: usize = 1 << 30;
 
 /// Triangles over the corners of a simple polygon of three or more corners, flat or nearly so, that keep its orientation. A polygon
-/// that crosses itself still gives n − 2 triangles. `None` when patience ends.
-pub(super) fn triangulate(points: &[DVec3], patience: &mut Patience) -> Option<Vec<[usize; 3]>> {
+/// that crosses itself still gives n − 2 triangles. `None` when patience, what is left of [`PATIENCE`], ends.
+pub(super) fn triangulate(points: &[DVec3], patience: &mut usize) -> Option<Vec<[usize; 3]>> {
     let flat = flatten(points);
     if points.len() > MOST_TO_CHOOSE_FROM {
         return clip_any(&flat, patience);
@@ -63,7 +56,7 @@ pub(super) fn triangulate(points: &[DVec3], patience: &mut Patience) -> Option<V
 
 /// Clips one ear after the other around the polygon, leaving out every second corner, so that a round polygon gives no fan of needles. Only
 /// reflex corners can lie in an ear (and corners that are clipped never become reflex), so convex polygons take linear time.
-fn clip_any(flat: &[DVec2], patience: &mut Patience) -> Option<Vec<[usize; 3]>> {
+fn clip_any(flat: &[DVec2], patience: &mut usize) -> Option<Vec<[usize; 3]>> {
     let n = flat.len();
     let mut next: Vec<usize> = (1..=n).map(|i| i % n).collect();
     let mut previous: Vec<usize> = (0..n).map(|i| (i + n - 1) % n).collect();
@@ -80,7 +73,7 @@ fn clip_any(flat: &[DVec2], patience: &mut Patience) -> Option<Vec<[usize; 3]>> 
         if failures < left {
             let is_ear = !is_reflex(corner) && {
                 let within = reflex.members.iter().position(|&i| is_in_ear(flat, corner, i));
-                patience.0 = patience.0.checked_sub(within.unwrap_or(reflex.members.len()))?;
+                *patience = patience.checked_sub(within.unwrap_or(reflex.members.len()))?;
                 within.is_none()
             };
             if !is_ear {
@@ -192,7 +185,7 @@ mod tests {
     use super::*;
 
     fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
-        super::triangulate(points, &mut Patience::default()).unwrap()
+        super::triangulate(points, &mut { PATIENCE }).unwrap()
     }
 
     fn area(points: &[DVec3], triangles: &[[usize; 3]]) -> DVec3 {

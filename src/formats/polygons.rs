@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::corners::CornerLists;
 use super::passed_over::{Kind, PassedOver};
-use super::polygon::{Patience, triangulate};
+use super::polygon::{PATIENCE, triangulate};
 use crate::geometry::Mesh;
 use crate::scene::LoadNote;
 use crate::scene::shapes::MAX_LENGTH;
@@ -116,10 +116,10 @@ impl Polygons {
         self.drop_unusable()?;
         let normals = self.usable_normals();
         let Self { positions, faces, strips, mut passed_over, .. } = self;
-        let mut builder = Builder { positions: &positions, triangles: Vec::new(), passed_over: &mut passed_over };
-        let mut patience = Patience::default();
+        let (triangles, patience) = (Vec::new(), PATIENCE);
+        let mut builder = Builder { positions: &positions, triangles, passed_over: &mut passed_over, patience };
         for face in faces.iter() {
-            builder.push_face(face.corners, face.line, &mut patience)?;
+            builder.push_face(face.corners, face.line)?;
         }
         for strip in strips.iter() {
             builder.push_strip(strip.corners, strip.line);
@@ -152,16 +152,18 @@ struct Builder<'a> {
     positions: &'a [DVec3],
     triangles: Vec<[u32; 3]>,
     passed_over: &'a mut PassedOver,
+    /// For all faces together.
+    patience: usize,
 }
 
 impl Builder<'_> {
-    fn push_face(&mut self, corners: &[u32], line: Option<usize>, patience: &mut Patience) -> Result<(), Fault> {
+    fn push_face(&mut self, corners: &[u32], line: Option<usize>) -> Result<(), Fault> {
         match *corners {
             [] | [_] | [_, _] => self.passed_over.add(Kind::ShortFaces, line),
             [a, b, c] => self.push_triangle([a, b, c], line),
             _ => {
                 let points: Vec<DVec3> = corners.iter().map(|&i| self.positions[i as usize]).collect();
-                let triangles = triangulate(&points, patience).ok_or_else(|| {
+                let triangles = triangulate(&points, &mut self.patience).ok_or_else(|| {
                     let message = format!(
                         "a face of {} corners takes too long to be cut into triangles, with those before it: cut them",
                         corners.len()

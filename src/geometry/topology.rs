@@ -138,7 +138,6 @@ impl Topology {
         Analysis::new(mesh).run(false)
     }
 
-    /// The finding of that kind, if there is one.
     pub fn finding(&self, kind: FindingKind) -> Option<&Finding> {
         self.findings.iter().find(|finding| finding.kind == kind)
     }
@@ -268,7 +267,6 @@ impl<'a> Analysis<'a> {
         let at = |v: u32| self.positions[v as usize];
         [at(a), at(b), at(c)]
     }
-
 
     /// The point that volumes are measured from: one of the mesh, so that a far mesh keeps its digits.
     fn reference(&self) -> DVec3 {

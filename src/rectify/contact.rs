@@ -42,7 +42,6 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    /// The number of touched faces.
     pub fn face_count(&self) -> usize {
         self.faces.len()
     }
@@ -90,13 +89,8 @@ pub fn find(scene: &Scene, subjects: &[ObjectId], copies: &Copies, progress: &Pr
         .into_par_iter()
         .map(|(subject, range)| {
             let mut contacts = Contacts::default();
-            let seeker = Seeker {
-                scene,
-                subject,
-                copies,
-                is_refractor: scene.is_refractor(subject),
-                margin: margins[&subject],
-            };
+            let (is_refractor, margin) = (scene.is_refractor(subject), margins[&subject]);
+            let seeker = Seeker { scene, subject, copies, is_refractor, margin };
             let faces = range.len();
             for face in range {
                 progress.go_on()?;

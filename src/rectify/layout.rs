@@ -296,7 +296,7 @@ mod tests {
                         patches.map(|p| (p.refractor, p.kind, p.faces, p.outside, p.inside)).collect::<Vec<_>>()
                     };
                     assert_eq!(known(&after), known(&fresh), "{name}, refractor {index} by {step}");
-                    kept += after.shared_subjects(&table);
+                    kept += after.layout.shared_subjects(&table.layout);
                     (scene, table) = (moved, after);
                 }
             }

@@ -85,9 +85,8 @@ fn whole_sites(scene: &Scene, sites: &[Site]) -> Vec<Option<usize>> {
 /// What fills the two sides of every site, by priority and volume.
 pub fn fillers(scene: &Scene, sites: &[Site], votes: &[SiteVotes]) -> Vec<Fillers> {
     let whole = whole_sites(scene, sites);
-    let of_listed = |(site, votes): (&Site, &SiteVotes)| {
-        votes.within.is_none().then(|| votes.surroundings(site).fillers(scene))
-    };
+    let of_listed =
+        |(site, votes): (&Site, &SiteVotes)| votes.within.is_none().then(|| votes.surroundings(site).fillers(scene));
     let mut fillers: Vec<Option<Fillers>> = sites.iter().zip(votes).map(of_listed).collect();
     for first in 0..fillers.len() {
         // Follow containers outwards to a resolved site, then resolve back inwards.
@@ -148,7 +147,7 @@ mod tests {
     fn what_is_inherited_is_what_would_be_found() {
         let scene = compile(&heaps(400), None).unwrap();
         let table = InterfaceTable::new(&scene);
-        let (layout, votes) = table.parts();
+        let (layout, votes) = (&table.layout, &table.votes);
         let inherited = votes.iter().filter(|votes| votes.within.is_some()).count();
         assert!(inherited > 100, "{inherited}");
         let fillers = fillers(&scene, &layout.sites, votes);
@@ -167,16 +166,11 @@ mod tests {
         let mut table = InterfaceTable::new(&scene);
         let mover = 31;
         assert_eq!(mover % 5, 1);
-        let place = |description: &Description, to: DVec3| {
-            let Shape::Sphere { center, .. } = description.objects.refractors()[mover].shape else {
-                panic!("it is a ball")
-            };
-            to - center
-        };
+        let Shape::Sphere { center, .. } = description.objects[mover].shape else { panic!("it is a ball") };
         let across = DVec3::new(0.0097, 0.0, 0.97);
         for to in [across, DVec3::new(0.0, 9.0, 0.0), across * 1.0001, DVec3::new(0.5, 0.5, 2.0)] {
             let before = description.clone();
-            description.objects.refractors_mut()[mover].transform.translate = place(&description, to);
+            description.objects[mover].transform.translate = to - center;
             let moved = compile(&description, Some((&before, &scene))).unwrap();
             let changed = changed_objects(&before, &description).unwrap();
             let after = table.updated(&moved, &scene, &changed);

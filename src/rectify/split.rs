@@ -204,8 +204,6 @@ impl Splitter<'_> {
                         has_several_parts || surroundings.outer.contains(object) != surroundings.inner.contains(object)
                     });
                 let mut settled: Vec<ObjectId> = settled.collect();
-                settled.sort_unstable();
-                settled.dedup();
                 if !surroundings.is_masked {
                     self.copies.complete_list(&mut settled);
                     settled.extend(self.copies.of(self.subject));

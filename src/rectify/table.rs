@@ -25,8 +25,8 @@ const NOT_CANCELLED: &str = "nobody can cancel it";
 /// The answer of rectification, looked up at every crossing.
 #[derive(Debug, Clone, Default)]
 pub struct InterfaceTable {
-    layout: Arc<Layout>,
-    votes: Arc<Vec<SiteVotes>>,
+    pub(super) layout: Arc<Layout>,
+    pub(super) votes: Arc<Vec<SiteVotes>>,
     flat: FlatTable,
     /// Sorted by refractor; within one, patches proper first, then mixed ones.
     pub patches: Vec<Patch>,
@@ -109,17 +109,6 @@ impl InterfaceTable {
     /// Whether two tables say the same everywhere.
     pub fn says_the_same(&self, other: &Self) -> bool {
         self.flat.answers == other.flat.answers
-    }
-
-    #[cfg(test)]
-    pub(super) fn parts(&self) -> (&Layout, &[SiteVotes]) {
-        (&self.layout, &self.votes)
-    }
-
-    /// How many objects of an earlier table's were taken over.
-    #[cfg(test)]
-    pub(super) fn shared_subjects(&self, earlier: &Self) -> usize {
-        self.layout.shared_subjects(&earlier.layout)
     }
 
     fn resolve(
@@ -243,7 +232,6 @@ impl InterfaceTable {
         }
     }
 
-    /// The patches of one refractor.
     pub fn patches_of(&self, refractor: ObjectId) -> &[Patch] {
         let first = self.patches.partition_point(|patch| patch.refractor < refractor);
         let last = self.patches.partition_point(|patch| patch.refractor <= refractor);

@@ -39,13 +39,17 @@ pub fn compile(description: &Description, previous: Option<(&Description, &Scene
             let analyses = analyse(description, previous)?;
             let topology_secs = start.elapsed().as_secs_f64();
             let parts = parts(description, &analyses)?;
-            let unanalysed = (parts.iter().enumerate())
-                .map(|(index, part)| analyses.get(index).is_none_or(Option::is_none).then(|| unanalysed(part)))
+            let analyses = analyses.into_iter().chain(std::iter::repeat(None));
+            let mut bodies: Vec<Body> = (description.objects.iter().zip(&parts).zip(analyses))
+                .map(|((object, part), topology)| Body::new(object, part, topology))
                 .collect();
             // Digits are wanted where media are told apart.
             let frame = Frame::about(&parts[..description.objects.refractors().len()]).or_else(|| Frame::about(&parts));
             let geometry = Arc::new(Geometry::build_in(frame.unwrap_or_default(), parts));
-            (Arc::clone(&geometry), bodies(description, unanalysed, &geometry, analyses), topology_secs)
+            for (object, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.enclosure == Enclosure::Holed) {
+                body.winding = Some(Arc::new(winding_tree(&geometry, object as u32)));
+            }
+            (geometry, bodies, topology_secs)
         }
     };
     require_distinct_spheres(description, &geometry)?;
@@ -308,51 +312,30 @@ struct Body {
 }
 
 impl Body {
+    /// Without its winding tree.
+    fn new(object: &description::Object, part: &Part, topology: Analysis) -> Self {
+        let volume = match (&topology, part) {
+            (Some(topology), _) => topology.volume * object.transform.matrix().matrix3.determinant().abs(),
+            // A sphere, or an object whose inside nothing asks for.
+            (None, Part::Sphere { radius, .. }) => 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3),
+            (None, Part::Mesh { mesh, .. }) => mesh.signed_volume().abs(),
+        };
+        let enclosure = topology.as_ref().map_or(Enclosure::Closed, |topology| topology.enclosure);
+        Self { volume: if volume > 0.0 { volume } else { f64::INFINITY }, enclosure, topology, winding: None }
+    }
+
     fn of_object(object: &Object) -> Self {
         let (topology, winding) = (object.topology.clone(), object.winding.clone());
         Self { volume: object.volume, enclosure: object.enclosure, topology, winding }
     }
 }
 
-/// The body of each object, in the order of object ids; `unanalysed` has those of the objects that have no analysis.
-fn bodies(
-    description: &Description,
-    unanalysed: Vec<Option<Body>>,
-    geometry: &Geometry,
-    analyses: Vec<Analysis>,
-) -> Vec<Body> {
-    let analysed =
-        description.objects.refractors().iter().zip(analyses).enumerate().map(|(index, (refractor, topology))| {
-            let topology = topology?;
-            let volume = topology.volume * refractor.transform.matrix().matrix3.determinant().abs();
-            let winding = (topology.enclosure == Enclosure::Holed).then(|| {
-                let triangles: Vec<[DVec3; 3]> = match geometry.range(index as u32) {
-                    ObjectRange::Triangles(range) => range.clone().map(|triangle| geometry.corners(triangle)).collect(),
-                    ObjectRange::Sphere(_) => Vec::new(),
-                };
-                Arc::new(WindingTree::build(&triangles))
-            });
-            Some(Body {
-                volume: if volume > 0.0 { volume } else { f64::INFINITY },
-                enclosure: topology.enclosure,
-                topology: Some(topology),
-                winding,
-            })
-        });
-    let analysed = analysed.chain(std::iter::repeat_with(|| None));
-    unanalysed.into_iter().zip(analysed).filter_map(|(unanalysed, analysed)| unanalysed.or(analysed)).collect()
-}
-
-/// The body of a sphere, or of an object whose inside nothing asks for.
-fn unanalysed(part: &Part) -> Body {
-    let volume = match part {
-        Part::Sphere { radius, .. } => 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3),
-        Part::Mesh { mesh, .. } => {
-            let volume = mesh.signed_volume().abs();
-            if volume > 0.0 { volume } else { f64::INFINITY }
-        }
+fn winding_tree(geometry: &Geometry, object: u32) -> WindingTree {
+    let triangles: Vec<[DVec3; 3]> = match geometry.range(object) {
+        ObjectRange::Triangles(range) => range.clone().map(|triangle| geometry.corners(triangle)).collect(),
+        ObjectRange::Sphere(_) => Vec::new(),
     };
-    Body { volume, enclosure: Enclosure::Closed, topology: None, winding: None }
+    WindingTree::build(&triangles)
 }
 
 fn objects(description: &Description, origin: DVec3, bodies: Vec<Body>) -> Result<Vec<Object>, SceneError> {

@@ -38,7 +38,6 @@ needs! {
     smooth_normals,
     /// Analytic spheres.
     spheres,
-    /// Triangles.
     triangles,
     /// Objects that emit.
     emitters,

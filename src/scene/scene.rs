@@ -185,7 +185,6 @@ impl Scene {
         current == left || (self.world_is_vacuum && current.0 <= MediumId::VACUUM.0 && left.0 <= MediumId::VACUUM.0)
     }
 
-    /// Whether this object is a refractor.
     #[inline]
     pub fn is_refractor(&self, id: ObjectId) -> bool {
         matches!(self.object(id).surface, Surface::Refractor { .. })

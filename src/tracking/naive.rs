@@ -21,7 +21,6 @@ impl<'a> TrackingMode<'a> for Naive {
 impl Tracker for Naive {
     type State = ();
 
-
     #[inline]
     fn sides(&self, (): &(), crossing: &Crossing, _: &mut Events) -> Option<Sides> {
         Some(crossing.sides(MediumId::VACUUM, crossing.interior))

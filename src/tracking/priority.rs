@@ -68,8 +68,8 @@ impl Tracker for Priority<'_> {
         let current = state.last();
         let place = position(state, crossing.refractor);
         if crossing.is_entering {
-            let is_current =
-                place.is_none() && current.is_none_or(|entry| entry.priority <= self.scene.priority(crossing.refractor));
+            let is_current = place.is_none()
+                && current.is_none_or(|entry| entry.priority <= self.scene.priority(crossing.refractor));
             return is_current.then(|| Sides { from: medium(current), to: crossing.interior });
         }
         let Some(place) = place else {
@@ -185,7 +185,6 @@ mod tests {
             ("cylinder = { center = [0, 1.1, 0], radius = 0.9, height = 2 }", water),
         ])
     }
-
 
     /// The higher priority wins, whichever it is. Of equals the one entered last is current: the water's own boundary on the way in, the
     /// glass's on the way out.

@@ -27,7 +27,6 @@ impl<'a> TrackingMode<'a> for Rectified<'a> {
 impl Tracker for Rectified<'_> {
     type State = ();
 
-
     #[inline]
     fn sides(&self, (): &(), crossing: &Crossing, events: &mut Events) -> Option<Sides> {
         events.mixed += u64::from(self.table.is_mixed(crossing.refractor, crossing.point.primitive));

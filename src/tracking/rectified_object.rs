@@ -24,7 +24,6 @@ impl<'a> TrackingMode<'a> for RectifiedObject {
 impl Tracker for RectifiedObject {
     type State = ();
 
-
     #[inline]
     fn sides(&self, (): &(), crossing: &Crossing, _: &mut Events) -> Option<Sides> {
         Some(crossing.sides(self.outsides[crossing.refractor.0 as usize], crossing.interior))

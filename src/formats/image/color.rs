@@ -12,8 +12,7 @@ use crate::scene::LoadNote;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Chromaticities(pub [[f64; 2]; 4]);
 
-pub(super) const REC_709: Chromaticities =
-    Chromaticities([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.3127, 0.3290]]);
+pub(super) const REC_709: Chromaticities = Chromaticities([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.3127, 0.3290]]);
 
 /// Differences below this are rounding in the file.
 const TOLERANCE: f64 = 5e-4;

@@ -77,8 +77,7 @@ const FACES: [Face; 5] = [
     face(1, 2, DVec3::NEG_Y, DVec3::X, DVec3::Z),
 ];
 
-const HORIZONTAL: Cross =
-    Cross { columns: 4, rows: 3, behind: face(3, 1, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y) };
+const HORIZONTAL: Cross = Cross { columns: 4, rows: 3, behind: face(3, 1, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y) };
 const VERTICAL: Cross = Cross { columns: 3, rows: 4, behind: face(1, 3, DVec3::Z, DVec3::X, DVec3::Y) };
 
 impl Cross {
@@ -202,8 +201,7 @@ mod tests {
     ];
 
     fn cross(
-        columns: usize,
-        rows: usize,
+        [columns, rows]: [usize; 2],
         back: ((usize, usize), Rule),
         side: usize,
         ground: [f32; 3],
@@ -218,8 +216,8 @@ mod tests {
 
     fn crosses(side: usize, ground: [f32; 3]) -> [EnvironmentImage; 2] {
         [
-            cross(4, 3, ((3, 1), |s, t| DVec3::new(-s, -t, 1.0)), side, ground),
-            cross(3, 4, ((1, 3), |s, t| DVec3::new(s, t, 1.0)), side, ground),
+            cross([4, 3], ((3, 1), |s, t| DVec3::new(-s, -t, 1.0)), side, ground),
+            cross([3, 4], ((1, 3), |s, t| DVec3::new(s, t, 1.0)), side, ground),
         ]
     }
 

@@ -119,9 +119,9 @@ impl Header {
                 Some([gamma]) => self.gamma = gamma,
                 None => self.ignore(key, value, number),
             },
-            "PRIMARIES" => match numbers(value).map(|[rx, ry, gx, gy, bx, by, wx, wy]| {
-                Chromaticities([[rx, ry], [gx, gy], [bx, by], [wx, wy]])
-            }) {
+            "PRIMARIES" => match numbers(value)
+                .map(|[rx, ry, gx, gy, bx, by, wx, wy]| Chromaticities([[rx, ry], [gx, gy], [bx, by], [wx, wy]]))
+            {
                 Some(primaries) if primaries.to_rec_709().is_ok() => self.primaries = Some(primaries),
                 _ => self.ignore(key, value, number),
             },

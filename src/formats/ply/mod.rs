@@ -53,8 +53,7 @@ fn role(element: &Element, property: &Property) -> Role {
 fn read_elements(header: &Header, mut rows: impl Rows, polygons: &mut Polygons) -> Result<(), Fault> {
     for element in &header.elements {
         let plan: Vec<(Role, &Property)> = element.properties.iter().map(|p| (role(element, p), p)).collect();
-        let has =
-            |wanted: fn(usize) -> Role| (0..3).all(|axis| plan.iter().any(|(role, _)| *role == wanted(axis)));
+        let has = |wanted: fn(usize) -> Role| (0..3).all(|axis| plan.iter().any(|(role, _)| *role == wanted(axis)));
         let is_vertex = element.name == "vertex";
         if is_vertex && !has(Role::Position) {
             return Err(Fault::new("the element `vertex` lacks x, y or z"));

@@ -154,12 +154,7 @@ fn balanced_crowds(faces: &[[u32; 3]], edges: &Edges) -> HashSet<u32> {
 }
 
 /// The vertex that stands for the place of each vertex of a free edge.
-fn places(
-    free: &[FreeEdge],
-    scales: &HashMap<u32, f64>,
-    positions: &[DVec3],
-    reach: f64,
-) -> HashMap<u32, u32> {
+fn places(free: &[FreeEdge], scales: &HashMap<u32, f64>, positions: &[DVec3], reach: f64) -> HashMap<u32, u32> {
     let mut vertices: Vec<u32> = free.iter().flat_map(|edge| [edge.from, edge.to]).collect();
     vertices.sort_unstable();
     vertices.dedup();
@@ -172,8 +167,7 @@ fn places(
         let cell = cell_of(position);
         let mut nearest: Option<(f64, u32)> = None;
         for shift in 0..27 {
-            let near =
-                std::array::from_fn(|axis| cell[axis].saturating_add(shift / 3_i64.pow(axis as u32) % 3 - 1));
+            let near = std::array::from_fn(|axis| cell[axis].saturating_add(shift / 3_i64.pow(axis as u32) % 3 - 1));
             for &other in standing.get(&near).into_iter().flatten().take(MOST_COMPARED) {
                 let distance = position.distance(positions[other as usize]);
                 let is_near = distance <= own_reach(vertex).min(own_reach(other));

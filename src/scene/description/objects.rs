@@ -185,7 +185,6 @@ impl Objects {
         self.retain(|object| object.kind() != kind);
     }
 
-    /// The objects of one role.
     pub fn of(&self, kind: Kind) -> &[Object] {
         &self.0[self.range(kind)]
     }
@@ -203,7 +202,6 @@ impl Objects {
         self.iter_mut().filter_map(Object::refractor_mut)
     }
 
-    /// The object of that name.
     pub fn find(&self, name: &str) -> Option<&Object> {
         self.iter().find(|object| object.name == name)
     }

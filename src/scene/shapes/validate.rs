@@ -132,7 +132,9 @@ fn check_profile(points: &[[f64; 2]]) -> Checked {
     }
     for (&[r, y], number) in points.iter().zip(1..) {
         if !(r.is_finite() && y.is_finite() && r.max(y.abs()) <= MAX_LENGTH) {
-            return bad(format!("point {number} of the profile is [{r}, {y}], must be finite and below {MAX_LENGTH:e}"));
+            return bad(format!(
+                "point {number} of the profile is [{r}, {y}], must be finite and below {MAX_LENGTH:e}"
+            ));
         }
         if r < 0.0 {
             return bad(format!("point {number} of the profile has r = {r}, must be 0 or more"));

@@ -45,7 +45,6 @@ impl<'a> TrackingMode<'a> for Reference<'a> {
 impl Tracker for Reference<'_> {
     type State = ();
 
-
     fn sides(&self, (): &(), crossing: &Crossing, events: &mut Events) -> Option<Sides> {
         let primitive = crossing.point.primitive;
         let place = self.bodies.place(&self.scene.geometry, &crossing.point);

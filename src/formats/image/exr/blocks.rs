@@ -141,7 +141,6 @@ impl<'a> Part<'a> {
         })
     }
 
-
     /// The number of a block and where it lies in the data window; `None` for those of smaller levels.
     fn place(&self, chunk: &Chunk) -> Result<Option<(usize, IntegerBounds)>, String> {
         let block = self.header.get_block_data_indices(&chunk.compressed_block).map_err(decoding)?;
