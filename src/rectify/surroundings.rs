@@ -32,14 +32,6 @@ impl Membership {
             (true, false) => Self::OuterOnly,
         }
     }
-
-    pub fn is_outer(self) -> bool {
-        matches!(self, Self::In | Self::OuterOnly)
-    }
-
-    pub fn is_inner(self) -> bool {
-        matches!(self, Self::In | Self::InnerOnly)
-    }
 }
 
 /// The refractors on both sides of a piece of the surface of `subject`.
@@ -66,10 +58,10 @@ impl Surroundings {
                 set.insert(at, refractor);
             }
         };
-        if membership.is_outer() {
+        if matches!(membership, Membership::In | Membership::OuterOnly) {
             insert(&mut self.outer);
         }
-        if membership.is_inner() && refractor != self.subject {
+        if matches!(membership, Membership::In | Membership::InnerOnly) && refractor != self.subject {
             insert(&mut self.inner);
         }
     }

@@ -1,12 +1,11 @@
 //! Seams: where a surface was cut open and its two rims written a few roundings apart, as generators do at the angle 2π and exporters at the
 //! borders of texture coordinates.
 //!
-//! Only free edges are joined, those along which more faces run one way than the other, and only with one that runs the other way between the same
-//! two places. So two
-//! closed surfaces are never drawn together, however near they are, and a hole stays a hole. Besides, edges of no length but rounding, as around
-//! the pole of a sphere whose last row is computed vertex by vertex, become points. How far apart the same place may lie follows
-//! from the mesh: a few roundings of its coordinates, then a few roundings of single precision at its size, but always little beside
-//! the faces that meet there.
+//! Only free edges are joined, those along which more faces run one way than the other, and only with one that runs the other way between
+//! the same two places. So two closed surfaces are never drawn together, however near they are, and a hole stays a hole. Besides, edges of
+//! no length but rounding, as around the pole of a sphere whose last row is computed vertex by vertex, become points. How far apart the
+//! same place may lie follows from the mesh: a few roundings of its coordinates, then a few roundings of single precision at its size, but
+//! always little beside the faces that meet there.
 
 use std::collections::{HashMap, HashSet};
 
