@@ -4,7 +4,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Problem, names, samples};
+use super::{Problem, distinct, names, samples};
 use crate::geometry::{Ray, SurfacePoint};
 use crate::rectify::containment::medium_of;
 use crate::rectify::encounters::{Encounter, Meeting};
@@ -31,9 +31,7 @@ pub(super) fn problems(prepared: &Prepared, encounters: &[Encounter]) -> Option<
     let wrong: Vec<(ObjectId, ObjectId)> =
         touching.into_par_iter().filter(|&(a, b)| is_wrong_between(prepared, a, b)).collect();
     let &(a, b) = wrong.first()?;
-    let mut objects: Vec<ObjectId> = wrong.iter().flat_map(|&(a, b)| [a, b]).collect();
-    objects.sort_unstable();
-    objects.dedup();
+    let objects = distinct(wrong.iter().flat_map(|&(a, b)| [a, b]));
     let [a, b] = [a, b].map(|id| &scene.object(id).name);
     let more = match wrong.len() {
         1 => String::new(),

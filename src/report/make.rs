@@ -22,8 +22,7 @@ use crate::export::ExportError;
 use crate::export::words::grouped;
 use crate::formats::builtin;
 use crate::geometry::Ray;
-use crate::rectify::containment::medium_at;
-use crate::rectify::start::start_by_asking;
+use crate::rectify::start::start;
 use crate::scene::camera::Camera;
 use crate::scene::fingerprint::Hasher;
 use crate::scene::{Description, SceneError};
@@ -242,7 +241,7 @@ fn scene(
         refractors: scene.refractors().count(),
         triangles: scene.geometry.triangle_count(),
         spheres: scene.geometry.sphere_count(),
-        camera_medium: scene.medium(start_by_asking(scene, ray, &|point| medium_at(scene, point)).medium).name.clone(),
+        camera_medium: scene.medium(start(scene, ray).medium).name.clone(),
         build_secs: prepared.seconds.bvh,
         rectify_secs: prepared.seconds.rectify,
         pictures: Some(pictures),

@@ -10,7 +10,7 @@ use super::timing::Timed;
 use crate::export::color_map::{diverging, luminance, round_up_to_125};
 use crate::export::{ExportError, Picture, png_bytes};
 use crate::measure::difference;
-use crate::render::{Cpu, Display, Film, ImageSettings, RenderTask, Renderer};
+use crate::render::{Display, Film, ImageSettings, RenderTask};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
@@ -181,12 +181,8 @@ fn render(
     while left > 0 {
         let slice = left.min(films[0].samples_to_decision());
         for (film, &mode) in films.iter_mut().zip(modes) {
-            if !Cpu.pass(
-                &RenderTask { prepared, camera, settings: &settings(mode, plan.seed) },
-                film,
-                slice,
-                progress.cancel,
-            ) {
+            let task = RenderTask { prepared, camera, settings: &settings(mode, plan.seed) };
+            if !task.pass(film, slice, progress.cancel) {
                 return None;
             }
         }

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::progress::Progress;
 use super::store::Store;
 use crate::export::ExportError;
-use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer, fingerprint};
+use crate::render::{Film, ImageSettings, RenderTask, fingerprint};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
@@ -122,12 +122,8 @@ fn reference(
     while film.samples < wanted.spp {
         let samples = slice.min(wanted.spp - film.samples);
         let start = Instant::now();
-        if !Cpu.pass(
-            &RenderTask { prepared: wanted.prepared, camera: wanted.camera, settings: &settings },
-            &mut film,
-            samples,
-            progress.cancel,
-        ) {
+        let task = RenderTask { prepared: wanted.prepared, camera: wanted.camera, settings: &settings };
+        if !task.pass(&mut film, samples, progress.cancel) {
             // The half-done slice is lost; what was kept before it stays.
             return Ok(None);
         }

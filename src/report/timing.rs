@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::progress::Progress;
 use crate::measure::statistics::median;
-use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
+use crate::render::{Film, ImageSettings, RenderTask};
 use crate::scene::camera::Camera;
 use crate::tracking::Prepared;
 
@@ -107,8 +107,7 @@ impl<'a> Timed<'a> {
     /// Takes so many samples more of every pixel; returns the seconds that they took. The film stays as it is when cancelled.
     pub fn slice(&mut self, samples: u32, progress: &Progress<'_>) -> f64 {
         let start = Instant::now();
-        Cpu.pass(
-            &RenderTask { prepared: self.prepared, camera: self.camera, settings: &self.settings },
+        RenderTask { prepared: self.prepared, camera: self.camera, settings: &self.settings }.pass(
             &mut self.film,
             samples,
             progress.cancel,

@@ -53,11 +53,6 @@ impl Tracker for Priority<'_> {
     type State = Vec<Entry>;
 
     #[inline]
-    fn start(&self, state: &mut Self::State) {
-        state.clear();
-    }
-
-    #[inline]
     fn can_skip(&self) -> bool {
         true
     }

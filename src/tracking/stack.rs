@@ -23,11 +23,6 @@ impl Tracker for Stack {
     type State = Vec<MediumId>;
 
     #[inline]
-    fn start(&self, state: &mut Self::State) {
-        state.clear();
-    }
-
-    #[inline]
     fn sides(&self, state: &Self::State, crossing: &Crossing, events: &mut Events) -> Option<Sides> {
         let below = |depth: usize| state.len().checked_sub(depth).map_or(MediumId::WORLD, |index| state[index]);
         if crossing.is_entering {

@@ -41,9 +41,12 @@ pub trait Tracker: Sync {
     /// What a path carries.
     type State: Clone + Default + Send;
 
-    /// Makes `state` that of a fresh path; where a path carries nothing, there is nothing to do.
+    /// Makes `state` that of a fresh path.
     #[inline]
-    fn start(&self, _state: &mut Self::State) {}
+    fn start(&self, state: &mut Self::State) {
+        // What it has allocated is kept.
+        state.clone_from(&Self::State::default());
+    }
 
     /// Whether [`Tracker::sides`] may answer `None`: shadow rays must then look at every refractor in their way.
     #[inline]

@@ -7,7 +7,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use super::technique::Technique;
-use crate::render::{Cpu, Film, RenderTask, Renderer};
+use crate::render::{Film, RenderTask};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::Prepared;
@@ -104,7 +104,7 @@ fn probe(prepared: &Prepared, camera: &Camera, effort: &Effort, mode: Mode) -> f
     let mut film = Film::new(effort.size[0], effort.size[1]);
     let mut add = |samples| {
         let start = Instant::now();
-        Cpu.pass(&RenderTask { prepared, camera, settings: &settings }, &mut film, samples, &AtomicBool::new(false));
+        RenderTask { prepared, camera, settings: &settings }.pass(&mut film, samples, &AtomicBool::new(false));
         start.elapsed().as_secs_f64() / f64::from(samples)
     };
     // The first sample finds cold caches.

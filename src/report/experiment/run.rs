@@ -8,7 +8,7 @@ use super::plan::Plan;
 use super::sums::Image;
 use super::technique::Technique;
 use crate::export::ExportError;
-use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer, fingerprint};
+use crate::render::{Film, ImageSettings, RenderTask, fingerprint};
 use crate::report::progress::Progress;
 use crate::report::store::Store;
 use crate::scene::camera::Camera;
@@ -108,12 +108,8 @@ impl Maker<'_> {
                 let stop = if film.samples < three_quarters { spp.min(three_quarters) } else { spp };
                 let samples = (stop - film.samples).min(film.samples_to_decision());
                 let start = Instant::now();
-                if !Cpu.pass(
-                    &RenderTask { prepared: self.prepared, camera: self.camera, settings },
-                    &mut film,
-                    samples,
-                    progress.cancel,
-                ) {
+                let task = RenderTask { prepared: self.prepared, camera: self.camera, settings };
+                if !task.pass(&mut film, samples, progress.cancel) {
                     return None;
                 }
                 Film::allocate(&mut [&mut film]);

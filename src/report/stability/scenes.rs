@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::geometry::{Mesh, Ray, uniform_direction};
 use crate::optics::{Ior, Medium};
-use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
+use crate::render::{Film, ImageSettings, RenderTask};
 use crate::scene::SceneError;
 use crate::scene::camera::Camera;
 use crate::scene::description::{
@@ -142,8 +142,7 @@ pub fn render(
     let settings = ImageSettings { max_depth, ..ImageSettings::new(mode, seed) };
     let mut film = Film::new(size.0, size.1);
     // Never cancelled: these films take a fraction of a second.
-    Cpu.pass(
-        &RenderTask { prepared: scene, camera: &camera, settings: &settings },
+    RenderTask { prepared: scene, camera: &camera, settings: &settings }.pass(
         &mut film,
         samples,
         &AtomicBool::new(false),
