@@ -472,13 +472,9 @@ impl<'a> Analysis<'a> {
     }
 
     fn report_nesting(&mut self, components: &Components, verdicts: &[Verdict]) {
-        let verdict = |component: u32| verdicts[component as usize];
-        self.report_components(FindingKind::Cavity, components, |c| {
-            verdict(c).winding_outside == 1 && verdict(c).winding == 0
-        });
-        self.report_components(FindingKind::NestedComponents, components, |c| {
-            verdict(c).winding.min(verdict(c).winding_outside) > 0
-        });
+        let windings = |c: u32| [verdicts[c as usize].winding_outside, verdicts[c as usize].winding];
+        self.report_components(FindingKind::Cavity, components, |c| windings(c) == [1, 0]);
+        self.report_components(FindingKind::NestedComponents, components, |c| windings(c).iter().all(|w| *w > 0));
     }
 
     fn repaired_mesh(&self) -> Option<Arc<Mesh>> {

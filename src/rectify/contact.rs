@@ -76,9 +76,8 @@ pub fn find(scene: &Scene, subjects: &[ObjectId], copies: &Copies, progress: &Pr
     let mut tasks = Vec::new();
     for &subject in subjects {
         let range = primitives_of(geometry, subject);
-        tasks.extend(
-            (range.clone()).step_by(CHUNK as usize).map(|first| (subject, first..range.end.min(first + CHUNK))),
-        );
+        let task = |first| (subject, first..range.end.min(first + CHUNK));
+        tasks.extend(range.clone().step_by(CHUNK as usize).map(task));
     }
     tasks.sort_by_key(|(_, range)| range.start);
     let margins = Margins::new(geometry, scene.objects.len() as u32);

@@ -282,14 +282,11 @@ fn settle(scene: &Scene, point: &SurfacePoint, votes: Vec<Vote>, except: Option<
 /// Whether `refractor` contains a point on a face of another object, or the outer side of one of its own: one ray where one is enough.
 /// Faces that coincide with that face must have been dealt with.
 pub fn is_inside(scene: &Scene, refractor: ObjectId, point: &SurfacePoint) -> bool {
-    if let Some(sphere) = scene.geometry.sphere_of(refractor.0) {
-        return point.position.distance_squared(sphere.center) < sphere.radius * sphere.radius;
+    if scene.geometry.sphere_of(refractor.0).is_some() || scene.object(refractor).enclosure != Enclosure::Closed {
+        return is_inside_by_vote(scene, refractor, point);
     }
-    if scene.object(refractor).enclosure == Enclosure::Closed {
-        let ray = outward_ray(point, &mut Random::from_point(point.position));
-        return scene.geometry.closest_of(&ray, refractor.0).is_some_and(|hit| !hit.is_front);
-    }
-    is_inside_by_vote(scene, refractor, point)
+    let ray = outward_ray(point, &mut Random::from_point(point.position));
+    scene.geometry.closest_of(&ray, refractor.0).is_some_and(|hit| !hit.is_front)
 }
 
 /// [`is_inside`], decided by several rays.

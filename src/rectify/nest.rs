@@ -61,8 +61,7 @@ impl Nest {
             found = Some(container);
         }
         let is_larger = |container: ObjectId| {
-            let is_refractor = scene.is_refractor(site.subject);
-            !is_refractor || scene.object(container).volume > scene.object(site.subject).volume
+            !scene.is_refractor(site.subject) || scene.object(container).volume > scene.object(site.subject).volume
         };
         found.filter(|found| found.is_none_or(|found| self.is_whole[found.0 as usize] && is_larger(found)))
     }

@@ -227,10 +227,8 @@ impl Splitter<'_> {
         let mut sets = Sets::new(fates.len());
         let each_pair = |visit: &mut dyn FnMut(u32, u32)| {
             for (face, across) in neighbours.iter().enumerate() {
-                across
-                    .iter()
-                    .filter(|&&other| other > face as u32 && other != u32::MAX)
-                    .for_each(|&other| visit(face as u32, other));
+                let later = across.iter().filter(|&&other| other > face as u32 && other != u32::MAX);
+                later.for_each(|&other| visit(face as u32, other));
             }
         };
         each_pair(&mut |a, b| {

@@ -120,13 +120,12 @@ impl Reader {
 
     fn face(&mut self, words: SplitAsciiWhitespace<'_>, line: usize) -> Result<(), String> {
         let faces = &mut self.polygons.faces;
-        let start = faces.corners.len();
+        let (start, count) = (faces.corners.len(), self.polygons.positions.len());
         for word in words {
             let mut parts = word.split('/');
             let position = index(parts.next().unwrap_or_default())?;
-            faces.corners.push(zero_based(position, self.polygons.positions.len()).ok_or_else(|| {
-                format!("index {position} is out of range: there are {} vertices so far", self.polygons.positions.len())
-            })?);
+            let out_of_range = || format!("index {position} is out of range: there are {count} vertices so far");
+            faces.corners.push(zero_based(position, count).ok_or_else(out_of_range)?);
             self.corner_normals.push(match parts.nth(1) {
                 None | Some("") => NO_NORMAL,
                 Some(text) => {
@@ -146,13 +145,10 @@ impl Reader {
 
     /// One vertex for each pair of a position and a normal, if every corner has a normal; else one for each position.
     fn finish(mut self) -> Result<Polygons, Fault> {
-        if let Some((_, vertex, line)) = self.polygons.faces.out_of_range(self.polygons.positions.len()) {
-            let message = format!(
-                "index {} is out of range: there are {} vertices",
-                u64::from(vertex) + 1,
-                self.polygons.positions.len()
-            );
-            return Err(Fault { line, message });
+        let count = self.polygons.positions.len();
+        if let Some((_, vertex, line)) = self.polygons.faces.out_of_range(count) {
+            let index = u64::from(vertex) + 1;
+            return Err(Fault { line, message: format!("index {index} is out of range: there are {count} vertices") });
         }
         if !self.has_all_normals() {
             return Ok(self.polygons);

@@ -81,12 +81,10 @@ fn quad(center: DVec3, edge_u: DVec3, edge_v: DVec3) -> Mesh {
     let (u, v) = (edge_u * 0.5, edge_v * 0.5);
     // Scaled first: the product of two tiny edges would lose its digits.
     let normal = edge_u.normalize().cross(edge_v.normalize()).normalize();
-    let mut triangles = Vec::with_capacity(2);
-    push_quad(&mut triangles, [0, 1, 2, 3]);
     Mesh {
         positions: vec![center - u - v, center + u - v, center + u + v, center - u + v],
         normals: vec![normal; 4],
-        triangles,
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
     }
 }
 

@@ -179,20 +179,14 @@ impl Bodies {
             Form::Solid { winding, has_holes, .. } => {
                 let sides = winding.beside(place, allowed);
                 let is_doubtful = |number: f64| *has_holes && (number - 0.5).abs() < DOUBTFUL;
-                Inside {
-                    front: sides.front > 0.5,
-                    back: sides.back > 0.5,
-                    is_doubtful: is_doubtful(sides.front) || is_doubtful(sides.back),
-                }
+                let (front, back) = (sides.front > 0.5, sides.back > 0.5);
+                Inside { front, back, is_doubtful: is_doubtful(sides.front) || is_doubtful(sides.back) }
             }
             Form::Sheet { winding, .. } => {
                 let sides = winding.beside(place, allowed);
                 if sides.front != sides.back {
-                    return Inside {
-                        front: sides.front > sides.back,
-                        back: sides.back > sides.front,
-                        is_doubtful: false,
-                    };
+                    let (front, back) = (sides.front > sides.back, sides.back > sides.front);
+                    return Inside { front, back, is_doubtful: false };
                 }
                 let (is_inside, is_doubtful) = sheet::contains(scene, winding, place.point);
                 Inside { front: is_inside, back: is_inside, is_doubtful }
