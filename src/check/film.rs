@@ -9,8 +9,7 @@ use rayon::prelude::*;
 use super::names::{brief, rounded_up};
 use super::{Problem, Spot, samples};
 use crate::geometry::{Ray, SurfacePoint};
-use crate::rectify::containment::{medium_of, priority};
-use crate::rectify::subjects::is_refractor;
+use crate::rectify::containment::medium_of;
 use crate::rectify::tolerance;
 use crate::rectify::{PatchKind, Progress};
 use crate::scene::{MediumId, ObjectId, Scene};
@@ -120,7 +119,7 @@ fn beside(scene: &Scene, id: ObjectId, point: SurfacePoint, reach: f64) -> Optio
         let ray = Ray::leaving(point.position, point.normal * sign, point.primitive);
         let hit = geometry.closest(&ray).filter(|hit| hit.t <= reach && hit.t > contact)?;
         let other = ObjectId(geometry.object_of(hit.primitive));
-        let is_meant = other != id && is_refractor(scene, other) && hit.is_front == (sign > 0.0);
+        let is_meant = other != id && scene.is_refractor(other) && hit.is_front == (sign > 0.0);
         is_meant.then_some(Beside { point, other, distance: sign * hit.t })
     })
 }
@@ -174,8 +173,8 @@ impl Found {
         // More than was seen at some points.
         let enough = rounded_up(1.5 * self.most);
         let thick = format!("{} thick and at most {}", brief(self.median, 2), brief(self.most, 2));
-        let least = priority(scene, self.inner);
-        let over = if priority(scene, self.outer) > least {
+        let least = scene.priority(self.inner);
+        let over = if scene.priority(self.outer) > least {
             format!("`{outer}` wins there by its priority")
         } else {
             format!("give `{outer}` a priority above {least}, so that it wins there (higher wins)")

@@ -9,7 +9,6 @@ use crate::geometry::{Ray, SurfacePoint};
 use crate::rectify::containment::medium_of;
 use crate::rectify::encounters::{Encounter, Meeting};
 use crate::rectify::face::coincides;
-use crate::rectify::subjects::is_refractor;
 use crate::rectify::tolerance;
 use crate::scene::{MediumId, ObjectId, Scene};
 use crate::tracking::priority::Priority;
@@ -113,7 +112,7 @@ fn walk<T: Tracker>(scene: &Scene, tracker: &T, point: &SurfacePoint, direction:
             break;
         }
         let beyond = ray.beyond(&hit);
-        if !is_refractor(scene, refractor) {
+        if !scene.is_refractor(refractor) {
             ray = beyond;
             continue;
         }

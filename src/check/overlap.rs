@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::rims::Rims;
 use super::{Problem, distinct, names, samples};
 use crate::rectify::PatchKind;
-use crate::rectify::containment::{containment_beside, is_same_volume, medium_of, priority, top};
+use crate::rectify::containment::{containment_beside, is_same_volume, medium_of, top};
 use crate::rectify::copies::Copies;
 use crate::rectify::encounters::{Encounter, Meeting};
 use crate::scene::{ObjectId, Scene};
@@ -72,7 +72,7 @@ fn members(pairs: &[(ObjectId, ObjectId)]) -> Vec<ObjectId> {
 /// Whether two objects have equal priorities and different media, so that a tie decides what fills their overlap.
 fn is_undecided(scene: &Scene, a: ObjectId, b: ObjectId) -> bool {
     let is_seamless = medium_of(scene, Some(a)) == medium_of(scene, Some(b));
-    priority(scene, a) == priority(scene, b) && !is_seamless
+    scene.priority(a) == scene.priority(b) && !is_seamless
 }
 
 /// What decides a tie.
@@ -150,7 +150,7 @@ fn invisible(prepared: &Prepared, refractor: ObjectId) -> Option<Problem> {
             format!("it is of the same medium as `{container}`, which surrounds it, and so cannot be seen"),
         ));
     }
-    let highest = fills.iter().map(|id| priority(scene, *id)).max()?;
+    let highest = fills.iter().map(|id| scene.priority(*id)).max()?;
     let (has, fills) = (if fills.len() == 1 { "has" } else { "have" }, names::list_of(scene, &fills));
     Some(Problem::warning(
         name,

@@ -7,7 +7,7 @@ use super::containment::medium_at;
 use super::table::InterfaceTable;
 use crate::geometry::{PrimitiveId, Ray};
 use crate::scene::lights::EmittedRay;
-use crate::scene::{MediumId, ObjectId, Scene, Surface};
+use crate::scene::{MediumId, ObjectId, Scene};
 
 /// A ray starts on a surface where the surface lies this many of its roundings away or less.
 const ON_SURFACE: f64 = 4.0;
@@ -39,17 +39,9 @@ pub type Ask<'a> = &'a (dyn Fn(DVec3) -> (MediumId, bool) + Sync);
 
 impl StartRegion {
     /// The region within `radius` ≥ 0 of `center` (local coordinates).
-    pub fn new(scene: &Scene, center: DVec3, radius: f64) -> Self {
-        Self::by_asking(scene, center, radius, &|point| medium_at(scene, point))
-    }
-
-    /// The same, with another way to ask for media.
     pub fn by_asking(scene: &Scene, center: DVec3, radius: f64, ask: Ask<'_>) -> Self {
         let geometry = &scene.geometry;
-        let is_refractor = |primitive| {
-            let object = ObjectId(geometry.object_of(primitive));
-            matches!(scene.object(object).surface, Surface::Refractor { .. })
-        };
+        let is_refractor = |primitive| scene.is_refractor(ObjectId(geometry.object_of(primitive)));
         let reach = DVec3::splat(radius + room_around(scene, center, radius));
         let mut near = Vec::new();
         geometry.for_each_near_box(center - reach, center + reach, None, |primitive| {
@@ -64,12 +56,6 @@ impl StartRegion {
     }
 
     /// How a ray (local coordinates) starts whose origin lies in the region.
-    #[inline]
-    pub fn start(&self, scene: &Scene, ray: Ray) -> Start {
-        self.start_by_asking(scene, ray, &|point| medium_at(scene, point))
-    }
-
-    /// The same, with another way to ask for media.
     #[inline]
     pub fn start_by_asking(&self, scene: &Scene, ray: Ray, ask: Ask<'_>) -> Start {
         match self.whole {

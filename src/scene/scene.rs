@@ -188,10 +188,14 @@ impl Scene {
         current == left || (self.world_is_vacuum && current.0 <= MediumId::VACUUM.0 && left.0 <= MediumId::VACUUM.0)
     }
 
-    /// Whether this object is a refractor.
     #[inline]
     pub fn is_refractor(&self, id: ObjectId) -> bool {
         matches!(self.object(id).surface, Surface::Refractor { .. })
+    }
+
+    /// The priority of a refractor; the lowest of all for other objects.
+    pub fn priority(&self, id: ObjectId) -> i32 {
+        if let Surface::Refractor { priority, .. } = self.object(id).surface { priority } else { i32::MIN }
     }
 
     /// Ids and interior media of the refractors.

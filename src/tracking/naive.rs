@@ -23,6 +23,6 @@ impl Tracker for Naive {
 
     #[inline]
     fn sides(&self, (): &(), crossing: &Crossing, _: &mut Events) -> Option<Sides> {
-        Some(crossing.sides(MediumId::VACUUM))
+        Some(crossing.sides(MediumId::VACUUM, crossing.interior))
     }
 }

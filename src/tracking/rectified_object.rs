@@ -26,6 +26,6 @@ impl Tracker for RectifiedObject {
 
     #[inline]
     fn sides(&self, (): &(), crossing: &Crossing, _: &mut Events) -> Option<Sides> {
-        Some(crossing.sides(self.outsides[crossing.refractor.0 as usize]))
+        Some(crossing.sides(self.outsides[crossing.refractor.0 as usize], crossing.interior))
     }
 }

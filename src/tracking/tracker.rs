@@ -28,14 +28,11 @@ pub struct Sides {
 }
 
 impl Crossing {
-    /// The sides, given what lies outside.
+    /// The sides, given what lies outside and inside.
     #[inline]
-    pub(super) fn sides(&self, outside: MediumId) -> Sides {
-        if self.is_entering {
-            Sides { from: outside, to: self.interior }
-        } else {
-            Sides { from: self.interior, to: outside }
-        }
+    pub(super) fn sides(&self, outside: MediumId, inside: MediumId) -> Sides {
+        let (from, to) = if self.is_entering { (outside, inside) } else { (inside, outside) };
+        Sides { from, to }
     }
 }
 

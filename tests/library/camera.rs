@@ -167,11 +167,12 @@ fn check_lens(prepared: &Prepared, center: DVec3, radius: f64, expected: impl Fn
     // Tilted, looking along −z and a little down.
     let (right, up) = (DVec3::X, DVec3::new(0.0, 0.98, -0.199).normalize());
     let to_local = -prepared.scene.geometry.origin;
-    let lens = StartRegion::new(&prepared.scene, center + to_local, radius);
+    let ask = |point| medium_at(&prepared.scene, point);
+    let lens = StartRegion::by_asking(&prepared.scene, center + to_local, radius, &ask);
     let mut inside = 0;
     for (point, direction) in disc(4000).zip(directions(4000)) {
         let origin = center + (right * point.x + up * point.y) * radius;
-        let started = lens.start(&prepared.scene, Ray::new(origin + to_local, direction));
+        let started = lens.start_by_asking(&prepared.scene, Ray::new(origin + to_local, direction), &ask);
         assert!(!started.is_ambiguous);
         assert_eq!(prepared.scene.medium(started.medium).name == "object 0", expected(origin), "at {origin}");
         inside += u32::from(expected(origin));

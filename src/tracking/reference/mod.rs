@@ -53,9 +53,7 @@ impl Tracker for Reference<'_> {
         }
         let beside = self.bodies.beside(self.scene, &place, primitive);
         events.ambiguous += u64::from(beside.is_doubtful);
-        let (front, back) = (beside.front, beside.back);
-        let (from, to) = if crossing.is_entering { (front, back) } else { (back, front) };
-        Some(Sides { from, to })
+        Some(crossing.sides(beside.front, beside.back))
     }
 
     fn can_skip(&self) -> bool {
