@@ -39,6 +39,11 @@ macro_rules! modes {
                 }
             }
 
+            /// All names, for help and errors.
+            pub fn list() -> String {
+                Self::ALL.map(Self::name).join(", ")
+            }
+
             /// One sentence for tooltips and help.
             pub fn about(self) -> &'static str {
                 match self {
@@ -86,6 +91,6 @@ impl FromStr for Mode {
         Self::ALL
             .into_iter()
             .find(|mode| mode.name() == text)
-            .ok_or_else(|| format!("unknown mode `{text}`; valid modes: {}", Self::ALL.map(Self::name).join(", ")))
+            .ok_or_else(|| format!("unknown mode `{text}`; valid modes: {}", Self::list()))
     }
 }
