@@ -33,6 +33,25 @@
 //! - No tracker sees a scattering function and no scattering function sees a tracker: they share a pair of IORs.
 //! - Random numbers are a pure function of (seed, pixel, sample, dimension), the same in every mode.
 
+/// Declares an enum whose variants have names: words for files, tables and legends.
+macro_rules! named {
+    ($(#[$meta:meta])* $visible:vis enum $type:ident { $($(#[$doc:meta])* $variant:ident = $name:literal,)* }) => {
+        $(#[$meta])*
+        $visible enum $type {
+            $($(#[$doc])* $variant,)*
+        }
+
+        impl $type {
+            /// The stable word for it.
+            $visible fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)*
+                }
+            }
+        }
+    };
+}
+
 #[cfg(feature = "window")]
 pub mod app;
 pub mod check;

@@ -5,6 +5,9 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
+/// Tells the window that there is something new.
+pub type Repaint = Arc<dyn Fn() + Send + Sync>;
+
 /// State shared by the window and the thread.
 #[derive(Debug, Default)]
 struct Tray<Order, Finished> {
@@ -91,20 +94,14 @@ where
     Order: PartialEq + Clone + Send + 'static,
     Finished: Default + Send + 'static,
 {
-    /// Starts the thread, which is to `work` until its desk has no order for it; `bell` is heard there.
-    ///
-    /// # Errors
-    /// When the system refuses a thread.
+    /// Starts the thread, if the system lets it; it is to `work` until its desk has no order for it, and `bell` is heard there.
     pub fn start(
         name: &str,
         bell: Bell<Order, Finished>,
         work: impl FnOnce(&Desk<Order, Finished>) + Send + 'static,
     ) -> std::io::Result<Self> {
-        let desk = bell.0;
-        let thread = {
-            let desk = Arc::clone(&desk);
-            std::thread::Builder::new().name(name.into()).spawn(move || work(&desk))?
-        };
+        let desk = Arc::clone(&bell.0);
+        let thread = std::thread::Builder::new().name(name.into()).spawn(move || work(&bell.0))?;
         Ok(Self { desk, thread: Some(thread) })
     }
 

@@ -13,16 +13,23 @@ use crate::scene::description::{CameraDescription, Transform};
 use crate::session::GroundTruthDemand;
 use crate::transport::inspect::Follow;
 
-/// A medium of the scene.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum MediumRef {
     /// The global medium.
     World,
-    /// By name.
     Named(String),
 }
 
-/// What an export writes.
+impl MediumRef {
+    /// On the screen.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::World => "world",
+            Self::Named(name) => name,
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExportKind {
     /// The active pane, as displayed.
@@ -35,7 +42,6 @@ pub enum ExportKind {
     ErrorsCsv,
 }
 
-/// A change or an action.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
     // The scene. Undoable.

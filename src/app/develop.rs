@@ -7,15 +7,15 @@ use std::time::Instant;
 
 use egui::{Color32, ColorImage};
 
-use super::background::{Background, Bell, Desk};
+use super::background::{Background, Bell, Desk, Repaint};
 use super::settings::{DifferenceKind, PaneContent};
+use super::theme::opaque;
 use crate::color::along;
 use crate::export::color_map::{diverging, luminance};
 use crate::measure::flip;
 use crate::render::Display;
 use crate::session::{Board, Halves, PaintedSurfaces, Snapshot};
 
-/// How to develop.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recipe {
     pub contents: BTreeSet<PaneContent>,
@@ -30,6 +30,12 @@ const FLIP_REST: u32 = 3;
 #[derive(Debug, Clone)]
 pub struct Picture {
     pub image: Arc<ColorImage>,
+    pub about: About,
+}
+
+/// What is known of a picture.
+#[derive(Debug, Clone, Default)]
+pub struct About {
     pub source: Source,
     /// For a difference: the mean over all pixels of the absolute difference in linear luminance, or of FLIP where that is shown.
     pub mean_difference: Option<(DifferenceKind, f64)>,
@@ -42,7 +48,6 @@ pub struct Picture {
 pub struct Source {
     /// One film, or two for a difference.
     pub films: Vec<Arc<Snapshot>>,
-    /// Painted surfaces.
     pub painted: Option<Arc<PaintedSurfaces>>,
     /// What the film is compared with, for an error.
     pub truth: Option<Arc<Halves>>,
@@ -98,18 +103,11 @@ type Pictures = BTreeMap<PaneContent, Picture>;
 pub type Developer = Background<Recipe, Pictures>;
 
 /// Starts the thread, which looks at `board` whenever `bell` rings and calls `wake` after each batch of pictures.
-///
-/// # Errors
-/// When the system refuses a thread.
-pub fn start(
-    bell: Bell<Recipe, Pictures>,
-    board: Arc<Board>,
-    wake: impl Fn() + Send + 'static,
-) -> std::io::Result<Developer> {
+pub fn start(bell: Bell<Recipe, Pictures>, board: Arc<Board>, wake: Repaint) -> std::io::Result<Developer> {
     Background::start("develop", bell, move |desk| run(desk, &board, &wake))
 }
 
-fn run(desk: &Desk<Recipe, Pictures>, board: &Board, wake: &dyn Fn()) {
+fn run(desk: &Desk<Recipe, Pictures>, board: &Board, wake: &Repaint) {
     // What each picture was last made from and how.
     let mut made: BTreeMap<PaneContent, (Source, Display, DifferenceKind)> = BTreeMap::new();
     let mut rest_until = Instant::now();
@@ -180,16 +178,16 @@ fn sources(recipe: &Recipe, board: &Board) -> Vec<(PaneContent, Source)> {
 fn develop(content: PaneContent, source: &Source, recipe: &Recipe) -> Option<Picture> {
     let finish = |size: [u32; 2], pixels: Vec<Color32>| {
         let image = Arc::new(ColorImage::new(size.map(|side| side as usize), pixels));
-        Picture { image, source: source.clone(), mean_difference: None, flip: None }
+        Picture { image, about: About { source: source.clone(), ..About::default() } }
     };
     if let Some(painted) = &source.painted {
-        let pixels = painted.painting.pixels().map(|[r, g, b]| Color32::from_rgb(r, g, b)).collect();
+        let pixels = painted.painting.pixels().map(opaque).collect();
         return Some(finish([painted.painting.width, painted.painting.height], pixels));
     }
     let size = source.films.first()?.size;
     if !content.is_difference() {
         let pixels = source.films[0].rgb.iter().map(|rgb| recipe.display.encode(*rgb));
-        return Some(finish(size, pixels.map(|[r, g, b]| Color32::from_rgb(r, g, b)).collect()));
+        return Some(finish(size, pixels.map(opaque).collect()));
     }
     let [a, b] = source.pair()?;
     if recipe.difference == DifferenceKind::Flip {
@@ -197,19 +195,18 @@ fn develop(content: PaneContent, source: &Source, recipe: &Recipe) -> Option<Pic
         let viewed = flip::DEFAULT_PIXELS_PER_DEGREE;
         let reference = flip::Reference::displayed(b, width, height, viewed, recipe.display).ok()?;
         let flip = reference.flip(a).ok()?;
-        let picture = finish(size, flip.error.iter().map(|x| flip_color(*x)).collect());
-        return Some(Picture {
-            mean_difference: Some((recipe.difference, flip.mean())),
-            flip: Some(Arc::new(flip.error)),
-            ..picture
-        });
+        let mut picture = finish(size, flip.error.iter().map(|x| flip_color(*x)).collect());
+        picture.about.mean_difference = Some((recipe.difference, flip.mean()));
+        picture.about.flip = Some(Arc::new(flip.error));
+        return Some(picture);
     }
     let gain = recipe.display.exposure.exp2();
     let is_signed = recipe.difference == DifferenceKind::Signed;
     let differences = || a.iter().zip(b).map(|(a, b)| luminance(*a) - luminance(*b));
     let mean = differences().map(|d| f64::from(d.abs())).sum::<f64>() / a.len().max(1) as f64;
-    let picture = finish(size, differences().map(|d| difference_color(d * gain, is_signed)).collect());
-    Some(Picture { mean_difference: Some((recipe.difference, mean)), ..picture })
+    let mut picture = finish(size, differences().map(|d| difference_color(d * gain, is_signed)).collect());
+    picture.about.mean_difference = Some((recipe.difference, mean));
+    Some(picture)
 }
 
 /// The colour of a difference in luminance, full at ±1. Signed: blue where the first is darker, black where equal, orange where it is
@@ -233,28 +230,13 @@ fn sequential(size: f32) -> Color32 {
     opaque(along(&STOPS, size * (STOPS.len() - 1) as f32))
 }
 
-fn opaque([r, g, b]: [u8; 3]) -> Color32 {
-    Color32::from_rgb(r, g, b)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tracking::Events;
     use crate::tracking::Mode;
 
     fn film(mode: Mode, rgb: Vec<[f32; 3]>) -> Arc<Snapshot> {
-        Arc::new(Snapshot {
-            epoch: 1,
-            mode,
-            size: [rgb.len() as u32, 1],
-            full_size: [rgb.len() as u32, 1],
-            rgb,
-            samples: 1,
-            events: Events::default(),
-            seconds: 1.0,
-            is_done: false,
-        })
+        Snapshot::of(mode, [rgb.len() as u32, 1], rgb)
     }
 
     fn of(films: &[&Arc<Snapshot>]) -> Source {
@@ -268,8 +250,7 @@ mod tests {
         let recipe = Recipe { display: Display { exposure: 1.0, ..Display::default() }, ..Recipe::default() };
         let film = film(Mode::Naive, vec![[0.1, 0.2, 0.3]]);
         let picture = develop(PaneContent::Mode(Mode::Naive), &of(&[&film]), &recipe).unwrap();
-        let [r, g, b] = recipe.display.encode([0.1, 0.2, 0.3]);
-        assert_eq!(picture.image.pixels, [Color32::from_rgb(r, g, b)]);
+        assert_eq!(picture.image.pixels, [opaque(recipe.display.encode([0.1, 0.2, 0.3]))]);
     }
 
     #[test]
@@ -281,7 +262,7 @@ mod tests {
         assert!(pixels[0].b() > pixels[0].r() && pixels[1].r() > pixels[1].b());
         let absolute = develop(PAIR, &of(&[&a, &b]), &with(DifferenceKind::Absolute)).unwrap();
         assert_eq!(absolute.image.pixels[0], absolute.image.pixels[1]);
-        assert!((absolute.mean_difference.unwrap().1 - 1.0).abs() < 1e-6);
+        assert!((absolute.about.mean_difference.unwrap().1 - 1.0).abs() < 1e-6);
         assert!(difference_color(0.0, true).r() < 20 && difference_color(0.0, false).r() < 20);
         let short = film(Mode::Stack, vec![[0.0; 3]]);
         assert!(develop(PAIR, &of(&[&a, &short]), &Recipe::default()).is_none());
@@ -294,9 +275,9 @@ mod tests {
         let (dark, half) = (vec![[0.05; 3]; 64], (0..64).map(|x| if x < 32 { [0.05; 3] } else { [0.9; 3] }).collect());
         let (a, b) = (film(Mode::Naive, dark.clone()), film(Mode::Stack, half));
         let equal = develop(PAIR, &of(&[&a, &film(Mode::Stack, dark)]), &recipe).unwrap();
-        assert!(equal.mean_difference.unwrap().1 < 1e-4);
+        assert!(equal.about.mean_difference.unwrap().1 < 1e-4);
         let other = develop(PAIR, &of(&[&a, &b]), &recipe).unwrap();
-        let flip = other.flip.unwrap();
+        let flip = other.about.flip.unwrap();
         assert!(flip[60] > 0.5 && flip[2] < 0.2, "{flip:?}");
     }
 
@@ -308,7 +289,7 @@ mod tests {
         let source = Source { truth: Some(Arc::new(truth)), ..of(&[&a]) };
         let recipe = Recipe { difference: DifferenceKind::Signed, ..Recipe::default() };
         let picture = develop(PaneContent::Error(Mode::Naive), &source, &recipe).unwrap();
-        assert!((picture.mean_difference.unwrap().1 - 0.1).abs() < 1e-6);
+        assert!((picture.about.mean_difference.unwrap().1 - 0.1).abs() < 1e-6);
         assert!(picture.image.pixels[0].r() > picture.image.pixels[0].b(), "brighter than the truth");
         assert!(develop(PaneContent::Error(Mode::Naive), &of(&[&a]), &recipe).is_none());
     }

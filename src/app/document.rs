@@ -28,13 +28,9 @@ pub enum EditKey {
 impl EditKey {
     /// What "Undo" says that it undoes.
     pub fn label(&self) -> String {
-        let of = |medium: &MediumRef| match medium {
-            MediumRef::World => "world".to_owned(),
-            MediumRef::Named(name) => name.clone(),
-        };
         match self {
-            Self::Ior(medium) => format!("IOR of {}", of(medium)),
-            Self::Absorption(medium) => format!("absorption of {}", of(medium)),
+            Self::Ior(medium) => format!("IOR of {}", medium.name()),
+            Self::Absorption(medium) => format!("absorption of {}", medium.name()),
             Self::Priority(object) => format!("priority of {object}"),
             Self::Visibility(object) => format!("hiding or showing {object}"),
             Self::Transform(object, manipulation) => format!("{} {object}", manipulation.doing()),
@@ -50,15 +46,6 @@ struct Version {
     revision: u64,
 }
 
-/// What was there before a drag, to return to if it is given up.
-#[derive(Debug, Clone)]
-struct Gesture {
-    before: Version,
-    undo: Vec<(EditKey, Version)>,
-    redo: Vec<(EditKey, Version)>,
-}
-
-/// The scene being edited.
 #[derive(Debug, Clone)]
 pub struct Document {
     current: Version,
@@ -67,7 +54,8 @@ pub struct Document {
     undo: Vec<(EditKey, Version)>,
     redo: Vec<(EditKey, Version)>,
     last_edit_secs: f64,
-    gesture: Option<Gesture>,
+    /// What was there before the drag that is under way, to return to if it is given up.
+    before_gesture: Option<Box<Self>>,
     /// Where "Save" writes; `None` for a built-in scene that was never saved.
     pub path: Option<PathBuf>,
 }
@@ -82,7 +70,7 @@ impl Document {
             undo: Vec::new(),
             redo: Vec::new(),
             last_edit_secs: f64::NEG_INFINITY,
-            gesture: None,
+            before_gesture: None,
             path,
         }
     }
@@ -119,7 +107,7 @@ impl Document {
         self.next_revision += 1;
         let old = std::mem::replace(&mut self.current, version);
         // In a drag every edit after the first continues, however slow.
-        let in_gesture = self.gesture.as_ref().is_some_and(|gesture| gesture.before.revision != old.revision);
+        let in_gesture = self.before_gesture.as_ref().is_some_and(|before| before.current.revision != old.revision);
         let continues = (now_secs - self.last_edit_secs < MERGE_SECONDS || in_gesture)
             && self.undo.last().is_some_and(|(last, _)| *last == key)
             && self.redo.is_empty();
@@ -136,35 +124,30 @@ impl Document {
     /// From now on edits of one thing are undone as one, however slow, until [`Self::end_gesture`].
     pub fn begin_gesture(&mut self) {
         self.end_gesture();
-        self.gesture = Some(Gesture { before: self.current.clone(), undo: self.undo.clone(), redo: self.redo.clone() });
-        self.last_edit_secs = f64::NEG_INFINITY;
+        self.before_gesture = Some(Box::new(self.clone()));
     }
 
-    /// Whether a drag is under way.
     pub fn has_gesture(&self) -> bool {
-        self.gesture.is_some()
+        self.before_gesture.is_some()
     }
 
-    /// The drag is done.
     pub fn end_gesture(&mut self) {
-        self.gesture = None;
+        self.before_gesture = None;
         self.last_edit_secs = f64::NEG_INFINITY;
     }
 
     /// The drag never was; `false` when there is none.
     pub fn cancel_gesture(&mut self) -> bool {
-        let Some(gesture) = self.gesture.take() else { return false };
-        (self.current, self.undo, self.redo) = (gesture.before, gesture.undo, gesture.redo);
+        let Some(before) = self.before_gesture.take() else { return false };
+        (self.current, self.undo, self.redo) = (before.current, before.undo, before.redo);
         self.last_edit_secs = f64::NEG_INFINITY;
         true
     }
 
-    /// What would be undone.
     pub fn undo_label(&self) -> Option<String> {
         self.undo.last().map(|(key, _)| key.label())
     }
 
-    /// What would be done again.
     pub fn redo_label(&self) -> Option<String> {
         self.redo.last().map(|(key, _)| key.label())
     }
@@ -186,7 +169,6 @@ impl Document {
     }
 }
 
-/// The IOR of a medium in a scene.
 pub fn ior_of<'a>(description: &'a Description, medium: &MediumRef) -> Option<&'a Ior> {
     match medium {
         MediumRef::World => Some(&description.world.ior),
@@ -197,48 +179,31 @@ pub fn ior_of<'a>(description: &'a Description, medium: &MediumRef) -> Option<&'
 /// The scene with another IOR for one medium; `None` if it has no such medium.
 pub fn with_ior(description: &Description, medium: &MediumRef, ior: Ior) -> Option<Description> {
     let mut edited = description.clone();
-    match medium {
-        MediumRef::World => edited.world.ior = ior,
-        MediumRef::Named(name) => edited.media.iter_mut().find(|m| m.name == *name)?.ior = ior,
-    }
+    *optics_of(&mut edited, medium)?.0 = ior;
     Some(edited)
 }
 
 /// The scene with another absorption for one medium; `None` if it has no such medium.
 pub fn with_absorption(description: &Description, medium: &MediumRef, absorption: [f64; 3]) -> Option<Description> {
     let mut edited = description.clone();
-    match medium {
-        MediumRef::World => edited.world.absorption = absorption,
-        MediumRef::Named(name) => edited.media.iter_mut().find(|m| m.name == *name)?.absorption = absorption,
-    }
+    *optics_of(&mut edited, medium)?.1 = absorption;
     Some(edited)
+}
+
+fn optics_of<'a>(description: &'a mut Description, medium: &MediumRef) -> Option<(&'a mut Ior, &'a mut [f64; 3])> {
+    match medium {
+        MediumRef::World => Some((&mut description.world.ior, &mut description.world.absorption)),
+        MediumRef::Named(name) => {
+            let medium = description.media.iter_mut().find(|m| m.name == *name)?;
+            Some((&mut medium.ior, &mut medium.absorption))
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
-    use crate::scene::description::{CameraDescription, Environment, Objects, WorldMedium};
-
-    fn scene() -> Description {
-        Description {
-            name: "test".into(),
-            camera: CameraDescription {
-                position: DVec3::Z,
-                target: DVec3::ZERO,
-                up: DVec3::Y,
-                vertical_fov: 40.0,
-                aperture_radius: 0.0,
-                focus_distance: None,
-            },
-            world: WorldMedium { ior: Ior::Constant(1.0), absorption: [0.0; 3] },
-            environment: Environment::Color([1.0; 3]),
-            media: Vec::new(),
-            objects: Objects::default(),
-            source: None,
-        }
-    }
+    use crate::app::opening::no_scene;
 
     fn set(document: &mut Document, now_secs: f64, ior: f64) {
         let edited = with_ior(document.description(), &MediumRef::World, Ior::Constant(ior)).unwrap();
@@ -251,7 +216,7 @@ mod tests {
 
     #[test]
     fn a_drag_is_undone_as_one_and_a_later_edit_on_its_own() {
-        let mut document = Document::new(Arc::new(scene()));
+        let mut document = Document::new(no_scene());
         assert!(!document.is_dirty());
         set(&mut document, 10.0, 1.1);
         set(&mut document, 10.1, 1.2);
@@ -269,7 +234,7 @@ mod tests {
 
     #[test]
     fn what_was_restored_is_in_no_file_until_it_is_saved() {
-        let mut document = Document::restored(Arc::new(scene()), Some("a.toml".into()));
+        let mut document = Document::restored(no_scene(), Some("a.toml".into()));
         assert!(document.is_dirty() && !document.undo());
         set(&mut document, 1.0, 1.1);
         assert!(document.undo() && document.is_dirty());
@@ -280,7 +245,7 @@ mod tests {
 
     #[test]
     fn an_edit_after_undo_drops_what_could_be_redone() {
-        let mut document = Document::new(Arc::new(scene()));
+        let mut document = Document::new(no_scene());
         set(&mut document, 1.0, 1.1);
         document.undo();
         set(&mut document, 1.1, 1.2);
@@ -291,7 +256,7 @@ mod tests {
 
     #[test]
     fn a_drag_is_one_step_however_slow_and_can_be_given_up() {
-        let mut document = Document::new(Arc::new(scene()));
+        let mut document = Document::new(no_scene());
         set(&mut document, 1.0, 1.1);
         document.begin_gesture();
         set(&mut document, 1.1, 1.2);
@@ -314,6 +279,6 @@ mod tests {
 
     #[test]
     fn an_unknown_medium_is_no_edit() {
-        assert!(with_ior(&scene(), &MediumRef::Named("soup".into()), Ior::Constant(1.1)).is_none());
+        assert!(with_ior(&no_scene(), &MediumRef::Named("soup".into()), Ior::Constant(1.1)).is_none());
     }
 }

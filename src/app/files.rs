@@ -2,20 +2,17 @@
 
 use std::future::Future;
 use std::path::{Path, PathBuf};
-use std::pin::pin;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::task::{Context, Poll, Wake, Waker};
-use std::thread::Thread;
 use std::time::{Duration, Instant};
 
 use image::RgbImage;
 
 use super::autosave::Found;
-use super::command::ExportKind;
+use super::background::Repaint;
+use super::command::{Command, ExportKind};
 use super::develop::Source;
 use super::opening::Reading;
-use super::settings::PaneContent;
 use crate::export::{self, Comparison, ExportError, LabelledPane, Picture};
 use crate::render::Display;
 use crate::scene::{Description, SceneError};
@@ -56,11 +53,29 @@ impl Purpose {
             Self::Export(_) => ("PNG", "png"),
         }
     }
+
+    pub fn extension(self) -> &'static str {
+        self.filter().1
+    }
+
+    /// The path with the extension where the user typed none.
+    pub fn extended(self, path: &Path) -> PathBuf {
+        let is_whole = self == Self::Open || path.extension().is_some();
+        if is_whole { path.to_owned() } else { path.with_extension(self.extension()) }
+    }
+
+    /// What is to be done with a chosen path.
+    pub fn command(self, path: PathBuf) -> Command {
+        match self {
+            Self::Open => Command::Open(path),
+            Self::SaveAs => Command::SaveAs(path),
+            Self::Export(kind) => Command::Export(kind, path),
+        }
+    }
 }
 
 /// What came of a request.
 pub enum Outcome {
-    /// A path was chosen.
     Chosen(Purpose, PathBuf),
     /// This system shows no dialogs: ask in the window.
     NoDialog(Purpose, PathBuf),
@@ -82,19 +97,19 @@ pub struct ExportJob {
     pub prepared: Prepared,
     pub display: Display,
     pub seed: u64,
-    /// What the panes show and are made from: the active one alone, or all.
-    pub panes: Vec<(PaneContent, Source)>,
+    /// What the panes are made from: the active one alone, or all.
+    pub panes: Vec<Source>,
 }
 
 /// Starts jobs and collects what came of them.
 pub struct Files {
     sender: Sender<Outcome>,
     receiver: Receiver<Outcome>,
-    wake: Arc<dyn Fn() + Send + Sync>,
+    wake: Repaint,
 }
 
 impl Files {
-    pub fn new(wake: Arc<dyn Fn() + Send + Sync>) -> Self {
+    pub fn new(wake: Repaint) -> Self {
         let (sender, receiver) = channel();
         Self { sender, receiver, wake }
     }
@@ -118,6 +133,10 @@ impl Files {
         }
     }
 
+    fn attempt<E: ToString>(&self, job: impl FnOnce() -> Result<Outcome, E> + Send + 'static) {
+        self.spawn(move || Some(job().unwrap_or_else(|error| Outcome::Failed(error.to_string()))));
+    }
+
     /// Asks for a path with the system's dialog.
     pub fn ask(&self, purpose: Purpose, suggestion: &Path) {
         let (name, extension) = purpose.filter();
@@ -133,8 +152,8 @@ impl Files {
             Purpose::Open => Box::pin(dialog.pick_file()),
             _ => Box::pin(dialog.set_file_name(file_name).save_file()),
         };
-        self.spawn(move || match block_on(chosen) {
-            Some(file) => Some(Outcome::Chosen(purpose, with_extension(file.path(), extension, purpose))),
+        self.spawn(move || match pollster::block_on(chosen) {
+            Some(file) => Some(Outcome::Chosen(purpose, purpose.extended(file.path()))),
             None if start.elapsed() < NO_DIALOG => Some(Outcome::NoDialog(purpose, suggestion)),
             None => None,
         });
@@ -171,34 +190,17 @@ impl Files {
         });
     }
 
-    /// Writes the scene.
     pub fn save(&self, description: Arc<Description>, path: PathBuf) {
-        self.spawn(move || {
-            Some(match crate::formats::save(&description, &path) {
-                Ok(()) => Outcome::Saved(path, description),
-                Err(error) => Outcome::Failed(error.to_string()),
-            })
-        });
+        self.attempt(move || crate::formats::save(&description, &path).map(|()| Outcome::Saved(path, description)));
     }
 
-    /// Writes pictures.
     pub fn export(&self, job: ExportJob) {
-        self.spawn(move || {
-            Some(match write_pictures(&job) {
-                Ok(()) => Outcome::Exported(job.path),
-                Err(error) => Outcome::Failed(error.to_string()),
-            })
-        });
+        self.attempt(move || write_pictures(&job).map(|()| Outcome::Exported(job.path)));
     }
 
-    /// Writes a table.
     pub fn export_text(&self, text: String, path: PathBuf) {
-        self.spawn(move || {
-            Some(match write_atomically(&path, |file| file.write_all(text.as_bytes())) {
-                Ok(()) => Outcome::Exported(path),
-                Err(error) => Outcome::Failed(error.to_string()),
-            })
-        });
+        let write = |path: &Path, text: &str| write_atomically(path, |file| file.write_all(text.as_bytes()));
+        self.attempt(move || write(&path, &text).map(|()| Outcome::Exported(path)));
     }
 }
 
@@ -209,20 +211,6 @@ fn opened(id: u64, read: Result<Description, SceneError>) -> Outcome {
     }
 }
 
-/// The path with `extension` where the user typed none.
-pub fn with_extension(path: &Path, extension: &str, purpose: Purpose) -> PathBuf {
-    if purpose == Purpose::Open || path.extension().is_some() {
-        path.to_owned()
-    } else {
-        path.with_extension(extension)
-    }
-}
-
-/// The extension that files for `purpose` have.
-pub fn extension_of(purpose: Purpose) -> &'static str {
-    purpose.filter().1
-}
-
 fn picture_of(film: &Snapshot) -> Picture {
     Picture { width: film.size[0], height: film.size[1], rgb: film.rgb.clone() }
 }
@@ -230,13 +218,13 @@ fn picture_of(film: &Snapshot) -> Picture {
 fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
     // Each mode once, in the order of the panes: a difference is told by the modes that it is made of.
     let mut films: Vec<&Arc<Snapshot>> = Vec::new();
-    for film in job.panes.iter().flat_map(|(_, source)| &source.films) {
+    for film in job.panes.iter().flat_map(|source| &source.films) {
         if films.iter().all(|known| known.mode != film.mode) {
             films.push(film);
         }
     }
-    let truth = job.panes.iter().find_map(|(_, source)| source.truth.as_ref());
-    let painted = job.panes.iter().filter_map(|(_, source)| source.painted.as_ref());
+    let truth = job.panes.iter().find_map(|source| source.truth.as_ref());
+    let painted = job.panes.iter().filter_map(|source| source.painted.as_ref());
     let paintings: Vec<_> = painted.map(|painted| (painted.quantity, &painted.painting)).collect();
     let Some(first) = films.first() else {
         return match job.kind {
@@ -311,62 +299,15 @@ fn below(above: RgbImage, under: &RgbImage) -> RgbImage {
     sheet
 }
 
-/// The events of all films together.
-pub fn total_events(films: &[Arc<Snapshot>]) -> Events {
-    films.iter().fold(Events::default(), |mut sum, film| {
-        sum += film.events;
-        sum
-    })
-}
-
-/// Waits for a future on this thread.
-fn block_on<T>(future: impl Future<Output = T>) -> T {
-    struct Unpark(Thread);
-    impl Wake for Unpark {
-        fn wake(self: Arc<Self>) {
-            self.0.unpark();
-        }
-    }
-    let waker = Waker::from(Arc::new(Unpark(std::thread::current())));
-    let mut future = pin!(future);
-    loop {
-        match future.as_mut().poll(&mut Context::from_waker(&waker)) {
-            Poll::Ready(value) => return value,
-            Poll::Pending => std::thread::park(),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_future_that_wakes_later_is_waited_for() {
-        let (sender, receiver) = channel();
-        std::thread::spawn(move || {
-            std::thread::sleep(Duration::from_millis(20));
-            sender.send(5).expect("the test waits");
-        });
-        let future = std::future::poll_fn(move |context| match receiver.try_recv() {
-            Ok(value) => Poll::Ready(value),
-            Err(_) => {
-                let waker = context.waker().clone();
-                std::thread::spawn(move || {
-                    std::thread::sleep(Duration::from_millis(5));
-                    waker.wake();
-                });
-                Poll::Pending
-            }
-        });
-        assert_eq!(block_on(future), 5);
-    }
-
-    #[test]
     fn extensions_are_added_where_there_is_none() {
         let export = Purpose::Export(ExportKind::PanePng);
-        assert_eq!(with_extension(Path::new("a/b"), extension_of(export), export), Path::new("a/b.png"));
-        assert_eq!(with_extension(Path::new("a/b.x"), "png", export), Path::new("a/b.x"));
-        assert_eq!(with_extension(Path::new("scene"), "toml", Purpose::Open), Path::new("scene"));
+        assert_eq!(export.extended(Path::new("a/b")), Path::new("a/b.png"));
+        assert_eq!(export.extended(Path::new("a/b.x")), Path::new("a/b.x"));
+        assert_eq!(Purpose::Open.extended(Path::new("scene")), Path::new("scene"));
     }
 }

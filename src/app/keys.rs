@@ -7,7 +7,6 @@ use super::objects::Manipulation;
 use super::settings::{Arrangement, Tab};
 use super::state::State;
 
-/// A key and what it does.
 pub struct Shortcut {
     pub keys: KeyboardShortcut,
     /// For the list; empty for a second key that does the same.
@@ -30,6 +29,10 @@ const fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(modifiers, key)
 }
 
+const fn on(keys: KeyboardShortcut, what: &'static str, command: fn(&State) -> Command) -> Shortcut {
+    Shortcut { keys, what, command }
+}
+
 pub const OPEN: KeyboardShortcut = key(CTRL, Key::O);
 pub const GALLERY: KeyboardShortcut = key(CTRL, Key::B);
 pub const SAVE: KeyboardShortcut = key(CTRL, Key::S);
@@ -39,9 +42,9 @@ pub const EXPORT_ALL: KeyboardShortcut = key(CTRL_SHIFT, Key::E);
 pub const QUIT: KeyboardShortcut = key(CTRL, Key::Q);
 pub const UNDO: KeyboardShortcut = key(CTRL, Key::Z);
 pub const REDO: KeyboardShortcut = key(CTRL_SHIFT, Key::Z);
-pub const MOVE: KeyboardShortcut = key(NONE, Key::G);
-pub const ROTATE: KeyboardShortcut = key(NONE, Key::T);
-pub const SCALE: KeyboardShortcut = key(NONE, Key::S);
+const MOVE: KeyboardShortcut = key(NONE, Key::G);
+const ROTATE: KeyboardShortcut = key(NONE, Key::T);
+const SCALE: KeyboardShortcut = key(NONE, Key::S);
 pub const HIDE: KeyboardShortcut = key(NONE, Key::V);
 pub const FRAME: KeyboardShortcut = key(NONE, Key::F);
 pub const EARLIER_VIEW: KeyboardShortcut = key(NONE, Key::Backspace);
@@ -64,102 +67,91 @@ pub const GROUPS: &[Group] = &[
     Group {
         title: "Files",
         shortcuts: &[
-            Shortcut { keys: OPEN, what: "Open a scene", command: |_| Command::AskOpen },
-            Shortcut { keys: GALLERY, what: "Built-in scenes", command: |s| Command::ShowGallery(!s.windows.gallery) },
-            Shortcut { keys: SAVE_AS, what: "Save as…", command: |_| Command::AskSaveAs },
-            Shortcut { keys: SAVE, what: "Save", command: |_| Command::Save },
-            Shortcut {
-                keys: EXPORT_ALL,
-                what: "Export all panes as PNG",
-                command: |_| Command::AskExport(ExportKind::AllPanesPng),
-            },
-            Shortcut {
-                keys: EXPORT_PANE,
-                what: "Export the active pane as PNG",
-                command: |_| Command::AskExport(ExportKind::PanePng),
-            },
-            Shortcut { keys: QUIT, what: "Quit", command: |_| Command::Quit },
+            on(OPEN, "Open a scene", |_| Command::AskOpen),
+            on(GALLERY, "Built-in scenes", |s| Command::ShowGallery(!s.windows.gallery)),
+            on(SAVE_AS, "Save as…", |_| Command::AskSaveAs),
+            on(SAVE, "Save", |_| Command::Save),
+            on(EXPORT_ALL, "Export all panes as PNG", |_| Command::AskExport(ExportKind::AllPanesPng)),
+            on(EXPORT_PANE, "Export the active pane as PNG", |_| Command::AskExport(ExportKind::PanePng)),
+            on(QUIT, "Quit", |_| Command::Quit),
         ],
     },
     Group {
         title: "Edit",
         shortcuts: &[
-            Shortcut { keys: REDO, what: "Redo", command: |_| Command::Redo },
-            Shortcut { keys: UNDO, what: "Undo", command: |_| Command::Undo },
-            Shortcut { keys: key(CTRL, Key::Y), what: "", command: |_| Command::Redo },
-            Shortcut { keys: MOVE, what: "Move the selected object", command: |s| handles(s, Manipulation::Move) },
-            Shortcut { keys: ROTATE, what: "Rotate it", command: |s| handles(s, Manipulation::Rotate) },
-            Shortcut { keys: SCALE, what: "Scale it", command: |s| handles(s, Manipulation::Scale) },
-            Shortcut { keys: HIDE, what: "Hide or show it", command: hide },
+            on(REDO, "Redo", |_| Command::Redo),
+            on(UNDO, "Undo", |_| Command::Undo),
+            on(key(CTRL, Key::Y), "", |_| Command::Redo),
+            on(MOVE, "Move the selected object", |s| handles(s, Manipulation::Move)),
+            on(ROTATE, "Rotate it", |s| handles(s, Manipulation::Rotate)),
+            on(SCALE, "Scale it", |s| handles(s, Manipulation::Scale)),
+            on(HIDE, "Hide or show it", hide),
         ],
     },
     Group {
         title: "Panes",
         shortcuts: &[
-            Shortcut { keys: key(NONE, Key::Num1), what: "One pane", command: |_| Command::SetPaneCount(1) },
-            Shortcut { keys: key(NONE, Key::Num2), what: "Two panes", command: |_| Command::SetPaneCount(2) },
-            Shortcut { keys: key(NONE, Key::Num4), what: "Four panes", command: |_| Command::SetPaneCount(4) },
-            Shortcut {
-                keys: WIPE,
-                what: "Wipe or side by side",
-                command: |s| {
-                    Command::SetArrangement(match s.settings.arrangement {
-                        Arrangement::Tiles => Arrangement::Wipe,
-                        Arrangement::Wipe => Arrangement::Tiles,
-                    })
-                },
-            },
-            Shortcut {
-                keys: key(NONE, Key::N),
-                what: "Next pane",
-                command: |s| Command::SetActivePane((s.view.active_pane + 1) % s.settings.pane_count),
-            },
+            on(key(NONE, Key::Num1), "One pane", |_| Command::SetPaneCount(1)),
+            on(key(NONE, Key::Num2), "Two panes", |_| Command::SetPaneCount(2)),
+            on(key(NONE, Key::Num4), "Four panes", |_| Command::SetPaneCount(4)),
+            on(WIPE, "Wipe or side by side", |s| {
+                let is_wipe = s.settings.arrangement == Arrangement::Wipe;
+                Command::SetArrangement(if is_wipe { Arrangement::Tiles } else { Arrangement::Wipe })
+            }),
+            on(key(NONE, Key::N), "Next pane", |s| {
+                Command::SetActivePane((s.view.active_pane + 1) % s.settings.pane_count)
+            }),
         ],
     },
     Group {
         title: "View",
         shortcuts: &[
-            Shortcut { keys: RESET_CAMERA, what: "Camera as in the scene", command: |_| Command::ResetCamera },
-            Shortcut { keys: FRAME, what: "Camera to the selected object", command: frame },
-            Shortcut { keys: EARLIER_VIEW, what: "Earlier view", command: |_| Command::EarlierView },
-            Shortcut { keys: RESET_ZOOM, what: "Whole picture", command: |_| Command::SetZoom(1.0, [0.5; 2]) },
-            Shortcut { keys: BOTH_PANELS, what: "Hide or show both panels", command: |_| Command::ToggleBothPanels },
-            Shortcut { keys: SCENE_PANEL, what: "Scene panel", command: |_| Command::ToggleScenePanel },
-            Shortcut { keys: RENDER_PANEL, what: "Render panel", command: |_| Command::ToggleRenderPanel },
-            Shortcut { keys: key(NONE, Key::I), what: "Inspector", command: |_| Command::ShowTab(Tab::Inspector) },
-            Shortcut { keys: MEASURE, what: "Error against time", command: |_| Command::ShowTab(Tab::Measure) },
-            Shortcut { keys: VALUES, what: "Values under the pointer", command: |_| Command::ToggleValues },
-            Shortcut { keys: LARGER, what: "Larger interface", command: |_| Command::StepInterfaceScale(1) },
-            Shortcut { keys: key(CTRL, Key::Equals), what: "", command: |_| Command::StepInterfaceScale(1) },
-            Shortcut { keys: SMALLER, what: "Smaller interface", command: |_| Command::StepInterfaceScale(-1) },
+            on(RESET_CAMERA, "Camera as in the scene", |_| Command::ResetCamera),
+            on(FRAME, "Camera to the selected object", frame),
+            on(EARLIER_VIEW, "Earlier view", |_| Command::EarlierView),
+            on(RESET_ZOOM, "Whole picture", |_| Command::SetZoom(1.0, [0.5; 2])),
+            on(BOTH_PANELS, "Hide or show both panels", |_| Command::ToggleBothPanels),
+            on(SCENE_PANEL, "Scene panel", |_| Command::ToggleScenePanel),
+            on(RENDER_PANEL, "Render panel", |_| Command::ToggleRenderPanel),
+            on(key(NONE, Key::I), "Inspector", |_| Command::ShowTab(Tab::Inspector)),
+            on(MEASURE, "Error against time", |_| Command::ShowTab(Tab::Measure)),
+            on(VALUES, "Values under the pointer", |_| Command::ToggleValues),
+            on(LARGER, "Larger interface", |_| Command::StepInterfaceScale(1)),
+            on(key(CTRL, Key::Equals), "", |_| Command::StepInterfaceScale(1)),
+            on(SMALLER, "Smaller interface", |_| Command::StepInterfaceScale(-1)),
         ],
     },
     Group {
         title: "Render",
         shortcuts: &[
-            Shortcut { keys: PAUSE, what: "Pause or go on", command: |_| Command::TogglePause },
-            Shortcut { keys: RESTART, what: "Start the images anew", command: |_| Command::Restart },
-            Shortcut {
-                keys: key(NONE, Key::CloseBracket),
-                what: "Brighter by ¼ stop",
-                command: |s| Command::SetExposure(s.settings.display.exposure + 0.25),
-            },
-            Shortcut {
-                keys: key(NONE, Key::OpenBracket),
-                what: "Darker by ¼ stop",
-                command: |s| Command::SetExposure(s.settings.display.exposure - 0.25),
-            },
-            Shortcut { keys: key(NONE, Key::Num0), what: "Exposure 0", command: |_| Command::SetExposure(0.0) },
+            on(PAUSE, "Pause or go on", |_| Command::TogglePause),
+            on(RESTART, "Start the images anew", |_| Command::Restart),
+            on(key(NONE, Key::CloseBracket), "Brighter by ¼ stop", |s| {
+                Command::SetExposure(s.settings.display.exposure + 0.25)
+            }),
+            on(key(NONE, Key::OpenBracket), "Darker by ¼ stop", |s| {
+                Command::SetExposure(s.settings.display.exposure - 0.25)
+            }),
+            on(key(NONE, Key::Num0), "Exposure 0", |_| Command::SetExposure(0.0)),
         ],
     },
     Group {
         title: "Help",
         shortcuts: &[
-            Shortcut { keys: SHORTCUTS, what: "This list", command: |s| Command::ShowShortcuts(!s.windows.shortcuts) },
-            Shortcut { keys: key(NONE, Key::Escape), what: "Close what is on top", command: |_| Command::Escape },
+            on(SHORTCUTS, "This list", |s| Command::ShowShortcuts(!s.windows.shortcuts)),
+            on(key(NONE, Key::Escape), "Close what is on top", |_| Command::Escape),
         ],
     },
 ];
+
+/// The key of a manipulation by handles.
+pub fn of(manipulation: Manipulation) -> KeyboardShortcut {
+    match manipulation {
+        Manipulation::Move => MOVE,
+        Manipulation::Rotate => ROTATE,
+        Manipulation::Scale => SCALE,
+    }
+}
 
 /// The handles for `manipulation`, or none if those are there already.
 fn handles(state: &State, manipulation: Manipulation) -> Command {
@@ -167,14 +159,11 @@ fn handles(state: &State, manipulation: Manipulation) -> Command {
 }
 
 fn hide(state: &State) -> Command {
-    match state.selected_object() {
-        Some((name, object)) => Command::SetVisible(name.to_owned(), !object.visible),
-        None => Command::Nothing,
-    }
+    state.selected_object().map_or(Command::Nothing, |o| Command::SetVisible(o.name.clone(), !o.visible))
 }
 
 fn frame(state: &State) -> Command {
-    state.selected_object().map_or(Command::Nothing, |(name, _)| Command::FrameObject(name.to_owned()))
+    state.selected_object().map_or(Command::Nothing, |object| Command::FrameObject(object.name.clone()))
 }
 
 /// What the pointer does, for the list.

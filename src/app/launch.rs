@@ -17,13 +17,10 @@ const PATIENCE: Duration = Duration::from_millis(500);
 /// The window could not be shown.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// There is no display, or no way to draw on it.
     #[error("no window can be opened here ({0})")]
     NoWindow(String),
-    /// The scene that was asked for cannot be shown.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The picture of the window could not be written.
     #[error("the picture of the window could not be written: {0}")]
     Screenshot(String),
 }
@@ -52,19 +49,11 @@ pub struct Screenshot {
     pub samples: u32,
 }
 
-/// Opens the window on `scene` (a path or a built-in name; by default a built-in scene) and returns when it is closed.
+/// Opens the window and returns when it is closed.
 ///
 /// # Errors
-/// When there is no display or no way to draw on it, or when `scene` cannot be read.
-pub fn run(scene: Option<PathBuf>) -> Result<(), RunError> {
-    run_with(Launch { scene, ..Launch::default() })
-}
-
-/// [`run`], with a say in how the window starts.
-///
-/// # Errors
-/// As [`run`], and when a screenshot was asked for and cannot be written.
-pub fn run_with(launch: Launch) -> Result<(), RunError> {
+/// When there is no display or no way to draw on it, when the scene cannot be read, or when a screenshot cannot be written.
+pub fn run(launch: Launch) -> Result<(), RunError> {
     let is_scripted = launch.settings.is_some() || launch.screenshot.is_some();
     let name = launch.scene.unwrap_or_else(|| crate::formats::builtin::DEFAULT.into());
     let scene = read(&name, is_scripted)?;

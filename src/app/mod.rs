@@ -24,27 +24,25 @@ mod theme;
 mod viewport;
 mod widgets;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 pub use command::{Command, ExportKind, MediumRef};
-pub use launch::{Launch, RunError, Screenshot, run, run_with};
+pub use launch::{Launch, RunError, Screenshot, run};
 pub use measurement::{Curve, ErrorAxis, ErrorMetric, Measurement, Measurements, Point, Trend};
 pub use objects::Manipulation;
 pub use settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Settings, Tab, Theme};
 pub use state::State;
 
 use self::autosave::{Autosaver, Edits, Found, Slot};
-use self::background::Bell;
+use self::background::{Bell, Repaint};
 use self::develop::{Developer, Recipe};
 use self::files::{ExportJob, Files, Outcome, Purpose};
 use self::graphics::{Refusals, WindowSize};
-use self::measurement::Measurer;
-use self::measurement::measurer::Plan;
+use self::measurement::measurer::{self, Measurer, Plan};
 use self::opening::{Opening, Reading};
-use self::panels::dialogs::{Dialogs, Leaving, PathPrompt};
+use self::panels::dialogs::{Dialogs, PathPrompt};
 use self::screenshot::Camera as WindowCamera;
 use self::viewport::Viewport;
 use crate::scene;
@@ -57,7 +55,6 @@ const SETTINGS_KEY: &str = "settings";
 /// Passes after which a new scale has reached every size that is measured in points.
 const SETTLING_PASSES: u32 = 8;
 
-/// The window's contents.
 pub struct App {
     state: State,
     dialogs: Dialogs,
@@ -118,10 +115,7 @@ impl App {
 
     fn with_state(cc: &eframe::CreationContext<'_>, state: State) -> std::io::Result<Self> {
         theme::install(&cc.egui_ctx);
-        let repaint = {
-            let ctx = cc.egui_ctx.clone();
-            Arc::new(move || ctx.request_repaint())
-        };
+        let repaint = repaint_of(&cc.egui_ctx);
         let (bell, measurer_bell) = (Bell::default(), Bell::default());
         let worker = {
             let (bell, measurer_bell, repaint) = (bell.clone(), measurer_bell.clone(), Arc::clone(&repaint));
@@ -133,14 +127,8 @@ impl App {
                 News::Scene => repaint(),
             }))?
         };
-        let developer = {
-            let repaint = Arc::clone(&repaint);
-            develop::start(bell, Arc::clone(worker.board()), move || repaint())?
-        };
-        let measurer = {
-            let repaint = Arc::clone(&repaint);
-            measurement::measurer::start(measurer_bell, Arc::clone(worker.board()), move || repaint())?
-        };
+        let developer = develop::start(bell, Arc::clone(worker.board()), Arc::clone(&repaint))?;
+        let measurer = measurer::start(measurer_bell, Arc::clone(worker.board()), Arc::clone(&repaint))?;
         Ok(Self {
             state,
             dialogs: Dialogs::default(),
@@ -169,13 +157,10 @@ impl App {
     /// # Errors
     /// When the system refuses a thread.
     pub fn keep_edits_in(&mut self, ctx: &egui::Context, folder: PathBuf) -> std::io::Result<()> {
-        let ctx = ctx.clone();
-        let wake = move || ctx.request_repaint();
-        self.autosaver = Some(autosave::start(folder, autosave::Timing::default(), wake)?);
+        self.autosaver = Some(autosave::start(folder, repaint_of(ctx))?);
         Ok(())
     }
 
-    /// What is shown.
     pub fn state(&self) -> &State {
         &self.state
     }
@@ -200,14 +185,13 @@ impl App {
         self.worker.board().snapshots().remove(&mode)
     }
 
-    /// Does what a command says.
     pub fn apply(&mut self, ctx: &egui::Context, command: Command) {
         match command {
             Command::AskOpen => self.ask(Purpose::Open),
             Command::AskSaveAs => self.ask(Purpose::SaveAs),
             Command::AskExport(kind) => self.ask(Purpose::Export(kind)),
             Command::Open(name_or_path) if self.state.document.is_dirty() => {
-                self.dialogs.leaving = Some(Leaving::Open(name_or_path));
+                self.dialogs.leaving = Some(Command::OpenAnyway(name_or_path));
             }
             Command::Open(name_or_path) => self.open(name_or_path, false),
             Command::OpenAnyway(name_or_path) => self.open(name_or_path, true),
@@ -219,12 +203,12 @@ impl App {
                 if let Some(preparation) = &self.state.preparation {
                     preparation.give_up();
                 }
-                if !self.state.has_last_good() && !self.state.document.is_dirty() {
+                if self.state.last_good.is_none() && !self.state.document.is_dirty() {
                     self.open(crate::formats::builtin::DEFAULT.into(), true);
                 }
             }
             Command::RestoreEdits(path) if self.state.document.is_dirty() => {
-                self.dialogs.leaving = Some(Leaving::Restore(path));
+                self.dialogs.leaving = Some(Command::RestoreEditsAnyway(path));
             }
             Command::RestoreEdits(path) | Command::RestoreEditsAnyway(path) => {
                 let found = self.state.left_behind.iter().find(|found| found.slot.path() == path);
@@ -262,7 +246,7 @@ impl App {
 
     /// Where the first scene cannot be shown, or is not wanted any more.
     fn open_default_instead_of_nothing(&mut self) {
-        if !self.state.has_scene() {
+        if !self.state.has_scene {
             self.open(crate::formats::builtin::DEFAULT.into(), true);
         }
     }
@@ -271,7 +255,7 @@ impl App {
     fn opened(&mut self, opening: &Opening, description: scene::Description, found: Option<Found>) {
         if self.state.document.is_dirty() && !opening.may_lose_edits {
             // Edited while it was read.
-            self.dialogs.leaving = Some(Leaving::Open(opening.name.clone()));
+            self.dialogs.leaving = Some(Command::OpenAnyway(opening.name.clone()));
             return;
         }
         match found {
@@ -302,11 +286,8 @@ impl App {
     fn ask(&self, purpose: Purpose) {
         let document = &self.state.document;
         let folder = document.path.as_deref().and_then(Path::parent).map(Path::to_owned).unwrap_or_default();
-        let stem = match &document.description().source {
-            Some(source) => source.path.file_stem().map(|stem| stem.to_string_lossy().into_owned()),
-            None => None,
-        };
-        let stem = stem.unwrap_or_else(|| "scene".to_owned());
+        let source = document.description().source.as_ref();
+        let stem = source.and_then(|source| source.path.file_stem()).map_or("scene".into(), |s| s.to_string_lossy());
         let name = match purpose {
             Purpose::Open => String::new(),
             Purpose::SaveAs => format!("{stem}.toml"),
@@ -317,7 +298,7 @@ impl App {
                     PaneContent::Surfaces(quantity) => quantity.name().replace(' ', "-"),
                     content => content.inspected_mode().to_string(),
                 };
-                format!("{stem}-{content}.{}", files::extension_of(purpose))
+                format!("{stem}-{content}.{}", purpose.extension())
             }
         };
         self.files.ask(purpose, &folder.join(name));
@@ -342,15 +323,14 @@ impl App {
             ExportKind::AllPanesPng => self.state.settings.shown_panes(),
             _ => std::slice::from_ref(&self.state.settings.panes[self.state.view.active_pane]),
         };
-        let job = ExportJob {
+        self.files.export(ExportJob {
             kind,
             path,
             prepared: report.prepared.clone(),
             display: self.state.settings.display,
             seed: 0,
-            panes: panes.iter().map(|content| (*content, self.viewport.source(*content))).collect(),
-        };
-        self.files.export(job);
+            panes: panes.iter().map(|content| self.viewport.source(*content)).collect(),
+        });
     }
 
     fn step_interface_scale(&mut self, ctx: &egui::Context, step: i32) {
@@ -391,13 +371,10 @@ impl App {
         if let Some(refusal) = self.refusals.take() {
             self.state.notify_error(format!("The graphics card cannot show this: {refusal}"));
         }
-        self.viewport.upload(ctx, self.developer.take_finished(), self.state.epoch_floor());
+        self.viewport.upload(ctx, self.developer.take_finished(), self.state.epoch_floor);
         while let Some(outcome) = self.files.poll() {
             match outcome {
-                Outcome::Chosen(purpose, path) => {
-                    let command = command_for(purpose, path);
-                    self.apply(ctx, command);
-                }
+                Outcome::Chosen(purpose, path) => self.apply(ctx, purpose.command(path)),
                 Outcome::NoDialog(purpose, suggestion) => {
                     self.dialogs.prompt = Some(PathPrompt::new(purpose, &suggestion));
                 }
@@ -425,10 +402,7 @@ impl App {
 
     /// Files that were dropped on the window.
     fn dropped(&self, ctx: &egui::Context) -> Option<Command> {
-        ctx.input(|input| {
-            let file = input.raw.dropped_files.first()?;
-            Some(Command::Open(file.path().to_owned()))
-        })
+        ctx.input(|input| Some(Command::Open(input.raw.dropped_files.first()?.path().to_owned())))
     }
 
     fn set_window_title(&mut self, ctx: &egui::Context) {
@@ -441,10 +415,10 @@ impl App {
     }
 
     fn set_appearance(&mut self, ctx: &egui::Context) {
-        ctx.set_theme(match self.state.wants_dark() {
-            None => egui::ThemePreference::System,
-            Some(true) => egui::ThemePreference::Dark,
-            Some(false) => egui::ThemePreference::Light,
+        ctx.set_theme(match self.state.settings.theme {
+            Theme::System => egui::ThemePreference::System,
+            Theme::Dark => egui::ThemePreference::Dark,
+            Theme::Light => egui::ThemePreference::Light,
         });
         // For some passes after a change of scale, sizes in points are still those of the old one: to believe them would change the
         // scale again and again.
@@ -456,7 +430,10 @@ impl App {
         let to_native = ctx.pixels_per_point() / native;
         let window = ctx.content_rect().size() * to_native;
         let monitor = ctx.input(|input| input.viewport().monitor_size).map(|size| (size * to_native).into());
-        let factor = self.state.interface_factor(window.into(), monitor);
+        let factor = match self.state.settings.interface_scale {
+            InterfaceScale::Factor(factor) => factor,
+            InterfaceScale::Automatic => state::automatic_factor(window.into(), monitor),
+        };
         if (factor - ctx.zoom_factor()).abs() > 1e-3 {
             ctx.set_zoom_factor(factor);
             self.passes_at_scale = 0;
@@ -471,23 +448,19 @@ impl App {
         self.is_closing = !self.state.document.is_dirty() || self.may_close || self.is_scripted;
         if !self.is_closing {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.dialogs.leaving = Some(Leaving::Quit);
+            self.dialogs.leaving = Some(Command::QuitAnyway);
         }
     }
+}
+
+fn repaint_of(ctx: &egui::Context) -> Repaint {
+    let ctx = ctx.clone();
+    Arc::new(move || ctx.request_repaint())
 }
 
 /// The settings of the last session.
 fn remembered(cc: &eframe::CreationContext<'_>) -> Option<Settings> {
     cc.storage.and_then(|storage| eframe::get_value(storage, SETTINGS_KEY))
-}
-
-/// What is to be done with a chosen path.
-fn command_for(purpose: Purpose, path: PathBuf) -> Command {
-    match purpose {
-        Purpose::Open => Command::Open(path),
-        Purpose::SaveAs => Command::SaveAs(path),
-        Purpose::Export(kind) => Command::Export(kind, path),
-    }
 }
 
 impl eframe::App for App {
@@ -525,9 +498,8 @@ impl eframe::App for App {
             self.worker.submit(request);
         }
         if let Some(camera) = &mut self.window_camera {
-            let least = (0..self.state.settings.pane_count)
-                .map(|pane| self.viewport.samples(self.state.settings.panes[pane], &self.state));
-            let mut least = least.min().unwrap_or(0);
+            let samples = |content: &PaneContent| self.viewport.samples(*content, &self.state);
+            let mut least = self.state.settings.shown_panes().iter().map(samples).min().unwrap_or(0);
             if self.state.measurement.is_on() {
                 least = least.min(self.state.measurement.truth.as_ref().map_or(0, |truth| truth.samples));
             }
@@ -550,6 +522,3 @@ impl eframe::App for App {
         visuals.panel_fill.to_normalized_gamma_f32()
     }
 }
-
-/// What the pictures on the screen were made of, by content.
-type Shown<T> = BTreeMap<PaneContent, T>;

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::geometry::Mesh;
 use crate::scene::Description;
-use crate::scene::description::{self, Shape, Transform};
+use crate::scene::description::{Object, Shape, Transform};
 
 /// What a drag in the picture, or a row of typed numbers, changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,54 +40,14 @@ impl Manipulation {
     }
 }
 
-/// An object as it stands in a description.
-#[derive(Debug, Clone, Copy)]
-pub struct Object<'a> {
-    pub shape: &'a Shape,
-    pub transform: Transform,
-    pub visible: bool,
-    /// Of a refractor.
-    pub priority: Option<i32>,
-}
-
-/// The object of that name.
-pub fn object<'a>(description: &'a Description, name: &str) -> Option<Object<'a>> {
-    let object = description.objects.find(name)?;
-    Some(Object {
-        shape: &object.shape,
-        transform: object.transform,
-        visible: object.visible,
-        priority: object.refractor().map(|refractor| refractor.priority),
-    })
-}
-
-/// The scene with another priority for a refractor; `None` if it has no such refractor or nothing would change.
-pub fn with_priority(description: &Description, name: &str, priority: i32) -> Option<Description> {
-    with(description, name, |object| object.refractor_mut().is_some_and(|r| replaced(&mut r.priority, priority)))
-}
-
-/// The scene with an object hidden or shown; `None` if it has no such object or nothing would change.
-pub fn with_visible(description: &Description, name: &str, visible: bool) -> Option<Description> {
-    with(description, name, |object| replaced(&mut object.visible, visible))
-}
-
-/// The scene with another transform for an object; `None` if it has no such object or nothing would change.
-pub fn with_transform(description: &Description, name: &str, transform: Transform) -> Option<Description> {
-    with(description, name, |object| replaced(&mut object.transform, transform))
-}
-
-/// The scene with an object edited, if `edit` says that it changed something.
-fn with(
-    description: &Description,
-    name: &str,
-    edit: impl FnOnce(&mut description::Object) -> bool,
-) -> Option<Description> {
+/// The scene with an object edited, if there is one of that name and `edit` says that it changed something.
+pub fn with(description: &Description, name: &str, edit: impl FnOnce(&mut Object) -> bool) -> Option<Description> {
     let mut edited = description.clone();
     edit(edited.objects.find_mut(name)?).then_some(edited)
 }
 
 /// Whether the value was another.
-fn replaced<T: PartialEq>(value: &mut T, new: T) -> bool {
+pub fn replaced<T: PartialEq>(value: &mut T, new: T) -> bool {
     std::mem::replace(value, new) != *value
 }
 
@@ -115,23 +75,20 @@ pub fn pivot(shape: &Shape) -> DVec3 {
     (min + max) / 2.0
 }
 
-impl Object<'_> {
-    /// The lowest and highest scene coordinates of its box.
-    pub fn scene_bounds(&self) -> (DVec3, DVec3) {
-        let (min, max) = bounds(self.shape);
-        let matrix = self.transform.matrix();
-        if let Shape::Sphere { center, radius } | Shape::Icosphere { center, radius, .. } = self.shape {
-            // Scaling may be uneven; rotating a ball's box would enlarge it.
-            let (center, radius) =
-                (matrix.transform_point3(*center), radius * self.transform.scale.abs().max_element());
-            return (center - radius, center + radius);
-        }
-        (0..8_u32).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), bits| {
-            let pick = |axis: usize| if bits & (1 << axis) == 0 { min[axis] } else { max[axis] };
-            let corner = matrix.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
-            (low.min(corner), high.max(corner))
-        })
+/// The lowest and highest scene coordinates of an object's box.
+pub fn scene_bounds(object: &Object) -> Bounds {
+    let (min, max) = bounds(&object.shape);
+    let matrix = object.transform.matrix();
+    if let Shape::Sphere { center, radius } | Shape::Icosphere { center, radius, .. } = object.shape {
+        // Scaling may be uneven; rotating a ball's box would enlarge it.
+        let (center, radius) = (matrix.transform_point3(center), radius * object.transform.scale.abs().max_element());
+        return (center - radius, center + radius);
     }
+    (0..8_u32).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), bits| {
+        let pick = |axis: usize| if bits & (1 << axis) == 0 { min[axis] } else { max[axis] };
+        let corner = matrix.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
+        (low.min(corner), high.max(corner))
+    })
 }
 
 /// The transform that keeps the object-space point `pivot` where `before` put it.

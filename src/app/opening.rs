@@ -42,10 +42,7 @@ pub enum Waited {
 }
 
 impl Reading {
-    /// Of a path or a built-in name.
-    ///
-    /// # Errors
-    /// When the system refuses a thread.
+    /// Of a path or a built-in name. Fails when the system refuses a thread.
     pub fn start(name_or_path: PathBuf) -> std::io::Result<Self> {
         let (sender, outcome) = channel();
         std::thread::Builder::new().name("open".into()).spawn(move || {
@@ -65,9 +62,6 @@ impl Reading {
     }
 
     /// Waits until it is done.
-    ///
-    /// # Errors
-    /// As [`crate::formats::open`].
     pub fn wait(self) -> Result<Description, SceneError> {
         self.outcome.recv().unwrap_or_else(|_| Err(Self::broken()))
     }

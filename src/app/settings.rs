@@ -184,7 +184,6 @@ pub enum Arrangement {
     Wipe,
 }
 
-/// Light or dark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Theme {
     System,
@@ -214,7 +213,6 @@ impl InterfaceScale {
     pub const FACTORS: [f32; 9] = [0.75, 0.875, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0];
 }
 
-/// Everything that is remembered.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
@@ -294,7 +292,6 @@ impl Settings {
         self
     }
 
-    /// The panes that are shown.
     pub fn shown_panes(&self) -> &[PaneContent] {
         &self.panes[..self.pane_count]
     }

@@ -13,13 +13,12 @@ use super::autosave::Found;
 use super::command::MediumRef;
 use super::document::Document;
 use super::measurement::Measurement;
-use super::objects::{self, Object};
 use super::opening::{Opening, no_scene};
-use super::settings::{InterfaceScale, Settings, Theme};
+use super::settings::Settings;
 use crate::check::Problem;
 use crate::render::ImageSettings;
 use crate::scene::camera::Camera;
-use crate::scene::description::CameraDescription;
+use crate::scene::description::{CameraDescription, Object};
 use crate::scene::{Description, SceneError};
 use crate::session::{Preparation, Request, SceneReport};
 use crate::tracking::Mode;
@@ -27,7 +26,7 @@ use crate::tracking::Mode;
 /// Largest magnification of the picture.
 pub const MAX_ZOOM: f32 = 64.0;
 
-/// A message that stays until it is dismissed.
+/// A message in the window.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Notice {
     pub id: u64,
@@ -61,14 +60,14 @@ pub struct Windows {
 pub struct State {
     pub document: Document,
     /// `false` while `document` is the placeholder before the first scene.
-    has_scene: bool,
+    pub has_scene: bool,
     /// The scene that is being read.
     opening: Option<Opening>,
     next_opening: u64,
     /// Edits that earlier instances did not save, latest first.
     pub left_behind: Vec<Found>,
     /// The last document that could be rendered, to return to when another cannot.
-    last_good: Option<Document>,
+    pub last_good: Option<Document>,
     pub settings: Settings,
     pub view: View,
     pub is_paused: bool,
@@ -81,7 +80,7 @@ pub struct State {
     /// Where something was last selected in the picture, in [0, 1]² of the film.
     last_pick: Option<[f64; 2]>,
     /// Views before jumps of the camera, latest last.
-    earlier_views: Vec<CameraDescription>,
+    pub earlier_views: Vec<CameraDescription>,
     /// The scene as the worker prepared it.
     pub report: Option<Arc<SceneReport>>,
     /// The scene that the worker is preparing.
@@ -96,7 +95,7 @@ pub struct State {
     film_size: [u32; 2],
     epoch: u64,
     /// Images of earlier epochs belong to another scene and are not shown.
-    epoch_floor: u64,
+    pub epoch_floor: u64,
     /// Whether the worker should be told.
     has_news: bool,
 }
@@ -138,12 +137,6 @@ impl State {
         Self { has_scene: false, ..Self::new(no_scene(), settings) }
     }
 
-    /// Whether there is a scene yet.
-    pub fn has_scene(&self) -> bool {
-        self.has_scene
-    }
-
-    /// The scene that is being read.
     pub fn opening(&self) -> Option<&Opening> {
         self.opening.as_ref()
     }
@@ -169,11 +162,6 @@ impl State {
     /// The present epoch: images of it show what the state says.
     pub fn epoch(&self) -> u64 {
         self.epoch
-    }
-
-    /// The earliest epoch whose images may be shown.
-    pub fn epoch_floor(&self) -> u64 {
-        self.epoch_floor
     }
 
     pub fn film_size(&self) -> [u32; 2] {
@@ -214,7 +202,6 @@ impl State {
         })
     }
 
-    /// Shows another scene.
     pub fn open(&mut self, description: Description) {
         if let Some(source) = &description.source
             && !source.is_builtin
@@ -230,13 +217,8 @@ impl State {
     }
 
     fn show_document(&mut self, document: Document) {
-        self.view = View {
-            camera: document.description().camera,
-            zoom: 1.0,
-            zoom_center: [0.5; 2],
-            divider: self.view.divider,
-            active_pane: self.view.active_pane,
-        };
+        let camera = document.description().camera;
+        self.view = View { camera, zoom: 1.0, zoom_center: [0.5; 2], ..self.view };
         self.document = document;
         self.has_scene = true;
         self.selected = None;
@@ -248,7 +230,6 @@ impl State {
         self.epoch_floor = self.epoch;
     }
 
-    /// A scene has been prepared.
     pub fn scene_ready(&mut self, report: Arc<SceneReport>) {
         if Arc::ptr_eq(&report.prepared.description, self.document.description()) {
             self.last_good = Some(self.document.clone());
@@ -289,11 +270,6 @@ impl State {
         self.report.as_ref().is_some_and(|report| Arc::ptr_eq(&report.prepared.description, description))
     }
 
-    /// Whether there is an earlier document to return to.
-    pub fn has_last_good(&self) -> bool {
-        self.last_good.is_some()
-    }
-
     /// A request could not be served: says so and returns to what can be shown. Answers whether it did.
     pub fn scene_failed(&mut self, epoch: u64, error: &SceneError) -> bool {
         self.notify_error(error.to_string());
@@ -328,32 +304,15 @@ impl State {
         self.next_notice += 1;
     }
 
-    /// The selected object with its name; `None` if nothing or the world is selected.
-    pub fn selected_object(&self) -> Option<(&str, Object<'_>)> {
-        let name = self.selected.as_deref()?;
-        objects::object(self.document.description(), name).map(|object| (name, object))
-    }
-
-    /// The size of interface for a window of `window` points at factor 1 on a screen of `monitor` points (if it is known).
-    pub fn interface_factor(&self, window: [f32; 2], monitor: Option<[f32; 2]>) -> f32 {
-        match self.settings.interface_scale {
-            InterfaceScale::Factor(factor) => factor,
-            InterfaceScale::Automatic => automatic_factor(window, monitor),
-        }
-    }
-
-    /// Whether the dark theme is wanted; `None` follows the system.
-    pub fn wants_dark(&self) -> Option<bool> {
-        match self.settings.theme {
-            Theme::System => None,
-            Theme::Dark => Some(true),
-            Theme::Light => Some(false),
-        }
+    /// `None` if nothing or the world is selected.
+    pub fn selected_object(&self) -> Option<&Object> {
+        self.document.description().objects.find(self.selected.as_deref()?)
     }
 }
 
-/// Text of a comfortable size: larger on a screen with many points, never so large that the window cannot hold the panels.
-fn automatic_factor(window: [f32; 2], monitor: Option<[f32; 2]>) -> f32 {
+/// Text of a comfortable size for a window of so many points at factor 1 on a screen of `monitor` points (if it is known): larger on a
+/// screen with many points, never so large that the window cannot hold the panels.
+pub fn automatic_factor(window: [f32; 2], monitor: Option<[f32; 2]>) -> f32 {
     let fit = |size: [f32; 2], comfortable: [f32; 2]| (size[0] / comfortable[0]).min(size[1] / comfortable[1]);
     let wanted = fit(monitor.unwrap_or(window), [1700.0, 960.0]);
     let possible = fit(window, [1500.0, 840.0]);

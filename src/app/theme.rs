@@ -49,6 +49,11 @@ const fn rgb(hex: u32) -> Color32 {
     Color32::from_rgb((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
 }
 
+/// A colour as pictures have it.
+pub fn opaque([r, g, b]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(r, g, b)
+}
+
 /// Colours of a theme that widgets do not have of their own.
 #[derive(Debug, Clone, Copy)]
 pub struct Palette {
@@ -86,6 +91,18 @@ const LIGHT: Palette = Palette {
     weak_text: rgb(0x5d646e),
 };
 
+/// Of the modes in their order, on dark and on light ground; the last are for modes to come.
+const MODES: [[u32; 2]; 8] = [
+    [0xe69f00, 0xb27700],
+    [0x56b4e9, 0x2280b8],
+    [0xd5c94a, 0x77701a],
+    [0xb3a2f0, 0x6a55bb],
+    [0x2fc090, 0x00845c],
+    [0xd98cb3, 0xa84e80],
+    [0xf0785a, 0xb3401a],
+    [0x8ea6ff, 0x3a4fc4],
+];
+
 impl Palette {
     /// The palette of the theme that `ui` has.
     pub fn of(ui: &egui::Ui) -> Self {
@@ -94,32 +111,18 @@ impl Palette {
 
     /// The mark of a mode, on labels and in tables.
     pub fn mode(&self, mode: Mode) -> Color32 {
-        match (mode, self.is_dark) {
-            (Mode::Naive, true) => rgb(0xe69f00),
-            (Mode::Stack, true) => rgb(0x56b4e9),
-            (Mode::Priority, true) => rgb(0xd5c94a),
-            (Mode::RectifiedObject, true) => rgb(0xb3a2f0),
-            (Mode::Rectified, true) => rgb(0x2fc090),
-            (Mode::Reference, true) => rgb(0xd98cb3),
-            (Mode::Naive, false) => rgb(0xb27700),
-            (Mode::Stack, false) => rgb(0x2280b8),
-            (Mode::Priority, false) => rgb(0x77701a),
-            (Mode::RectifiedObject, false) => rgb(0x6a55bb),
-            (Mode::Rectified, false) => rgb(0x00845c),
-            (Mode::Reference, false) => rgb(0xa84e80),
-        }
+        let [on_dark, on_light] = MODES[mode as usize % MODES.len()];
+        rgb(if self.is_dark { on_dark } else { on_light })
     }
 
     /// The swatch of the medium at `index` in the scene's list.
     pub fn medium(&self, index: usize) -> Color32 {
-        let [r, g, b] = COLORS[index % COLORS.len()];
-        Color32::from_rgb(r, g, b)
+        opaque(COLORS[index % COLORS.len()])
     }
 
     /// The swatch of the global medium.
     pub fn world(&self) -> Color32 {
-        let [r, g, b] = WORLD_COLOR;
-        Color32::from_rgb(r, g, b)
+        opaque(WORLD_COLOR)
     }
 
     pub fn severity(&self, severity: Severity) -> Color32 {
@@ -191,18 +194,12 @@ fn visuals(is_dark: bool) -> Visuals {
     v.window_stroke = Stroke::new(1.0, palette.line);
     v.window_corner_radius = CornerRadius::same(8);
     v.menu_corner_radius = CornerRadius::same(6);
-    v.window_shadow = Shadow {
-        offset: [0, 8],
-        blur: 28,
-        spread: 0,
-        color: Color32::from_black_alpha(if is_dark { 140 } else { 50 }),
+    let shadow = |down, blur, dark, light| {
+        let color = Color32::from_black_alpha(if is_dark { dark } else { light });
+        Shadow { offset: [0, down], blur, spread: 0, color }
     };
-    v.popup_shadow = Shadow {
-        offset: [0, 4],
-        blur: 14,
-        spread: 0,
-        color: Color32::from_black_alpha(if is_dark { 120 } else { 40 }),
-    };
+    v.window_shadow = shadow(8, 28, 140, 50);
+    v.popup_shadow = shadow(4, 14, 120, 40);
     v.faint_bg_color = if is_dark { rgb(0x212428) } else { rgb(0xebedf0) };
     v.extreme_bg_color = if is_dark { rgb(0x131517) } else { rgb(0xffffff) };
     v.weak_text_color = Some(palette.weak_text);

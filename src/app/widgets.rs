@@ -1,7 +1,11 @@
 //! Small pieces that several panels are made of.
 
-use egui::{Align, Align2, Color32, Context, Layout, Response, RichText, ScrollArea, Sense, Ui, Vec2, Window};
+use egui::{
+    Align, Align2, AsIdSalt, Color32, ComboBox, Context, DragValue, Layout, Response, RichText, ScrollArea, Sense, Ui,
+    Vec2, WidgetText, Window,
+};
 
+use super::command::Command;
 use super::theme::{self, Palette, SECTION_GAP};
 
 /// A section's title with a line under it. `detail` stands at the right.
@@ -64,6 +68,42 @@ pub fn segmented_ui<T: PartialEq + Copy>(ui: &mut Ui, chosen: T, options: &[(T, 
     clicked
 }
 
+/// [`segmented_ui`] in a [`row_ui`].
+pub fn segmented_row_ui<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    name: &str,
+    about: &str,
+    chosen: T,
+    options: &[(T, &str, &str)],
+) -> Option<T> {
+    row_ui(ui, name, about, |ui| segmented_ui(ui, chosen, options))
+}
+
+/// A list to choose from, over the width that is left.
+pub fn combo_ui(ui: &mut Ui, id: impl AsIdSalt, text: impl Into<WidgetText>, contents: impl FnOnce(&mut Ui)) {
+    let combo = ComboBox::from_id_salt(id).selected_text(text.into()).width(ui.available_width());
+    combo.truncate().show_ui(ui, contents);
+}
+
+/// A number to drag or to type, `width` points wide. Returns whether it has changed.
+pub fn number_ui(
+    ui: &mut Ui,
+    width: f32,
+    drag: DragValue<'_>,
+    label: impl Into<String>,
+    about: impl Into<String>,
+) -> bool {
+    let response = ui.add_sized([width, ui.spacing().interact_size.y], drag.update_while_editing(false));
+    response.accessible_name(label).on_hover_text(about.into()).changed()
+}
+
+/// A button that gives a command.
+pub fn button_ui(ui: &mut Ui, text: &str, about: &str, commands: &mut Vec<Command>, command: Command) {
+    if ui.button(text).on_hover_text(about).clicked() {
+        commands.push(command);
+    }
+}
+
 /// A window over the middle of the main one, `width` points wide where there is room; contents that are too high scroll. Returns whether the
 /// user has just closed it.
 pub fn centered_ui(ctx: &Context, title: &str, is_open: bool, width: f32, add: impl FnOnce(&mut Ui)) -> bool {
@@ -87,12 +127,8 @@ pub fn swatch_ui(ui: &mut Ui, color: Color32) -> Response {
     let (rect, response) = ui.allocate_exact_size(Vec2::new(10.0, ui.spacing().interact_size.y), Sense::hover());
     let square = egui::Rect::from_center_size(rect.center(), Vec2::splat(10.0));
     ui.painter().rect_filled(square, 2.5, color);
-    ui.painter().rect_stroke(
-        square,
-        2.5,
-        egui::Stroke::new(1.0, Color32::from_black_alpha(70)),
-        egui::StrokeKind::Inside,
-    );
+    let edge = egui::Stroke::new(1.0, Color32::from_black_alpha(70));
+    ui.painter().rect_stroke(square, 2.5, edge, egui::StrokeKind::Inside);
     response
 }
 

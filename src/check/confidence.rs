@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Problem, Spot, names};
+use super::{Problem, Spot, distinct, names};
 use crate::geometry::Enclosure;
 use crate::rectify::Patch;
 use crate::rectify::subjects::primitives_of;
@@ -46,12 +46,8 @@ fn doubt(prepared: &Prepared, all: usize, doubtful: &[&Patch]) -> Doubt {
             format!("{share:.0} % of the rays find it in `{}`", scene.object(vote.refractor).name)
         })
         .collect();
-    let mut about: Vec<ObjectId> = (doubtful.iter().flat_map(|patch| patch.votes.iter()))
-        .filter(|v| v.share() < 1.0)
-        .map(|v| v.refractor)
-        .collect();
-    about.sort_unstable();
-    about.dedup();
+    let all_votes = doubtful.iter().flat_map(|patch| patch.votes.iter());
+    let about = distinct(all_votes.filter(|vote| vote.share() < 1.0).map(|vote| vote.refractor));
     let votes = votes.join(", ");
     let sentence = match (doubtful.len(), spot) {
         (_, None) => format!("what lies outside of it is doubtful: {votes}"),
@@ -74,17 +70,12 @@ fn spot(prepared: &Prepared, patch: &Patch) -> Spot {
         let found = prepared.table.patch_of(geometry, *face);
         found.is_some_and(|found| (found.refractor, found.index) == (patch.refractor, patch.index))
     };
-    let (mut min, mut max) = (glam::DVec3::INFINITY, glam::DVec3::NEG_INFINITY);
-    for face in primitives_of(geometry, patch.refractor).filter(is_of_patch) {
-        let corners = match geometry.sphere(face) {
-            Some(sphere) => [sphere.center - sphere.radius, sphere.center + sphere.radius, sphere.center],
-            None => geometry.corners(face),
-        };
-        for corner in corners {
-            (min, max) = (min.min(corner), max.max(corner));
-        }
-    }
-    Spot { center: (min + max) / 2.0 + geometry.origin, radius: (max - min).length() / 2.0 }
+    let corners = |face: u32| match geometry.sphere(face) {
+        Some(sphere) => [sphere.center - sphere.radius, sphere.center + sphere.radius, sphere.center],
+        None => geometry.corners(face),
+    };
+    let faces = primitives_of(geometry, patch.refractor).filter(is_of_patch);
+    Spot::around(faces.flat_map(corners), geometry.origin)
 }
 
 /// One finding for each object in `doubts`.

@@ -7,7 +7,6 @@ use rayon::prelude::*;
 
 use super::{Problem, names, samples};
 use crate::geometry::{Geometry, Ray};
-use crate::rectify::subjects::is_refractor;
 use crate::scene::{ObjectId, Scene, Surface};
 use crate::tracking::Prepared;
 
@@ -42,7 +41,7 @@ pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
     // One finding for each that hides something, refractors and lights apart.
     let mut hidden_in: BTreeMap<(ObjectId, bool), Vec<ObjectId>> = BTreeMap::new();
     for (id, solid) in hidden {
-        hidden_in.entry((solid, !is_refractor(scene, id))).or_default().push(id);
+        hidden_in.entry((solid, !scene.is_refractor(id))).or_default().push(id);
     }
     hidden_in.into_iter().map(|((solid, are_lights), hidden)| problem(scene, solid, are_lights, &hidden)).collect()
 }
@@ -55,7 +54,7 @@ fn candidate(scene: &Scene, id: ObjectId) -> Option<ObjectId> {
     for _ in 0..MOST_SURFACES {
         let hit = geometry.closest(&ray)?;
         let met = ObjectId(geometry.object_of(hit.primitive));
-        if met != id && !is_refractor(scene, met) {
+        if met != id && !scene.is_refractor(met) {
             let ((min, max), (outer_min, outer_max)) = (geometry.bounds_of(id.0), geometry.bounds_of(met.0));
             return (outer_min.cmplt(min).all() && max.cmplt(outer_max).all()).then_some(met);
         }

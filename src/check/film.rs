@@ -9,8 +9,7 @@ use rayon::prelude::*;
 use super::names::{brief, rounded_up};
 use super::{Problem, Spot, samples};
 use crate::geometry::{Ray, SurfacePoint};
-use crate::rectify::containment::{medium_of, priority};
-use crate::rectify::subjects::is_refractor;
+use crate::rectify::containment::medium_of;
 use crate::rectify::tolerance;
 use crate::rectify::{PatchKind, Progress};
 use crate::scene::{MediumId, ObjectId, Scene};
@@ -120,7 +119,7 @@ fn beside(scene: &Scene, id: ObjectId, point: SurfacePoint, reach: f64) -> Optio
         let ray = Ray::leaving(point.position, point.normal * sign, point.primitive);
         let hit = geometry.closest(&ray).filter(|hit| hit.t <= reach && hit.t > contact)?;
         let other = ObjectId(geometry.object_of(hit.primitive));
-        let is_meant = other != id && is_refractor(scene, other) && hit.is_front == (sign > 0.0);
+        let is_meant = other != id && scene.is_refractor(other) && hit.is_front == (sign > 0.0);
         is_meant.then_some(Beside { point, other, distance: sign * hit.t })
     })
 }
@@ -173,32 +172,27 @@ impl Found {
         let [inner, outer] = [self.inner, self.outer].map(|id| scene.object(id).name.as_str());
         // More than was seen at some points.
         let enough = rounded_up(1.5 * self.most);
-        let over = if priority(scene, self.outer) > priority(scene, self.inner) {
+        let thick = format!("{} thick and at most {}", brief(self.median, 2), brief(self.most, 2));
+        let least = scene.priority(self.inner);
+        let over = if scene.priority(self.outer) > least {
             format!("`{outer}` wins there by its priority")
         } else {
-            format!(
-                "give `{outer}` a priority above {}, so that it wins there (higher wins)",
-                priority(scene, self.inner)
-            )
+            format!("give `{outer}` a priority above {least}, so that it wins there (higher wins)")
         };
         let (kind, message) = match self.kind {
             Kind::Film(medium) => (
                 "thin_film",
                 format!(
-                    "a film of `{}` lies all round between `{inner}` and `{outer}`, {} thick and at most {}. If it is not meant, let them \
+                    "a film of `{}` lies all round between `{inner}` and `{outer}`, {thick}. If it is not meant, let them \
                      overlap: enlarge `{inner}` by {enough} on all sides that face `{outer}`; {over}",
-                    scene.medium(medium).name,
-                    brief(self.median, 2),
-                    brief(self.most, 2)
+                    scene.medium(medium).name
                 ),
             ),
             Kind::Facets => (
                 "slivers",
                 format!(
-                    "`{inner}` and `{outer}` nearly coincide, with slivers of gap and overlap between their facets, {} thick and at most {}. \
-                     Let them overlap all along: enlarge `{inner}` by {enough} towards `{outer}`; {over}. Or give both the same vertices there",
-                    brief(self.median, 2),
-                    brief(self.most, 2)
+                    "`{inner}` and `{outer}` nearly coincide, with slivers of gap and overlap between their facets, {thick}. \
+                     Let them overlap all along: enlarge `{inner}` by {enough} towards `{outer}`; {over}. Or give both the same vertices there"
                 ),
             ),
         };

@@ -4,12 +4,11 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Problem, names, samples};
+use super::{Problem, distinct, names, samples};
 use crate::geometry::{Ray, SurfacePoint};
 use crate::rectify::containment::medium_of;
 use crate::rectify::encounters::{Encounter, Meeting};
 use crate::rectify::face::coincides;
-use crate::rectify::subjects::is_refractor;
 use crate::rectify::tolerance;
 use crate::scene::{MediumId, ObjectId, Scene};
 use crate::tracking::priority::Priority;
@@ -32,9 +31,7 @@ pub(super) fn problems(prepared: &Prepared, encounters: &[Encounter]) -> Option<
     let wrong: Vec<(ObjectId, ObjectId)> =
         touching.into_par_iter().filter(|&(a, b)| is_wrong_between(prepared, a, b)).collect();
     let &(a, b) = wrong.first()?;
-    let mut objects: Vec<ObjectId> = wrong.iter().flat_map(|&(a, b)| [a, b]).collect();
-    objects.sort_unstable();
-    objects.dedup();
+    let objects = distinct(wrong.iter().flat_map(|&(a, b)| [a, b]));
     let [a, b] = [a, b].map(|id| &scene.object(id).name);
     let more = match wrong.len() {
         1 => String::new(),
@@ -115,7 +112,7 @@ fn walk<T: Tracker>(scene: &Scene, tracker: &T, point: &SurfacePoint, direction:
             break;
         }
         let beyond = ray.beyond(&hit);
-        if !is_refractor(scene, refractor) {
+        if !scene.is_refractor(refractor) {
             ray = beyond;
             continue;
         }

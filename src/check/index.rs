@@ -3,8 +3,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::Problem;
 use super::names::brief;
-use super::{Problem, names};
 use crate::optics::Ior;
 use crate::rectify::containment::medium_of;
 use crate::scene::{MediumId, Scene};
@@ -138,10 +138,9 @@ impl Known {
 }
 
 fn below_one(value: f64, explanation: Option<Explanation>) -> String {
-    let start = format!(
-        "its index is {}, and no medium's own index is below 1 at visible wavelengths (vacuum has 1)",
-        brief(value, 6)
-    );
+    let value = brief(value, 6);
+    let start =
+        format!("its index is {value}, and no medium's own index is below 1 at visible wavelengths (vacuum has 1)");
     match explanation {
         Some(e) => format!("{start}. {}", advice(&e)),
         None => format!(
@@ -151,20 +150,15 @@ fn below_one(value: f64, explanation: Option<Explanation>) -> String {
 }
 
 fn above_one(value: f64, explanation: &Explanation) -> String {
-    format!(
-        "its index, {}, is that of no liquid or solid but some foams. {}, unless it is meant",
-        brief(value, 6),
-        advice(explanation)
-    )
+    let (value, advice) = (brief(value, 6), advice(explanation));
+    format!("its index, {value}, is that of no liquid or solid but some foams. {advice}, unless it is meant")
 }
 
 fn advice(Explanation { inner, outer }: &Explanation) -> String {
+    let (own, around) = (brief(inner.1, 6), brief(outer.1, 6));
+    let (inner, outer) = (&inner.0, &outer.0);
     format!(
-        "It looks like the ratio {}/{} of {} to {}: give the medium's own index, here {}, and that of what is around is found",
-        brief(inner.1, 6),
-        brief(outer.1, 6),
-        names::list([inner.0.as_str()]),
-        names::list([outer.0.as_str()]),
-        brief(inner.1, 6)
+        "It looks like the ratio {own}/{around} of `{inner}` to `{outer}`: give the medium's own index, here {own}, and that of what is \
+         around is found"
     )
 }

@@ -172,7 +172,7 @@ fn problem(
             (Severity::Warning, format!("the mesh, {near}, is closed but encloses nothing: it has no thickness"))
         }
     };
-    let problem = Problem { severity, ..Problem::warning(&refractor.name, kind.word(), message) };
+    let problem = Problem { severity, ..Problem::warning(&refractor.name, kind.name(), message) };
     // A finding without extent concerns the whole object.
     if spot.radius > 0.0 { problem.at(spot.center, spot.radius) } else { problem }
 }

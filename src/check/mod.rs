@@ -17,6 +17,8 @@ mod overlap;
 mod rims;
 mod samples;
 
+use std::collections::BTreeSet;
+
 use glam::DVec3;
 
 use crate::rectify::{Cancelled, Progress};
@@ -43,6 +45,15 @@ pub struct Spot {
     pub center: DVec3,
     /// Radius of the region concerned, in scene units, > 0.
     pub radius: f64,
+}
+
+impl Spot {
+    /// Around places whose coordinates count from `origin`.
+    fn around(places: impl Iterator<Item = DVec3>, origin: DVec3) -> Self {
+        let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (min, max) = places.fold(none, |(min, max), place| (min.min(place), max.max(place)));
+        Self { center: (min + max) / 2.0 + origin, radius: (max - min).length() / 2.0 }
+    }
 }
 
 /// One finding.
@@ -114,6 +125,11 @@ pub fn check_watched(prepared: &Prepared, progress: &Progress) -> Result<Vec<Pro
     // Stable: findings of one severity stay in the order above.
     problems.sort_by_key(|problem| problem.severity);
     Ok(problems)
+}
+
+/// Each once, in ascending order.
+fn distinct<T: Ord>(all: impl IntoIterator<Item = T>) -> Vec<T> {
+    BTreeSet::from_iter(all).into_iter().collect()
 }
 
 fn light(prepared: &Prepared) -> Vec<Problem> {

@@ -1,7 +1,5 @@
 //! Parts of a mesh that lie in another part of it.
 
-use glam::DVec3;
-
 use super::Spot;
 use crate::rectify::PatchKind;
 use crate::rectify::subjects::primitives_of;
@@ -23,14 +21,8 @@ pub(super) fn hidden(prepared: &Prepared, object: ObjectId) -> Option<(u64, Spot
         is_hidden[component as usize] &= is_between_itself;
     }
     let count = is_hidden.iter().filter(|hidden| **hidden).count() as u64;
-    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for (face, &component) in primitives_of(&scene.geometry, object).zip(&topology.component_of_face) {
-        if is_hidden[component as usize] {
-            for corner in scene.geometry.corners(face) {
-                (min, max) = (min.min(corner), max.max(corner));
-            }
-        }
-    }
-    let spot = Spot { center: (min + max) / 2.0 + scene.geometry.origin, radius: (max - min).length() / 2.0 };
-    (count > 0).then_some((count, spot))
+    let faces = primitives_of(&scene.geometry, object).zip(&topology.component_of_face);
+    let hidden = faces.filter(|(_, component)| is_hidden[**component as usize]);
+    let corners = hidden.flat_map(|(face, _)| scene.geometry.corners(face));
+    (count > 0).then(|| (count, Spot::around(corners, scene.geometry.origin)))
 }

@@ -12,7 +12,7 @@ pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
     let description = &*prepared.description;
     // One file with the objects that it is the shape of.
     let mut files: Vec<(&std::path::Path, &[LoadNote], Vec<&str>)> = Vec::new();
-    for object in &description.objects {
+    for object in description.objects.iter() {
         let Shape::Mesh { path, notes, .. } = &object.shape else { continue };
         match files.iter_mut().find(|(known, ..)| known == path) {
             Some((.., names)) => names.push(&object.name),

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::rims::Rims;
-use super::{Problem, names, samples};
+use super::{Problem, distinct, names, samples};
 use crate::rectify::PatchKind;
-use crate::rectify::containment::{containment_beside, is_same_volume, medium_of, priority, top};
+use crate::rectify::containment::{containment_beside, is_same_volume, medium_of, top};
 use crate::rectify::copies::Copies;
 use crate::rectify::encounters::{Encounter, Meeting};
 use crate::scene::{ObjectId, Scene};
@@ -66,16 +66,13 @@ fn groups(pairs: &[(ObjectId, ObjectId)]) -> Vec<Vec<(ObjectId, ObjectId)>> {
 
 /// The objects of some pairs, each once, in ascending order.
 fn members(pairs: &[(ObjectId, ObjectId)]) -> Vec<ObjectId> {
-    let mut members: Vec<ObjectId> = pairs.iter().flat_map(|&(a, b)| [a, b]).collect();
-    members.sort_unstable();
-    members.dedup();
-    members
+    distinct(pairs.iter().flat_map(|&(a, b)| [a, b]))
 }
 
 /// Whether two objects have equal priorities and different media, so that a tie decides what fills their overlap.
 fn is_undecided(scene: &Scene, a: ObjectId, b: ObjectId) -> bool {
     let is_seamless = medium_of(scene, Some(a)) == medium_of(scene, Some(b));
-    priority(scene, a) == priority(scene, b) && !is_seamless
+    scene.priority(a) == scene.priority(b) && !is_seamless
 }
 
 /// What decides a tie.
@@ -93,29 +90,22 @@ fn reason(scene: &Scene, objects: &[ObjectId]) -> &'static str {
 fn tie(scene: &Scene, a: ObjectId, b: ObjectId) -> Problem {
     let [first, second] = [a, b].map(|id| &scene.object(id).name);
     let winner = top(scene, [a, b]).map_or("", |id| &scene.object(id).name);
-    Problem::warning(
-        format!("{first}, {second}"),
-        "overlap_tie",
-        format!(
-            "{first} and {second} overlap with equal priority: {}, here {winner}; set a priority to choose (higher wins)",
-            reason(scene, &[a, b])
-        ),
-    )
+    let reason = reason(scene, &[a, b]);
+    let message = format!(
+        "{first} and {second} overlap with equal priority: {reason}, here {winner}; set a priority to choose (higher wins)"
+    );
+    Problem::warning(format!("{first}, {second}"), "overlap_tie", message)
 }
 
 fn ties_of_many(scene: &Scene, pairs: &[(ObjectId, ObjectId)]) -> Problem {
     let objects = members(pairs);
-    Problem::warning(
-        names::place_of(scene, &objects),
-        "overlap_tie",
-        format!(
-            "{} objects, {}, overlap each other in {} pairs with equal priority: {}; set priorities to choose (higher wins)",
-            objects.len(),
-            names::list_of(scene, &objects),
-            pairs.len(),
-            reason(scene, &objects)
-        ),
-    )
+    let (count, list, pairs) = (objects.len(), names::list_of(scene, &objects), pairs.len());
+    let reason = reason(scene, &objects);
+    let message = format!(
+        "{count} objects, {list}, overlap each other in {pairs} pairs with equal priority: {reason}; set priorities to choose \
+         (higher wins)"
+    );
+    Problem::warning(names::place_of(scene, &objects), "overlap_tie", message)
 }
 
 /// Whether, of two with the same surface, the one that wins does fill the other all along it.
@@ -151,10 +141,7 @@ fn invisible(prepared: &Prepared, refractor: ObjectId) -> Option<Problem> {
         return None;
     }
     let name = &scene.object(refractor).name;
-    let mut fills: Vec<ObjectId> = patches.iter().filter_map(|patch| patch.inside_refractor).collect();
-    fills.sort_unstable();
-    fills.dedup();
-    fills.retain(|id| *id != refractor);
+    let fills = distinct(patches.iter().filter_map(|patch| patch.inside_refractor).filter(|id| *id != refractor));
     if fills.is_empty() {
         let container = patches[0].outside_refractor.map_or("the world", |id| &scene.object(id).name);
         return Some(Problem::advice(
@@ -163,7 +150,7 @@ fn invisible(prepared: &Prepared, refractor: ObjectId) -> Option<Problem> {
             format!("it is of the same medium as `{container}`, which surrounds it, and so cannot be seen"),
         ));
     }
-    let highest = fills.iter().map(|id| priority(scene, *id)).max()?;
+    let highest = fills.iter().map(|id| scene.priority(*id)).max()?;
     let (has, fills) = (if fills.len() == 1 { "has" } else { "have" }, names::list_of(scene, &fills));
     Some(Problem::warning(
         name,

@@ -3,6 +3,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
+use super::distinct;
 use crate::geometry::Enclosure;
 use crate::geometry::topology::NONE;
 use crate::rectify::subjects::primitives_of;
@@ -32,10 +33,8 @@ pub(super) fn joined(prepared: &Prepared) -> Rims {
         .filter_map(|(&id, rim)| {
             let is_joined = |vertex: &&[u64; 3]| owners[*vertex].len() > 1;
             let shared: Vec<&[u64; 3]> = rim.iter().filter(is_joined).collect();
-            let mut others: Vec<ObjectId> = shared.iter().flat_map(|vertex| &owners[*vertex]).copied().collect();
-            others.sort_unstable();
-            others.dedup();
-            others.retain(|other| *other != id);
+            let owners = shared.iter().flat_map(|vertex| &owners[*vertex]).copied();
+            let others = distinct(owners.filter(|other| *other != id));
             let is_most = !shared.is_empty() && shared.len() as f64 >= JOINED * rim.len() as f64;
             is_most.then_some((id, others))
         })
@@ -56,7 +55,5 @@ fn rim(prepared: &Prepared, scene: &Scene, id: ObjectId) -> Vec<[u64; 3]> {
             vertices.extend([corners[edge], corners[(edge + 1) % 3]].map(|p| (p + 0.0).to_array().map(f64::to_bits)));
         }
     }
-    vertices.sort_unstable();
-    vertices.dedup();
-    vertices
+    distinct(vertices)
 }

@@ -183,8 +183,7 @@ Examples:
 pub struct RenderArguments {
     #[command(flatten)]
     pub image: ImageArguments,
-    /// How media are tracked: naive, stack, priority, rectified-object, rectified or reference
-    #[arg(long, value_name = "MODE", default_value = "rectified")]
+    #[arg(long, value_name = "MODE", default_value = "rectified", help = format!("How media are tracked: {}", Mode::list()))]
     pub mode: Mode,
     /// Take the samples from A up to but without B of every pixel, and write their sums and counts without rounding, as an EXR file: `iorect
     /// merge` puts such parts together. The samples are those of one render; parts of 2^k samples that begin at a multiple of 2^k are
@@ -200,8 +199,7 @@ pub struct RenderArguments {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 All modes use the same random numbers and advance in lockstep, so that differences show the modes' errors rather than noise.
-They are taken against the most trusted mode listed: reference, rectified,
-rectified-object, priority, stack, naive, in this order.
+They are taken against the most trusted mode listed: the help of --modes names all, the least trusted first.
 
 Examples:
   iorect compare camera-in-water                                 → camera-in-water-comparison.png
@@ -210,8 +208,10 @@ Examples:
 pub struct CompareArguments {
     #[command(flatten)]
     pub image: ImageArguments,
-    /// Modes to compare, separated by commas: naive, stack, priority, rectified-object, rectified, reference
-    #[arg(long, value_name = "MODES", default_value = "naive,stack,rectified", value_delimiter = ',')]
+    #[arg(
+        long, value_name = "MODES", default_value = "naive,stack,rectified", value_delimiter = ',',
+        help = format!("Modes to compare, separated by commas: {}", Mode::list())
+    )]
     pub modes: Vec<Mode>,
     /// Picture to write [default: SCENE-comparison.png]
     #[arg(short, long, value_name = "FILE.png")]
@@ -275,8 +275,7 @@ pub struct TraceArguments {
     /// Where the path goes from --origin; any length but 0
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true, requires = "origin")]
     pub direction: Option<DVec3>,
-    /// How media are tracked: naive, stack, priority, rectified-object, rectified or reference
-    #[arg(long, value_name = "MODE", default_value = "rectified")]
+    #[arg(long, value_name = "MODE", default_value = "rectified", help = format!("How media are tracked: {}", Mode::list()))]
     pub mode: Mode,
     /// Which way to go at each surface: transmit (where reflection is not total), reflect, or sample (by chance, as a render does)
     #[arg(long, value_name = "WAY", default_value = "transmit", value_parser = follow)]

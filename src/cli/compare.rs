@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::arguments::CompareArguments;
 use super::image::{ImageReport, Job, Rendered, mega_samples_per_second, output_path};
-use super::table::{Align, Table};
+use super::table::Table;
 use super::{Failure, print, print_json};
 use crate::export::escape::{short_name, shown};
 use crate::export::words::{brief, duration, events_in_words};
@@ -42,14 +42,12 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     require_distinct(&arguments.modes)?;
     if let Some(path) = &output {
         if Format::of(path).map_err(Failure::bad_output)? != Format::Png {
-            return Err(Failure::Wrong(anyhow::anyhow!(
-                "{}: a comparison is a picture to look at; use a name that ends in `.png`",
-                path.display()
-            )));
+            let advice = "a comparison is a picture to look at; use a name that ends in `.png`";
+            return Err(Failure::wrong(format!("{}: {advice}", path.display())));
         }
         require_writable(path).map_err(Failure::bad_output)?;
     }
-    let job = Job::new(image)?;
+    let job = Job::new(image, &arguments.modes)?;
     let rendered = job.render(&arguments.modes);
     let pictures: Vec<Picture> = rendered.iter().map(|image| Picture::from(&image.film)).collect();
     let differences = job.on_threads(|| differences(&rendered, &pictures, job.display()));
@@ -68,7 +66,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
 
 fn require_distinct(modes: &[Mode]) -> Result<(), Failure> {
     match modes.iter().enumerate().find(|(index, mode)| modes[..*index].contains(mode)) {
-        Some((_, mode)) => Err(Failure::Wrong(anyhow::anyhow!("--modes lists `{mode}` twice"))),
+        Some((_, mode)) => Err(Failure::wrong(format!("--modes lists `{mode}` twice"))),
         None => Ok(()),
     }
 }
@@ -118,14 +116,10 @@ fn write_picture(
             picture,
         })
         .collect();
+    let Picture { width, height, .. } = pictures[0];
     let about = Comparison {
         title: job.prepared.description.name.clone(),
-        details: format!(
-            "{}×{} · seed {seed} · iorect {}",
-            pictures[0].width,
-            pictures[0].height,
-            env!("CARGO_PKG_VERSION")
-        ),
+        details: format!("{width}×{height} · seed {seed} · iorect {}", env!("CARGO_PKG_VERSION")),
         display: job.display(),
         baseline: most_trusted(rendered).filter(|_| rendered.len() > 1),
     };
@@ -139,12 +133,7 @@ fn summary(job: &Job<'_>, rendered: &[Rendered], differences: &[PairDifference],
     let film = &rendered[0].film;
     let name = short_name(&job.prepared.description.name);
     let mut text = format!("{name} · {}×{} · {} spp\n\n", film.width, film.height, film.samples);
-    let mut modes = Table::new(&[
-        ("mode", Align::Left),
-        ("time", Align::Right),
-        ("Msamples/s", Align::Right),
-        ("events", Align::Left),
-    ]);
+    let mut modes = Table::new("mode,>time,>Msamples/s,events");
     for image in rendered {
         modes.row([
             image.mode.to_string(),
@@ -155,13 +144,7 @@ fn summary(job: &Job<'_>, rendered: &[Rendered], differences: &[PairDifference],
     }
     text += &modes.render();
     if !differences.is_empty() {
-        let mut table = Table::new(&[
-            ("difference", Align::Left),
-            ("MSE", Align::Right),
-            ("relMSE", Align::Right),
-            ("mean |Δ|", Align::Right),
-            ("FLIP", Align::Right),
-        ]);
+        let mut table = Table::new("difference,>MSE,>relMSE,>mean |Δ|,>FLIP");
         for pair in differences {
             let figures = pair.figures;
             table.row([

@@ -8,12 +8,12 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::Failure;
 use super::arguments::{ImageArguments, Size};
 use super::preparation::prepare_shown;
 use super::progress::Progress;
+use super::{Failure, pool};
 use crate::render::exact::unit_exponent;
-use crate::render::{Cpu, Display, Film, ImageSettings, Recipe, RenderTask, Renderer, SampleRange};
+use crate::render::{Display, Film, ImageSettings, Recipe, RenderTask, SampleRange};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
@@ -110,24 +110,19 @@ pub struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    /// Reads and prepares the scene.
-    pub fn new(arguments: &'a ImageArguments) -> Result<Self, Failure> {
+    /// Reads and prepares the scene, which is to be rendered in these modes.
+    pub fn new(arguments: &'a ImageArguments, modes: &[Mode]) -> Result<Self, Failure> {
         let start = Instant::now();
         let description = crate::formats::open(&arguments.scene)?;
         let load_secs = start.elapsed().as_secs_f64();
         let camera = Camera::new(&description.camera)?;
-        // 0 lets rayon take one thread per core.
-        let threads = arguments.threads.unwrap_or(0) as usize;
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|error| Failure::Failed(anyhow::Error::new(error).context("the threads cannot be started")))?;
+        let pool = pool(arguments.threads)?;
         let prepared = pool.install(|| prepare_shown(Arc::new(description)))?;
+        for settings in modes.iter().map(|&mode| arguments.settings(mode)) {
+            let task = RenderTask { prepared: &prepared, camera: &camera, settings: &settings };
+            task.require().map_err(|error| Failure::Wrong(error.into()))?;
+        }
         Ok(Self { arguments, prepared, camera, load_secs, pool })
-    }
-
-    pub fn threads(&self) -> usize {
-        self.pool.current_num_threads()
     }
 
     /// Does `work` on no more threads than were asked for.
@@ -189,14 +184,8 @@ impl<'a> Job<'a> {
             for (index, image) in images.iter_mut().enumerate() {
                 let settings = self.arguments.settings(image.mode);
                 let mode_start = Instant::now();
-                self.pool.install(|| {
-                    Cpu.pass(
-                        &RenderTask { prepared: &self.prepared, camera: &self.camera, settings: &settings },
-                        &mut image.film,
-                        slice,
-                        &never,
-                    );
-                });
+                let task = RenderTask { prepared: &self.prepared, camera: &self.camera, settings: &settings };
+                self.pool.install(|| task.pass(&mut image.film, slice, &never));
                 image.seconds += mode_start.elapsed().as_secs_f64();
                 let samples = f64::from(done) + f64::from(slice) * (index + 1) as f64 / modes;
                 progress.tell(until.part(samples, start.elapsed()), start.elapsed());
@@ -223,7 +212,7 @@ impl<'a> Job<'a> {
             spp: image.film.samples,
             samples: is_part.then(|| SampleRange(image.film.first, image.film.first + image.film.samples)),
             adaptive: self.is_adaptive() && !is_part,
-            threads: self.threads(),
+            threads: self.pool.current_num_threads(),
             seconds: Seconds {
                 load: self.load_secs,
                 bvh: self.prepared.seconds.bvh,

@@ -11,7 +11,7 @@ use super::{Failure, plural, print, print_json};
 use crate::export::escape::{short_name, shown};
 use crate::export::words::events_in_words;
 use crate::export::{self, Format, Head, Picture, SumsError};
-use crate::render::{CannotMerge, Display, Partial, Recipe, SampleRange};
+use crate::render::{CannotMerge, Display, ImageSettings, Partial, Recipe, SampleRange};
 use crate::tracking::Events;
 use crate::tracking::Mode;
 use crate::writing::require_writable;
@@ -75,13 +75,13 @@ fn merge(files: &[PathBuf]) -> Result<Partial, Failure> {
             })?,
         }
     }
-    merged.ok_or_else(|| Failure::Wrong(anyhow::anyhow!("there is no file to merge")))
+    merged.ok_or_else(|| Failure::wrong("there is no file to merge"))
 }
 
 fn require_mergeable(files: &[PathBuf], heads: &[Head]) -> Result<(), Failure> {
     let refused = |path: &Path, earlier: &Path, reason: CannotMerge| {
         let (path, earlier) = (path.display(), earlier.display());
-        Failure::Wrong(anyhow::anyhow!("{path} cannot be merged with {earlier}: {reason}"))
+        Failure::wrong(format!("{path} cannot be merged with {earlier}: {reason}"))
     };
     for (path, head) in files.iter().zip(heads).skip(1) {
         head.recipe.require_same_image(&heads[0].recipe).map_err(|reason| refused(path, &files[0], reason))?;
@@ -105,13 +105,8 @@ fn write(path: &Path, merged: &Partial, display: &Display) -> Result<(), Failure
         Format::Png => {
             let recipe = &merged.recipe;
             let picture = Picture { width: recipe.width, height: recipe.height, rgb: merged.to_rgb() };
-            let text = export::metadata_for_media(
-                &recipe.scene,
-                &[],
-                &[recipe.settings.mode],
-                merged.samples(),
-                recipe.settings.seed,
-            );
+            let ImageSettings { mode, seed, .. } = recipe.settings;
+            let text = export::metadata_for_media(&recipe.scene, &[], &[mode], merged.samples(), seed);
             export::png(path, &picture, display, &text)
         }
     }
@@ -122,16 +117,10 @@ fn summary(arguments: &MergeArguments, merged: &Partial) -> String {
     let recipe = &merged.recipe;
     let files = arguments.files.len();
     let ranges = |ranges: &[SampleRange]| ranges.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
-    let mut text = format!(
-        "{} · {} · {}×{} · {} spp from {files} file{} · seed {}\n",
-        short_name(&recipe.scene),
-        recipe.settings.mode,
-        recipe.width,
-        recipe.height,
-        merged.samples(),
-        plural(files),
-        recipe.settings.seed
-    );
+    let Recipe { width, height, settings: ImageSettings { mode, seed, .. }, .. } = recipe;
+    let (scene, samples) = (short_name(&recipe.scene), merged.samples());
+    let from = format!("{samples} spp from {files} file{}", plural(files));
+    let mut text = format!("{scene} · {mode} · {width}×{height} · {from} · seed {seed}\n");
     text += &format!("  samples   {}\n", ranges(&merged.ranges));
     let gaps = merged.gaps();
     if !gaps.is_empty() {

@@ -29,7 +29,8 @@ use crate::export::escape::{elided, escaped_json, escaped_lines};
 use crate::scene::SceneError;
 use crate::writing::clean_up_when_interrupted;
 
-pub use window::{WindowError, WindowRequest, WindowScreenshot};
+pub use arguments::WindowArguments;
+pub use window::WindowError;
 
 /// Characters of an error that are shown at the most: names and lists of them can be long.
 const MOST_OF_ERROR: usize = 4000;
@@ -50,6 +51,10 @@ impl From<SceneError> for Failure {
 }
 
 impl Failure {
+    fn wrong(message: impl Into<String>) -> Self {
+        Self::Wrong(anyhow::Error::msg(message.into()))
+    }
+
     /// An output that can be known to be impossible before any work is done.
     fn bad_output(error: impl Into<ExportError>) -> Self {
         Self::Wrong(error.into().into())
@@ -63,7 +68,7 @@ impl Failure {
 
 /// Runs the program. `open_window` shows the window and returns when it is closed: it is handed in by the binary, so that command line
 /// and window need not know each other.
-pub fn main(open_window: impl FnOnce(WindowRequest) -> Result<(), WindowError>) -> ExitCode {
+pub fn main(open_window: impl FnOnce(&WindowArguments) -> Result<(), WindowError>) -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {
@@ -106,6 +111,12 @@ pub fn main(open_window: impl FnOnce(WindowRequest) -> Result<(), WindowError>) 
     }
 }
 
+/// So many threads, or one for each core.
+fn pool(threads: Option<u32>) -> Result<rayon::ThreadPool, Failure> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0) as usize).build();
+    pool.map_err(|error| Failure::Failed(anyhow::Error::new(error).context("the threads cannot be started")))
+}
+
 /// A word with quotation marks where a shell needs them.
 fn shell_word(word: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
@@ -117,9 +128,8 @@ fn shell_word(word: &str) -> String {
 }
 
 fn not_yet(command: &str) -> Result<ExitCode, Failure> {
-    Err(Failure::Wrong(anyhow::anyhow!(
-        "the command `{command}` is not yet supported; see `iorect --help` for those that are"
-    )))
+    let advice = "see `iorect --help` for those that are";
+    Err(Failure::wrong(format!("the command `{command}` is not yet supported; {advice}")))
 }
 
 /// The ending of a noun that is counted.

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 
+use super::progress;
 use crate::rectify::Progress;
 use crate::scene::{Description, SceneError};
 use crate::tracking::{PrepareError, Prepared, prepare, prepare_watched};
@@ -50,7 +51,5 @@ pub fn prepare_shown(description: Arc<Description>) -> Result<Prepared, SceneErr
 }
 
 fn line() -> ProgressBar {
-    let style = ProgressStyle::with_template("preparing: {msg} {bar:30.cyan/dim} {percent:>3} % · {elapsed}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(100).with_style(style.progress_chars("━━─"))
+    progress::bar(100, "preparing: {msg} {bar:30.cyan/dim} {percent:>3} % · {elapsed}")
 }

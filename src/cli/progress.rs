@@ -14,6 +14,12 @@ const STEPS: u64 = 10_000;
 /// Time between two lines.
 const BETWEEN_LINES: Duration = Duration::from_secs(5);
 
+/// Draws on standard error, and only if that is a terminal.
+pub fn bar(steps: u64, template: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(steps).with_style(style.progress_chars("━━─"))
+}
+
 /// Gone from the terminal when dropped.
 pub struct Progress {
     bar: ProgressBar,
@@ -24,10 +30,7 @@ pub struct Progress {
 impl Progress {
     /// With `tells_lines`, a standard error that is no terminal gets lines.
     pub fn new(tells_lines: bool) -> Self {
-        // Draws on standard error, and only if that is a terminal.
-        let template = "{bar:40.cyan/dim} {percent:>3} % · {elapsed}, {eta} left";
-        let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-        let bar = ProgressBar::new(STEPS).with_style(style.progress_chars("━━─"));
+        let bar = bar(STEPS, "{bar:40.cyan/dim} {percent:>3} % · {elapsed}, {eta} left");
         let is_told = tells_lines && !io::stderr().is_terminal();
         Self { bar, next_line: Cell::new(is_told.then_some(BETWEEN_LINES)) }
     }

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::arguments::{Granularity, RectifyArguments};
 use super::preparation::prepare_shown;
-use super::table::{Align, Table, wrapped};
+use super::table::{Table, wrapped};
 use super::{Failure, plural, print, print_json};
 use crate::check::{Severity, check};
 use crate::export::escape::short_name;
@@ -157,18 +157,7 @@ fn listed(names: &[&str]) -> String {
 
 fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
     let scene = &prepared.scene;
-    let mut table = Table::new(&[
-        ("refractor", Align::Left),
-        ("patch", Align::Right),
-        ("kind", Align::Left),
-        ("outside", Align::Left),
-        ("found in", Align::Left),
-        ("inside", Align::Left),
-        ("faces", Align::Right),
-        ("area", Align::Right),
-        ("rays", Align::Right),
-        ("confidence", Align::Right),
-    ]);
+    let mut table = Table::new("refractor,>patch,kind,outside,found in,inside,>faces,>area,>rays,>confidence");
     // Of media of one name, the first.
     let iors: HashMap<&str, f64> =
         scene.media.iter().rev().map(|medium| (medium.name.as_str(), medium.ior())).collect();
@@ -212,20 +201,12 @@ fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
         text.push('\n');
     }
     let seconds = report.seconds;
-    let refractors = scene.refractors().count();
-    text += &format!(
-        "\n  {} refractor{}, {} patch{}, {} rays, {} (topology {} · patches {} · pre-trace {} · resolve {})\n",
-        refractors,
-        plural(refractors),
-        report.patches.len(),
-        if report.patches.len() == 1 { "" } else { "es" },
-        grouped(rays),
-        duration(seconds.total()),
-        duration(seconds.topology),
-        duration(seconds.patches),
-        duration(seconds.pretrace),
-        duration(seconds.resolve)
-    );
+    let times = [seconds.total(), seconds.topology, seconds.patches, seconds.pretrace, seconds.resolve];
+    let [total, topology, patching, pretrace, resolve] = times.map(duration);
+    let (refractors, patches, rays) = (scene.refractors().count(), report.patches.len(), grouped(rays));
+    let (s, es) = (plural(refractors), if patches == 1 { "" } else { "es" });
+    text += &format!("\n  {refractors} refractor{s}, {patches} patch{es}, {rays} rays, {total} ");
+    text += &format!("(topology {topology} · patches {patching} · pre-trace {pretrace} · resolve {resolve})\n");
     if !report.warnings.is_empty() {
         text.push('\n');
     }

@@ -3,12 +3,12 @@
 use std::process::ExitCode;
 
 use super::arguments::{RenderArguments, Switch};
-use super::image::{Job, Rendered, mega_samples_per_second, output_path};
+use super::image::{ImageReport, Job, Rendered, Seconds, mega_samples_per_second, output_path};
 use super::{Failure, plural, print, print_json};
 use crate::export::escape::{short_name, shown};
 use crate::export::words::{brief, duration, events_in_words};
 use crate::export::{self, Format, Picture};
-use crate::render::{Partial, SampleRange};
+use crate::render::{ImageSettings, Partial, SampleRange};
 use crate::writing::require_writable;
 
 pub fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
@@ -20,21 +20,17 @@ pub fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     let output = output_path(arguments.output.as_ref(), image.json, &image.scene, &ending);
     // Minutes of rendering are not to be lost to a typing error.
     if arguments.samples.is_some() && image.adaptive == Some(Switch(true)) {
-        return Err(Failure::Wrong(anyhow::anyhow!(
-            "--samples takes the same samples of every pixel; leave out `--adaptive on`"
-        )));
+        return Err(Failure::wrong("--samples takes the same samples of every pixel; leave out `--adaptive on`"));
     }
     if let Some(path) = &output {
         let format = Format::of(path).map_err(Failure::bad_output)?;
         if arguments.samples.is_some() && format != Format::Exr {
-            return Err(Failure::Wrong(anyhow::anyhow!(
-                "{}: --samples writes sums to be merged; use a name that ends in `.exr`",
-                path.display()
-            )));
+            let advice = "--samples writes sums to be merged; use a name that ends in `.exr`";
+            return Err(Failure::wrong(format!("{}: {advice}", path.display())));
         }
         require_writable(path).map_err(Failure::bad_output)?;
     }
-    let job = Job::new(image)?;
+    let job = Job::new(image, &[arguments.mode])?;
     let rendered = match arguments.samples {
         Some(samples) => job.render_part(arguments.mode, samples),
         None => job.render(&[arguments.mode]).remove(0),
@@ -60,30 +56,15 @@ pub fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
 
 fn summary(job: &Job<'_>, rendered: &Rendered, output: Option<&std::path::Path>) -> String {
     let report = job.report(rendered, output);
-    let seconds = report.seconds;
+    let ImageReport { width, height, spp, threads, settings: ImageSettings { mode, seed, .. }, .. } = report;
+    let Seconds { load, bvh, rectify, render } = report.seconds;
+    let speed = brief(mega_samples_per_second(&rendered.film, render));
+    let [load, bvh, rectify, render] = [load, bvh, rectify, render].map(duration);
     let left_out = if report.left_out.is_empty() { "nothing".into() } else { report.left_out.join(", ") };
-    let mut text = format!(
-        "{} · {} · {}×{} · {} spp · seed {}\n",
-        short_name(&job.prepared.description.name),
-        report.settings.mode,
-        report.width,
-        report.height,
-        report.spp,
-        report.settings.seed
-    );
-    text += &format!(
-        "  time      load {} · tree {} · rectify {} · render {}\n",
-        duration(seconds.load),
-        duration(seconds.bvh),
-        duration(seconds.rectify),
-        duration(seconds.render)
-    );
-    text += &format!(
-        "  speed     {} million samples a second, {} thread{}\n",
-        brief(mega_samples_per_second(&rendered.film, seconds.render)),
-        report.threads,
-        plural(report.threads)
-    );
+    let scene = short_name(&job.prepared.description.name);
+    let mut text = format!("{scene} · {mode} · {width}×{height} · {spp} spp · seed {seed}\n");
+    text += &format!("  time      load {load} · tree {bvh} · rectify {rectify} · render {render}\n");
+    text += &format!("  speed     {speed} million samples a second, {threads} thread{}\n", plural(threads));
     text += &format!("  events    {}\n", events_in_words(&report.events));
     if let Some(share) = report.mixed_share {
         text += &format!("  mixed     {:.1} % of the crossings\n", 100.0 * share);

@@ -7,10 +7,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
-
 use super::arguments::ReportArguments;
-use super::{Failure, print, shell_word};
+use super::progress::bar;
+use super::{Failure, pool, print, shell_word};
 use crate::export::ExportError;
 use crate::export::escape::{escaped_json, short_name, shown};
 use crate::export::words::duration;
@@ -34,10 +33,7 @@ pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     };
     let store = Store::open(&arguments.output.join("cache")).map_err(unwritable)?;
     require_all_writable(&arguments.output).map_err(|error| unwritable(error.into()))?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads.unwrap_or(0) as usize)
-        .build()
-        .map_err(|error| Failure::Failed(anyhow::Error::new(error).context("the threads cannot be started")))?;
+    let pool = pool(arguments.threads)?;
     let threads = pool.current_num_threads();
     let extent = match arguments {
         ReportArguments { tiny: true, .. } => Extent::tiny(arguments.seed, threads),
@@ -46,7 +42,8 @@ pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     };
     let parts = if arguments.only.is_empty() { Part::ALL.to_vec() } else { arguments.only.clone() };
     let request = Request { subjects, parts, extent, seed: arguments.seed, command: command_line() };
-    let bar = progress_bar();
+    let bar = bar(STEPS, "{bar:30.cyan/dim} {percent:>3} % · {elapsed}, {eta} left · {wide_msg}");
+    bar.enable_steady_tick(Duration::from_millis(250));
     let tell = |what: &str, part: f64| {
         bar.set_position((part * STEPS as f64) as u64);
         bar.set_message(short_name(what));
@@ -78,9 +75,8 @@ fn subjects(names: &[PathBuf]) -> Result<Vec<Subject>, Failure> {
             let description = Arc::new(formats::open(name)?);
             let stem = name.file_stem().unwrap_or(name.as_os_str()).to_string_lossy().into_owned();
             if !taken.insert(stem.clone()) {
-                return Err(Failure::Wrong(anyhow::anyhow!(
-                    "two of the scenes are called `{stem}`; give each once, or copy one under another name"
-                )));
+                let advice = "give each once, or copy one under another name";
+                return Err(Failure::wrong(format!("two of the scenes are called `{stem}`; {advice}")));
             }
             Ok(Subject { name: stem, description })
         })
@@ -91,15 +87,6 @@ fn subjects(names: &[PathBuf]) -> Result<Vec<Subject>, Failure> {
 fn command_line() -> String {
     let words = std::env::args_os().skip(1).map(|word| shell_word(&word.to_string_lossy()));
     std::iter::once("iorect".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
-}
-
-/// Draws on standard error, and only if that is a terminal.
-fn progress_bar() -> ProgressBar {
-    let template = "{bar:30.cyan/dim} {percent:>3} % · {elapsed}, {eta} left · {wide_msg}";
-    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    let bar = ProgressBar::new(STEPS).with_style(style.progress_chars("━━─"));
-    bar.enable_steady_tick(Duration::from_millis(250));
-    bar
 }
 
 fn summary(report: &Report, written: &[PathBuf]) -> String {

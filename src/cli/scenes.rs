@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use serde::Serialize;
 
 use super::arguments::ListArguments;
-use super::table::{Align, Table};
+use super::table::Table;
 use super::{Failure, print, print_json};
 use crate::formats::builtin;
 
@@ -19,17 +19,12 @@ struct Entry {
 
 pub fn run(arguments: &ListArguments) -> Result<ExitCode, Failure> {
     if arguments.json {
-        let entries: Vec<Entry> = (builtin::all().iter())
-            .map(|scene| Entry {
-                name: scene.name,
-                about: scene.about,
-                file: format!("assets/scenes/{}.toml", scene.name),
-            })
-            .collect();
-        print_json(&entries)?;
+        let file = |name| format!("assets/scenes/{name}.toml");
+        let entries = builtin::all().iter().map(|s| Entry { name: s.name, about: s.about, file: file(s.name) });
+        print_json(&entries.collect::<Vec<_>>())?;
         return Ok(ExitCode::SUCCESS);
     }
-    let mut table = Table::new(&[("name", Align::Left), ("what it shows", Align::Left)]);
+    let mut table = Table::new("name,what it shows");
     for scene in builtin::all() {
         table.row([scene.name.to_owned(), scene.about.to_owned()]);
     }

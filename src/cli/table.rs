@@ -2,25 +2,19 @@
 
 use crate::export::escape::elided;
 
-/// How a column is aligned.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Align {
-    Left,
-    Right,
-}
-
 /// Characters of a cell that are shown at the most: room for every kind of event.
 const MOST_OF_CELL: usize = 160;
 
 /// A table of text with a heading.
 pub struct Table {
-    columns: Vec<(&'static str, Align)>,
+    columns: Vec<&'static str>,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    pub fn new(columns: &[(&'static str, Align)]) -> Self {
-        Self { columns: columns.to_vec(), rows: Vec::new() }
+    /// With the names of its columns, commas between them. `>` before a name: its cells are numbers and stand at the right.
+    pub fn new(columns: &'static str) -> Self {
+        Self { columns: columns.split(',').collect(), rows: Vec::new() }
     }
 
     /// Adds a row with one cell per column. Cells are lines: long ones are elided, and control characters in them are escaped.
@@ -32,20 +26,16 @@ impl Table {
 
     /// The whole, each line indented by two and ended.
     pub fn render(&self) -> String {
-        let width = |column: usize| {
-            let cells = self.rows.iter().map(|row| row[column].chars().count());
-            cells.chain([self.columns[column].0.chars().count()]).max().unwrap_or(0)
-        };
-        let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
-        let heading: Vec<String> = self.columns.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let heading: Vec<String> = self.columns.iter().map(|name| name.trim_start_matches('>').to_owned()).collect();
+        let rows = || std::iter::once(&heading).chain(&self.rows);
+        let width = |column: usize| rows().map(|row| row[column].chars().count()).max().unwrap_or(0);
+        let widths: Vec<usize> = (0..heading.len()).map(width).collect();
         let mut text = String::new();
-        for row in std::iter::once(&heading).chain(&self.rows) {
+        for row in rows() {
             let mut line = String::new();
-            for ((cell, (_, align)), width) in row.iter().zip(&self.columns).zip(&widths) {
-                line += &match align {
-                    Align::Left => format!("  {cell:<width$}"),
-                    Align::Right => format!("  {cell:>width$}"),
-                };
+            for ((cell, name), width) in row.iter().zip(&self.columns).zip(&widths) {
+                let is_number = name.starts_with('>');
+                line += &if is_number { format!("  {cell:>width$}") } else { format!("  {cell:<width$}") };
             }
             text += line.trim_end();
             text.push('\n');
@@ -105,7 +95,7 @@ mod tests {
 
     #[test]
     fn columns_line_up_in_characters_not_bytes() {
-        let mut table = Table::new(&[("name", Align::Left), ("n", Align::Right)]);
+        let mut table = Table::new("name,>n");
         table.row(["äöü".into(), "1.5".into()]);
         table.row(["water".into(), "1".into()]);
         assert_eq!(table.render(), "  name     n\n  äöü    1.5\n  water    1\n");

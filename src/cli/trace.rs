@@ -3,17 +3,17 @@
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, UVec2};
 
-use super::arguments::TraceArguments;
+use super::arguments::{Size, TraceArguments};
 use super::preparation::prepare_shown;
-use super::table::{Align, Table};
+use super::table::Table;
 use super::{Failure, print, print_json};
 use crate::export::escape::short_name;
 use crate::export::words::{brief, events_in_words};
 use crate::geometry::Ray;
 use crate::scene::camera::Camera;
-use crate::transport::inspect::{TracedPath, Vertex, VertexEvent, trace};
+use crate::transport::inspect::{TracedPath, VertexEvent, trace};
 
 pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Failure> {
     let description = Arc::new(crate::formats::open(&arguments.scene.scene)?);
@@ -34,39 +34,19 @@ fn first_ray(arguments: &TraceArguments, camera: &Camera) -> Result<Ray, Failure
         return Ok(Ray::new(origin, direction));
     }
     let Some([x, y]) = arguments.pixel else {
-        return Err(Failure::Wrong(anyhow::anyhow!(
-            "which path? give --pixel X,Y, or --origin X,Y,Z with --direction X,Y,Z"
-        )));
+        return Err(Failure::wrong("which path? give --pixel X,Y, or --origin X,Y,Z with --direction X,Y,Z"));
     };
-    let size = arguments.size;
-    if x >= size.width || y >= size.height {
-        return Err(Failure::Wrong(anyhow::anyhow!(
-            "pixel {x},{y} is outside the image of {}×{}; columns go from 0 to {}, rows from 0 to {}",
-            size.width,
-            size.height,
-            size.width - 1,
-            size.height - 1
-        )));
+    let Size { width, height } = arguments.size;
+    if x >= width || y >= height {
+        let range = format!("columns go from 0 to {}, rows from 0 to {}", width - 1, height - 1);
+        return Err(Failure::wrong(format!("pixel {x},{y} is outside the image of {width}×{height}; {range}")));
     }
-    let center = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-    Ok(camera.ray(center, DVec2::new(f64::from(size.width), f64::from(size.height)), DVec2::ZERO))
+    Ok(camera.ray(UVec2::new(x, y).as_dvec2() + 0.5, UVec2::new(width, height).as_dvec2(), DVec2::ZERO))
 }
 
 fn summary(scene: &str, path: &TracedPath) -> String {
     let mut text = format!("{} · {} · starts in {}\n\n", short_name(scene), path.mode, short_name(&path.camera_medium));
-    let mut table = Table::new(&[
-        ("#", Align::Right),
-        ("event", Align::Left),
-        ("surface", Align::Left),
-        ("from", Align::Left),
-        ("", Align::Left),
-        ("to", Align::Left),
-        ("Fresnel R", Align::Right),
-        ("x", Align::Right),
-        ("y", Align::Right),
-        ("z", Align::Right),
-        ("", Align::Left),
-    ]);
+    let mut table = Table::new(">#,event,surface,from,,to,>Fresnel R,>x,>y,>z,");
     for (index, vertex) in path.vertices.iter().enumerate() {
         let (from, to) = (medium(&vertex.from, vertex.ior_from), medium(&vertex.to, vertex.ior_to));
         let arrow = if vertex.to.is_some() { "→" } else { "" };
@@ -74,7 +54,7 @@ fn summary(scene: &str, path: &TracedPath) -> String {
         table.row([
             (index + 1).to_string(),
             event_in_words(vertex.event).to_owned(),
-            surface(vertex),
+            vertex.refractor.clone().or(vertex.solid.clone()).unwrap_or_default(),
             from,
             arrow.to_owned(),
             to,
@@ -103,11 +83,6 @@ fn medium(name: &Option<String>, ior: Option<f64>) -> String {
         (Some(name), None) => name.clone(),
         _ => String::new(),
     }
-}
-
-fn surface(vertex: &Vertex) -> String {
-    let name = vertex.refractor.as_ref().or(vertex.solid.as_ref());
-    name.cloned().unwrap_or_default()
 }
 
 fn event_in_words(event: VertexEvent) -> &'static str {

@@ -1,7 +1,7 @@
 //! `iorect [SCENE]`: the window, or, where none can be opened, a comparison as a file.
 
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -17,71 +17,27 @@ const FALLBACK_PICTURE: &str = "iorect-comparison.png";
 /// Seconds after which its rendering stops; with preparation it takes less than half a minute.
 const FALLBACK_SECS: f64 = 20.0;
 
-/// What the window should show.
-#[derive(Debug, Clone, PartialEq)]
-pub struct WindowRequest {
-    /// A file or a built-in scene's name; `None`: the default scene.
-    pub scene: Option<PathBuf>,
-    /// Size in pixels; `None`: as remembered.
-    pub size: Option<[u32; 2]>,
-    /// Take a picture of the window and quit.
-    pub screenshot: Option<WindowScreenshot>,
-}
-
-/// A picture of the window.
-#[derive(Debug, Clone, PartialEq)]
-pub struct WindowScreenshot {
-    /// A PNG.
-    pub path: PathBuf,
-    /// Samples per pixel to wait for.
-    pub samples: u32,
-    /// Number of panes; `None`: the default.
-    pub panes: Option<usize>,
-    /// One pane over the other, with a divider.
-    pub is_wipe: bool,
-    /// The light theme instead of the dark one.
-    pub is_light: bool,
-    /// `"render"`, `"rectification"`, `"inspector"` or `"measure"`.
-    pub tab: Option<String>,
-}
-
 /// Why the window did not do what it was asked for.
 #[derive(Debug, thiserror::Error)]
 pub enum WindowError {
-    /// There is no display, or nothing to draw with.
     #[error("no window can be opened: {0}")]
     NoWindow(String),
-    /// The program was built without the feature `window`.
     #[error(
         "this iorect was built without its window: build it with the default features (`cargo build --release`), or use \
          `iorect render` or `iorect compare`"
     )]
     NotBuilt,
-    /// The scene cannot be used.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// Something else.
     #[error("{0}")]
     Other(String),
 }
 
 pub fn run(
     arguments: &WindowArguments,
-    open_window: impl FnOnce(WindowRequest) -> Result<(), WindowError>,
+    open_window: impl FnOnce(&WindowArguments) -> Result<(), WindowError>,
 ) -> Result<ExitCode, Failure> {
-    let request = WindowRequest {
-        scene: arguments.scene.clone(),
-        size: arguments.window_size.map(|size| [size.width, size.height]),
-        screenshot: arguments.screenshot.as_ref().map(|path| WindowScreenshot {
-            path: path.clone(),
-            samples: arguments.samples,
-            panes: arguments.panes,
-            is_wipe: arguments.wipe,
-            is_light: arguments.light,
-            tab: arguments.tab.clone(),
-        }),
-    };
-    match open_window(request) {
+    match open_window(arguments) {
         Ok(()) => Ok(ExitCode::SUCCESS),
         Err(WindowError::Scene(error)) => Err(error.into()),
         Err(error @ WindowError::NoWindow(_)) if arguments.screenshot.is_none() => {

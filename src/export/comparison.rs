@@ -73,15 +73,10 @@ fn require_comparable(panes: &[LabelledPane<'_>], baseline: Option<usize>) -> Re
     for pane in panes {
         pane.picture.require_sound()?;
         if (pane.picture.width, pane.picture.height) != (first.picture.width, first.picture.height) {
-            return Err(ExportError::BadComparison(format!(
-                "pane `{}` is {}×{}, pane `{}` is {}×{}",
-                first.title,
-                first.picture.width,
-                first.picture.height,
-                pane.title,
-                pane.picture.width,
-                pane.picture.height
-            )));
+            let size = |LabelledPane { title, picture: Picture { width, height, .. }, .. }: &LabelledPane<'_>| {
+                format!("pane `{title}` is {width}×{height}")
+            };
+            return Err(ExportError::BadComparison(format!("{}, {}", size(first), size(pane))));
         }
     }
     let (width, height) = (u64::from(first.picture.width), u64::from(first.picture.height));

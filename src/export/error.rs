@@ -8,35 +8,16 @@ use crate::writing::WriteError;
 /// A picture that could not be made or written. Nothing was left behind.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
-    /// The file name's extension names no known format.
     #[error("{}: cannot tell the format; use a name that ends in {expected}", path.display())]
-    UnknownExtension {
-        /// As asked for.
-        path: PathBuf,
-        /// The valid extensions.
-        expected: &'static str,
-    },
-    /// The file cannot be written.
+    UnknownExtension { path: PathBuf, expected: &'static str },
     #[error(transparent)]
     Write(#[from] WriteError),
     /// The encoder refused.
     #[error("{}: cannot be encoded: {message}", path.display())]
-    Encode {
-        /// As asked for.
-        path: PathBuf,
-        /// The encoder's reason.
-        message: String,
-    },
+    Encode { path: PathBuf, message: String },
     /// A picture without pixels, or whose pixels do not go with its size.
     #[error("a picture of {width}×{height} cannot hold {pixels} pixels")]
-    BadPicture {
-        /// Claimed width.
-        width: u32,
-        /// Claimed height.
-        height: u32,
-        /// Pixels given.
-        pixels: usize,
-    },
+    BadPicture { width: u32, height: u32, pixels: usize },
     /// Panes that should be compared have different sizes, or there is none, or the baseline is not among them.
     #[error("cannot compare: {0}")]
     BadComparison(String),

@@ -38,7 +38,7 @@ use crate::writing::write_atomically;
 /// Where the text stands in the file.
 const ATTRIBUTE: &str = "iorectSums";
 /// Version of the format; files of another are refused.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 /// Most pixels that are read: as many as can be rendered.
 const MOST_PIXELS: u64 = 1 << 26;
 /// Largest count of an event that is accepted from a file: the sums over all files cannot overflow.
@@ -51,44 +51,18 @@ const CHANNELS: usize = 1 + COLORS.len() * 5;
 /// A file that is no part of an image.
 #[derive(Debug, thiserror::Error)]
 pub enum SumsError {
-    /// No file, or the system refused.
     #[error("{}: {reason}", path.display())]
-    Read {
-        /// As asked for.
-        path: PathBuf,
-        /// What it is, or the system's reason.
-        reason: FileError,
-    },
-    /// Not OpenEXR, or cut off.
+    Read { path: PathBuf, reason: FileError },
     #[error("{}: is no OpenEXR file, or not a whole one: {message}", path.display())]
-    NotExr {
-        /// As asked for.
-        path: PathBuf,
-        /// The decoder's reason.
-        message: String,
-    },
+    NotExr { path: PathBuf, message: String },
     /// A picture and nothing more.
     #[error("{}: holds no sums; `iorect render SCENE --samples A..B -o FILE.exr` writes them", path.display())]
-    NoSums {
-        /// As asked for.
-        path: PathBuf,
-    },
-    /// The file has another version of the format.
+    NoSums { path: PathBuf },
     #[error("{}: is of format {format}, and this iorect reads format {FORMAT}; use one version for all files", path.display())]
-    OtherFormat {
-        /// As asked for.
-        path: PathBuf,
-        /// The file's version.
-        format: u64,
-    },
+    OtherFormat { path: PathBuf, format: u64 },
     /// The file's parts contradict each other.
     #[error("{}: was damaged or edited: {what}; render its samples anew", path.display())]
-    Damaged {
-        /// As asked for.
-        path: PathBuf,
-        /// What is wrong with it.
-        what: String,
-    },
+    Damaged { path: PathBuf, what: String },
 }
 
 /// What a file says of itself.

@@ -37,18 +37,14 @@ impl CornerLists {
         }
     }
 
-    /// Makes a polygon of the corners since the last.
-    ///
-    /// # Errors
-    /// When it has too many.
+    /// Makes a polygon of the corners since the last, unless there are too many.
     pub fn close_polygon(&mut self, line: Option<usize>) -> Result<(), String> {
-        match self.open_corners() {
-            corners if corners > MAX_CORNERS => Err(too_many_corners(corners)),
-            _ => {
-                self.close(line);
-                Ok(())
-            }
+        let corners = self.open_corners();
+        if corners > MAX_CORNERS {
+            return Err(too_many_corners(corners));
         }
+        self.close(line);
+        Ok(())
     }
 
     /// Forgets the corners since the last list.
@@ -72,14 +68,10 @@ impl CornerLists {
 
     /// The first list that makes a face and names a vertex at or beyond `vertices`: its number, the vertex and its line.
     pub fn out_of_range(&self, vertices: usize) -> Option<(usize, u32, Option<usize>)> {
-        let beyond = |list: &CornerList<'_>| list.corners.iter().copied().find(|&corner| corner as usize >= vertices);
-        if self.corners.iter().all(|&corner| (corner as usize) < vertices) {
-            return None;
-        }
-        self.iter()
-            .enumerate()
-            .filter(|(_, list)| list.is_face())
-            .find_map(|(number, list)| Some((number, beyond(&list)?, list.line)))
+        let beyond = |corners: &[u32]| corners.iter().copied().find(|&corner| corner as usize >= vertices);
+        beyond(&self.corners)?;
+        let mut faces = self.iter().enumerate().filter(|(_, list)| list.is_face());
+        faces.find_map(|(number, list)| Some((number, beyond(list.corners)?, list.line)))
     }
 }
 

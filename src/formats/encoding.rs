@@ -2,36 +2,22 @@
 
 use std::borrow::Cow;
 
-const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
-
-/// The byte order of text in UTF-16.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Utf16 {
-    Little,
-    Big,
-}
-
-impl Utf16 {
-    /// By the byte-order mark or, where there is none, because two characters of ASCII in a row begin the text.
-    pub fn of(bytes: &[u8]) -> Option<Self> {
-        match bytes {
-            [0xff, 0xfe, ..] | [1..=255, 0, 1..=255, 0, ..] => Some(Self::Little),
-            [0xfe, 0xff, ..] | [0, 1..=255, 0, 1..=255, ..] => Some(Self::Big),
-            _ => None,
-        }
+/// What joins the bytes of text in UTF-16, by the byte-order mark or, where there is none, because two characters of ASCII in a row begin it.
+pub(super) fn utf16(bytes: &[u8]) -> Option<fn([u8; 2]) -> u16> {
+    match bytes {
+        [0xff, 0xfe, ..] | [1..=255, 0, 1..=255, 0, ..] => Some(u16::from_le_bytes),
+        [0xfe, 0xff, ..] | [0, 1..=255, 0, 1..=255, ..] => Some(u16::from_be_bytes),
+        _ => None,
     }
 }
 
 /// Text or data without its byte-order mark; UTF-16 as UTF-8.
 pub(super) fn without_mark(bytes: &[u8]) -> Cow<'_, [u8]> {
-    let Some(order) = Utf16::of(bytes) else {
-        return Cow::Borrowed(bytes.strip_prefix(UTF8_MARK).unwrap_or(bytes));
+    let Some(join) = utf16(bytes) else {
+        return Cow::Borrowed(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
     };
-    let mark = if order == Utf16::Little { b"\xff\xfe" } else { b"\xfe\xff" };
-    let units = bytes.strip_prefix(mark).unwrap_or(bytes).chunks_exact(2).map(|pair| match order {
-        Utf16::Little => u16::from_le_bytes([pair[0], pair[1]]),
-        Utf16::Big => u16::from_be_bytes([pair[0], pair[1]]),
-    });
+    let mut units = bytes.chunks_exact(2).map(|pair| join([pair[0], pair[1]])).peekable();
+    units.next_if_eq(&0xfeff);
     // What cannot be decoded is wrong where it stands in a number, and no matter in a name.
     let text: String = char::decode_utf16(units).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
     Cow::Owned(text.into_bytes())
@@ -41,7 +27,7 @@ pub(super) fn without_mark(bytes: &[u8]) -> Cow<'_, [u8]> {
 mod tests {
     use super::*;
 
-    fn utf16(text: &str, bytes: impl Fn(u16) -> [u8; 2]) -> Vec<u8> {
+    fn encoded(text: &str, bytes: impl Fn(u16) -> [u8; 2]) -> Vec<u8> {
         text.encode_utf16().flat_map(bytes).collect()
     }
 
@@ -51,8 +37,8 @@ mod tests {
         assert_eq!(without_mark(text.as_bytes()), text.as_bytes());
         assert_eq!(without_mark(format!("\u{feff}{text}").as_bytes()), text.as_bytes());
         for with_mark in [text.to_owned(), format!("\u{feff}{text}")] {
-            assert_eq!(without_mark(&utf16(&with_mark, u16::to_le_bytes)), text.as_bytes());
-            assert_eq!(without_mark(&utf16(&with_mark, u16::to_be_bytes)), text.as_bytes());
+            assert_eq!(without_mark(&encoded(&with_mark, u16::to_le_bytes)), text.as_bytes());
+            assert_eq!(without_mark(&encoded(&with_mark, u16::to_be_bytes)), text.as_bytes());
         }
         // Cut within a character, and half of a pair.
         assert_eq!(without_mark(b"a\0b\0\0"), &b"ab"[..]);
@@ -62,7 +48,7 @@ mod tests {
     #[test]
     fn what_is_no_utf16_is_left_alone() {
         for bytes in [&b""[..], b"v", b"v ", b"v 0 0", b"\0\0\0\0", b"ply\n", b"v\0\0\0"] {
-            assert_eq!(Utf16::of(bytes), None);
+            assert!(utf16(bytes).is_none());
             assert_eq!(without_mark(bytes), bytes);
         }
     }

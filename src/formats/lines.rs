@@ -56,9 +56,6 @@ impl<'a> Lines<'a> {
 }
 
 /// A number as text. Those that are none come in several spellings, such as `nan`, `-nan(ind)` and `1.#QNAN`.
-///
-/// # Errors
-/// When it is no number in any of them.
 #[inline]
 pub(super) fn number(word: &str) -> Result<f64, String> {
     word.parse().or_else(|_| {

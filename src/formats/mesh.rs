@@ -15,10 +15,7 @@ pub(super) type MeshFormat = Format<Result<Polygons, Fault>>;
 const FORMATS: &[MeshFormat] =
     &[MeshFormat { endings: &["obj"], read: obj::read }, MeshFormat { endings: &["ply"], read: ply::read }];
 
-/// The format that a file's ending names.
-///
-/// # Errors
-/// Lists the formats that are read.
+/// The format that a file's ending names; an error lists those that are read.
 pub(super) fn format_of(path: &Path) -> Result<&'static MeshFormat, String> {
     by_ending(FORMATS, path).ok_or_else(|| {
         let is_gltf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb") || e.eq_ignore_ascii_case("gltf"));
@@ -31,9 +28,6 @@ pub(super) fn format_of(path: &Path) -> Result<&'static MeshFormat, String> {
 }
 
 /// Reads a mesh, and says what was passed over.
-///
-/// # Errors
-/// When the bytes hold no mesh.
 pub(super) fn read(bytes: &[u8], format: &MeshFormat) -> Result<(Mesh, Vec<LoadNote>), Fault> {
     (format.read)(&without_mark(bytes))?.finish()
 }

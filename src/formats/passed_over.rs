@@ -4,20 +4,22 @@ use super::lines::shown;
 use crate::scene::LoadNote;
 use crate::scene::shapes::MAX_LENGTH;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    UnknownStatement,
-    UnknownHeaderLine,
-    ShortFaces,
-    DegenerateTriangles,
-    MissingNormals,
-    PartialNormals,
-    UnusableNormals,
-    UnusableVertices,
-    VertexWeights,
-    ExtraValues,
-    TrailingBytes,
-    NulBytes,
+named! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub(super) enum Kind {
+        UnknownStatement = "unknown_statement",
+        UnknownHeaderLine = "unknown_header_line",
+        ShortFaces = "short_faces",
+        DegenerateTriangles = "degenerate_triangles",
+        MissingNormals = "missing_normals",
+        PartialNormals = "partial_normals",
+        UnusableNormals = "unusable_normals",
+        UnusableVertices = "unusable_vertices",
+        VertexWeights = "vertex_weights",
+        ExtraValues = "extra_values",
+        TrailingBytes = "trailing_bytes",
+        NulBytes = "nul_bytes",
+    }
 }
 
 #[derive(Debug)]
@@ -70,7 +72,7 @@ impl PassedOver {
 
     pub fn into_notes(self) -> Vec<LoadNote> {
         let note = |entry: Entry| LoadNote {
-            kind: entry.kind.word(),
+            kind: entry.kind.name(),
             count: entry.count,
             first_line: entry.first_line,
             message: entry.kind.message(entry.count, &entry.example),
@@ -80,39 +82,17 @@ impl PassedOver {
 }
 
 impl Kind {
-    /// The stable word.
-    fn word(self) -> &'static str {
-        match self {
-            Self::UnknownStatement => "unknown_statement",
-            Self::UnknownHeaderLine => "unknown_header_line",
-            Self::ShortFaces => "short_faces",
-            Self::DegenerateTriangles => "degenerate_triangles",
-            Self::MissingNormals => "missing_normals",
-            Self::PartialNormals => "partial_normals",
-            Self::UnusableNormals => "unusable_normals",
-            Self::UnusableVertices => "unusable_vertices",
-            Self::VertexWeights => "vertex_weights",
-            Self::ExtraValues => "extra_values",
-            Self::TrailingBytes => "trailing_bytes",
-            Self::NulBytes => "nul_bytes",
-        }
-    }
-
     fn message(self, count: u64, example: &str) -> String {
         let of = |one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
         match self {
-            Self::UnknownStatement if count == 1 => {
-                format!("1 statement, {example}, is none of OBJ and was passed over")
-            }
-            Self::UnknownStatement => {
-                format!("{count} statements, the first {example}, are none of OBJ and were passed over")
-            }
-            Self::UnknownHeaderLine if count == 1 => {
-                format!("1 line of the header, {example}, is none of PLY and was passed over")
-            }
-            Self::UnknownHeaderLine => {
-                format!("{count} lines of the header, the first {example}, are none of PLY and were passed over")
-            }
+            Self::UnknownStatement => of(
+                &format!("statement, {example}, is none of OBJ and was passed over"),
+                &format!("statements, the first {example}, are none of OBJ and were passed over"),
+            ),
+            Self::UnknownHeaderLine => of(
+                &format!("line of the header, {example}, is none of PLY and was passed over"),
+                &format!("lines of the header, the first {example}, are none of PLY and were passed over"),
+            ),
             Self::ShortFaces => of(
                 "face has fewer than three corners and was left out",
                 "faces have fewer than three corners and were left out",

@@ -13,19 +13,12 @@ pub(super) fn too_many_corners(corners: usize) -> String {
 /// Polygons of more corners than this are cut ear by ear as they come, without choosing the best: that can take the cube of their number.
 const MOST_TO_CHOOSE_FROM: usize = 48;
 
-/// How many corners may still be looked at in search of ears of such polygons: a few seconds' work for one mesh.
-#[derive(Debug)]
-pub(super) struct Patience(usize);
-
-impl Default for Patience {
-    fn default() -> Self {
-        Self(1 << 30)
-    }
-}
+/// How many corners may be looked at in search of ears of such polygons: a few seconds' work for one mesh.
+pub(super) const PATIENCE: usize = 1 << 30;
 
 /// Triangles over the corners of a simple polygon of three or more corners, flat or nearly so, that keep its orientation. A polygon
-/// that crosses itself still gives n − 2 triangles. `None` when patience ends.
-pub(super) fn triangulate(points: &[DVec3], patience: &mut Patience) -> Option<Vec<[usize; 3]>> {
+/// that crosses itself still gives n − 2 triangles. `None` when patience, what is left of [`PATIENCE`], ends.
+pub(super) fn triangulate(points: &[DVec3], patience: &mut usize) -> Option<Vec<[usize; 3]>> {
     let flat = flatten(points);
     if points.len() > MOST_TO_CHOOSE_FROM {
         return clip_any(&flat, patience);
@@ -63,7 +56,7 @@ pub(super) fn triangulate(points: &[DVec3], patience: &mut Patience) -> Option<V
 
 /// Clips one ear after the other around the polygon, leaving out every second corner, so that a round polygon gives no fan of needles. Only
 /// reflex corners can lie in an ear (and corners that are clipped never become reflex), so convex polygons take linear time.
-fn clip_any(flat: &[DVec2], patience: &mut Patience) -> Option<Vec<[usize; 3]>> {
+fn clip_any(flat: &[DVec2], patience: &mut usize) -> Option<Vec<[usize; 3]>> {
     let n = flat.len();
     let mut next: Vec<usize> = (1..=n).map(|i| i % n).collect();
     let mut previous: Vec<usize> = (0..n).map(|i| (i + n - 1) % n).collect();
@@ -80,7 +73,7 @@ fn clip_any(flat: &[DVec2], patience: &mut Patience) -> Option<Vec<[usize; 3]>> 
         if failures < left {
             let is_ear = !is_reflex(corner) && {
                 let within = reflex.members.iter().position(|&i| is_in_ear(flat, corner, i));
-                patience.0 = patience.0.checked_sub(within.unwrap_or(reflex.members.len()))?;
+                *patience = patience.checked_sub(within.unwrap_or(reflex.members.len()))?;
                 within.is_none()
             };
             if !is_ear {
@@ -192,11 +185,16 @@ mod tests {
     use super::*;
 
     fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
-        super::triangulate(points, &mut Patience::default()).unwrap()
+        super::triangulate(points, &mut { PATIENCE }).unwrap()
     }
 
     fn area(points: &[DVec3], triangles: &[[usize; 3]]) -> DVec3 {
         triangles.iter().map(|t| t.map(|i| points[i])).map(|[a, b, c]| (b - a).cross(c - a) / 2.0).sum()
+    }
+
+    /// The area of a polygon in the xy plane.
+    fn enclosed(points: &[DVec3]) -> f64 {
+        points.iter().zip(points.iter().cycle().skip(1)).map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>() / 2.0
     }
 
     fn least_area(points: &[DVec3], triangles: &[[usize; 3]], normal: DVec3) -> f64 {
@@ -233,8 +231,7 @@ mod tests {
                 (0..teeth).map(|i| DVec3::new(f64::from(i), f64::from(i % 2) * 5.0 + 1.0, 0.0)).collect();
             points.extend([DVec3::new(f64::from(teeth - 1), 0.0, 0.0), DVec3::ZERO]);
             points.reverse();
-            let exact =
-                points.iter().zip(points.iter().cycle().skip(1)).map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>() / 2.0;
+            let exact = enclosed(&points);
             let triangles = triangulate(&points);
             assert_eq!(triangles.len(), points.len() - 2);
             assert!((area(&points, &triangles).z - exact).abs() < 1e-9 * exact && exact > 0.0);
@@ -267,9 +264,7 @@ mod tests {
         };
         let spiral: Vec<DVec3> = (0..n / 2).map(|i| arm(i, 2.0)).chain((0..n / 2).rev().map(|i| arm(i, 0.0))).collect();
         let triangles = triangulate(&spiral);
-        let exact =
-            spiral.iter().zip(spiral.iter().cycle().skip(1)).map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>() / 2.0;
-        assert!((area(&spiral, &triangles).z / exact - 1.0).abs() < 1e-9);
+        assert!((area(&spiral, &triangles).z / enclosed(&spiral) - 1.0).abs() < 1e-9);
         assert!(least_area(&spiral, &triangles, DVec3::Z) > 0.0);
     }
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::corners::CornerLists;
 use super::passed_over::{Kind, PassedOver};
-use super::polygon::{Patience, triangulate};
+use super::polygon::{PATIENCE, triangulate};
 use crate::geometry::Mesh;
 use crate::scene::LoadNote;
 use crate::scene::shapes::MAX_LENGTH;
@@ -49,10 +49,7 @@ impl Polygons {
         self.positions.push(position);
     }
 
-    /// Leaves out vertices that are not finite or too far away, as many exporters write for what is unused.
-    ///
-    /// # Errors
-    /// When a face uses one.
+    /// Leaves out vertices that are not finite or too far away, as many exporters write for what is unused. An error: a face uses one.
     pub fn drop_unusable(&mut self) -> Result<(), Fault> {
         let Some(&(_, first_line)) = self.unusable.first() else { return Ok(()) };
         let is_used = self.used_vertices();
@@ -114,18 +111,15 @@ impl Polygons {
         normals
     }
 
-    /// The mesh, and what was passed over.
-    ///
-    /// # Errors
-    /// When there is no face, a face uses what is no vertex, or takes too long to be cut.
+    /// The mesh, and what was passed over. An error: there is no face, or one uses what is no vertex or takes too long to be cut.
     pub fn finish(mut self) -> Result<(Mesh, Vec<LoadNote>), Fault> {
         self.drop_unusable()?;
         let normals = self.usable_normals();
         let Self { positions, faces, strips, mut passed_over, .. } = self;
-        let mut builder = Builder { positions: &positions, triangles: Vec::new(), passed_over: &mut passed_over };
-        let mut patience = Patience::default();
+        let (triangles, patience) = (Vec::new(), PATIENCE);
+        let mut builder = Builder { positions: &positions, triangles, passed_over: &mut passed_over, patience };
         for face in faces.iter() {
-            builder.push_face(face.corners, face.line, &mut patience)?;
+            builder.push_face(face.corners, face.line)?;
         }
         for strip in strips.iter() {
             builder.push_strip(strip.corners, strip.line);
@@ -158,16 +152,18 @@ struct Builder<'a> {
     positions: &'a [DVec3],
     triangles: Vec<[u32; 3]>,
     passed_over: &'a mut PassedOver,
+    /// For all faces together.
+    patience: usize,
 }
 
 impl Builder<'_> {
-    fn push_face(&mut self, corners: &[u32], line: Option<usize>, patience: &mut Patience) -> Result<(), Fault> {
+    fn push_face(&mut self, corners: &[u32], line: Option<usize>) -> Result<(), Fault> {
         match *corners {
             [] | [_] | [_, _] => self.passed_over.add(Kind::ShortFaces, line),
             [a, b, c] => self.push_triangle([a, b, c], line),
             _ => {
                 let points: Vec<DVec3> = corners.iter().map(|&i| self.positions[i as usize]).collect();
-                let triangles = triangulate(&points, patience).ok_or_else(|| {
+                let triangles = triangulate(&points, &mut self.patience).ok_or_else(|| {
                     let message = format!(
                         "a face of {} corners takes too long to be cut into triangles, with those before it: cut them",
                         corners.len()

@@ -25,8 +25,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use self::boundary::HalfEdge;
-use self::boundary::Loop;
+use self::boundary::{HalfEdge, Loop};
 use self::components::{Components, run_the_same_way};
 use self::connect::Edges;
 use self::crossing::Crossings;
@@ -62,53 +61,35 @@ pub enum Enclosure {
     Sheet,
 }
 
-/// What was found in a mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum FindingKind {
-    /// Faces with two corners at one place, left out. Counted in faces.
-    DegenerateTriangles,
-    /// Faces over the same corners as another that looks the same way, left out. Counted in faces.
-    DuplicateTriangles,
-    /// Faces over the same corners as another that looks the other way: both were left out, or one of each two if the whole mesh is made
-    /// of such pairs. Counted in pairs.
-    DoubleFaces,
-    /// Faces that looked the other way than their neighbours, turned over. Counted in faces.
-    MixedOrientation,
-    /// Components, such as a Möbius strip, whose faces cannot all look one way; left as they were. Counted in components.
-    OneSided,
-    /// Components that looked inward without being cavities, turned over. Counted in components.
-    InsideOut,
-    /// Edges with a face on one side only, or whose faces do not look the same way. Counted in edges.
-    OpenMesh,
-    /// Edges of three or more faces. Counted in edges.
-    NonManifold,
-    /// Pairs of faces that cross; at least so many.
-    SelfIntersection,
-    /// Components that look inward within one that looks outward: holes in the material. Counted in components.
-    Cavity,
-    /// Components that look outward within one that looks outward: they have the same material on both sides. Counted in components.
-    NestedComponents,
-    /// It is closed and encloses no volume, or has no faces. Counted in components.
-    ZeroVolume,
-}
-
-impl FindingKind {
-    /// A stable word.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::DegenerateTriangles => "degenerate_triangles",
-            Self::DuplicateTriangles => "duplicate_triangles",
-            Self::DoubleFaces => "double_faces",
-            Self::MixedOrientation => "mixed_orientation",
-            Self::OneSided => "one_sided",
-            Self::InsideOut => "inside_out",
-            Self::OpenMesh => "open_mesh",
-            Self::NonManifold => "non_manifold",
-            Self::SelfIntersection => "self_intersection",
-            Self::Cavity => "cavity",
-            Self::NestedComponents => "nested_components",
-            Self::ZeroVolume => "zero_volume",
-        }
+named! {
+    /// What was found in a mesh.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum FindingKind {
+        /// Faces with two corners at one place, left out. Counted in faces.
+        DegenerateTriangles = "degenerate_triangles",
+        /// Faces over the same corners as another that looks the same way, left out. Counted in faces.
+        DuplicateTriangles = "duplicate_triangles",
+        /// Faces over the same corners as another that looks the other way: both were left out, or one of each two if the whole mesh is made
+        /// of such pairs. Counted in pairs.
+        DoubleFaces = "double_faces",
+        /// Faces that looked the other way than their neighbours, turned over. Counted in faces.
+        MixedOrientation = "mixed_orientation",
+        /// Components, such as a Möbius strip, whose faces cannot all look one way; left as they were. Counted in components.
+        OneSided = "one_sided",
+        /// Components that looked inward without being cavities, turned over. Counted in components.
+        InsideOut = "inside_out",
+        /// Edges with a face on one side only, or whose faces do not look the same way. Counted in edges.
+        OpenMesh = "open_mesh",
+        /// Edges of three or more faces. Counted in edges.
+        NonManifold = "non_manifold",
+        /// Pairs of faces that cross; at least so many.
+        SelfIntersection = "self_intersection",
+        /// Components that look inward within one that looks outward: holes in the material. Counted in components.
+        Cavity = "cavity",
+        /// Components that look outward within one that looks outward: they have the same material on both sides. Counted in components.
+        NestedComponents = "nested_components",
+        /// It is closed and encloses no volume, or has no faces. Counted in components.
+        ZeroVolume = "zero_volume",
     }
 }
 
@@ -157,10 +138,15 @@ impl Topology {
         Analysis::new(mesh).run(false)
     }
 
-    /// The finding of that kind, if there is one.
     pub fn finding(&self, kind: FindingKind) -> Option<&Finding> {
         self.findings.iter().find(|finding| finding.kind == kind)
     }
+}
+
+/// [`Topology::neighbours`] of a mesh that is not analysed, given by the corners of its triangles. Where these are bit-equal they are the same.
+pub fn neighbours(corners: &[[DVec3; 3]]) -> Vec<[u32; 3]> {
+    let first_at = connect::weld(corners.as_flattened());
+    connect::connect(first_at.as_chunks().0, first_at.len()).neighbours
 }
 
 /// A mesh on its way.
@@ -196,7 +182,7 @@ impl<'a> Analysis<'a> {
             edges = connect::connect(&self.faces, self.positions.len());
         }
         partners::find(&mut edges, &self.faces, &self.triangles, &self.positions);
-        let components = components::components(&self.faces, &edges, |face| self.area_vector(face).length());
+        let components = components::components(&self.faces, &edges, |face| area_vector(self.corners(face)).length());
         let mixed = if is_repaired { &components.turned[..] } else { &[] };
         self.turn(&mut edges, |face| mixed.get(face).copied().unwrap_or_default());
 
@@ -207,17 +193,13 @@ impl<'a> Analysis<'a> {
         let size = (all.max - all.min).length();
         let area: f64 = parts.iter().map(|part| part.area).sum();
         let bodies: Vec<Option<Body>> = parts.iter().map(|part| part.body(size)).collect();
-        let tree = is_repaired.then(|| Hierarchy::build(self.faces.len(), |face| self.corners(face as usize)));
-        let crossings = (tree.as_ref())
-            .map(|tree| crossing::crossings(tree, &self.faces, &self.positions, &components.of_face))
-            .unwrap_or_default();
-        let mut verdicts = match &tree {
-            Some(tree) => {
-                let meetings = &crossings.meetings;
-                nesting::judge(&bodies, tree, &self.faces, &components.of_face, &self.positions, meetings)
-            }
-            None => vec![Verdict::default(); bodies.len()],
-        };
+        let (mut crossings, mut verdicts) = (Crossings::default(), vec![Verdict::default(); bodies.len()]);
+        if is_repaired {
+            let (faces, positions, of_face) = (&self.faces, &self.positions, &components.of_face);
+            let tree = Hierarchy::build(faces.len(), |face| self.corners(face as usize));
+            crossings = crossing::crossings(&tree, faces, positions, of_face);
+            verdicts = nesting::judge(&bodies, &tree, faces, of_face, positions, &crossings.meetings);
+        }
         // What encloses something only as a whole is turned as a whole.
         let sum_of_volumes = || parts.iter().map(|part| part.volume).sum::<f64>();
         if is_repaired && bodies.iter().all(Option::is_none) && filling.area <= GAP_OF_SHEET * area {
@@ -286,10 +268,6 @@ impl<'a> Analysis<'a> {
         [at(a), at(b), at(c)]
     }
 
-    fn area_vector(&self, face: usize) -> DVec3 {
-        area_vector(self.corners(face))
-    }
-
     /// The point that volumes are measured from: one of the mesh, so that a far mesh keeps its digits.
     fn reference(&self) -> DVec3 {
         self.faces.first().map_or(DVec3::ZERO, |face| self.positions[face[0] as usize])
@@ -309,8 +287,19 @@ impl<'a> Analysis<'a> {
         self.findings.push(Finding { kind, count, center, radius });
     }
 
-    /// Leaves out some faces, and says so.
+    /// Says what was found at some faces, if there are any.
+    fn report_faces(&mut self, kind: FindingKind, count: usize, faces: &[u32]) {
+        if count > 0 {
+            let extent = Extent::of(faces.iter().flat_map(|&face| self.corners(face as usize)));
+            self.report(kind, count as u64, extent);
+        }
+    }
+
+    /// Leaves out some faces.
     fn keep(&mut self, is_kept: &[bool]) {
+        if !is_kept.contains(&false) {
+            return;
+        }
         let keep = |list: &[[u32; 3]]| -> Vec<[u32; 3]> {
             list.iter().zip(is_kept).filter(|(_, kept)| **kept).map(|(t, _)| *t).collect()
         };
@@ -320,28 +309,22 @@ impl<'a> Analysis<'a> {
 
     /// Leaves out the faces with two equal corners, and says so.
     fn drop_degenerate(&mut self) {
-        let lines: Vec<usize> = (0..self.faces.len()).filter(|&face| is_line(self.faces[face])).collect();
-        if !lines.is_empty() {
-            let extent = Extent::of(lines.iter().flat_map(|&face| self.corners(face)));
-            self.report(FindingKind::DegenerateTriangles, lines.len() as u64, extent);
-            self.drop_lines();
-        }
+        let lines: Vec<u32> = (0..self.faces.len() as u32).filter(|&face| is_line(self.faces[face as usize])).collect();
+        self.report_faces(FindingKind::DegenerateTriangles, lines.len(), &lines);
+        self.drop_lines();
     }
 
     /// Leaves out the faces with two equal corners.
     fn drop_lines(&mut self) {
         let is_kept: Vec<bool> = self.faces.iter().map(|&face| !is_line(face)).collect();
-        if is_kept.contains(&false) {
-            self.keep(&is_kept);
-        }
+        self.keep(&is_kept);
     }
 
     /// Joins vertices that differ by rounding: the ends of edges without length, then the rims of seams, from the nearest to the farthest that
     /// may be one. Faces that this makes lines are left out.
     fn join_seams(&mut self, mut edges: Edges) -> Edges {
         let extent = self.extent(|_| true);
-        let short = seam::short_edges(&self.faces, &self.positions, seam::rounding(extent));
-        if !short.is_empty() {
+        if let Some(short) = seam::short_edges(&self.faces, &self.positions, seam::rounding(extent)) {
             self.join(&short);
             edges = connect::connect(&self.faces, self.positions.len());
         }
@@ -349,8 +332,7 @@ impl<'a> Analysis<'a> {
             return edges;
         }
         for reach in seam::reaches(&self.positions, extent) {
-            let joints = seam::joints(&self.faces, &edges, &self.positions, reach);
-            if !joints.is_empty() {
+            if let Some(joints) = seam::joints(&self.faces, &edges, &self.positions, reach) {
                 self.join(&joints);
                 edges = connect::connect(&self.faces, self.positions.len());
             }
@@ -359,11 +341,7 @@ impl<'a> Analysis<'a> {
     }
 
     /// Makes each vertex one with the vertex that stands for it.
-    fn join(&mut self, joints: &[(u32, u32)]) {
-        let mut stands_for: Vec<u32> = (0..self.positions.len() as u32).collect();
-        for &(vertex, first) in joints {
-            stands_for[vertex as usize] = first;
-        }
+    fn join(&mut self, stands_for: &[u32]) {
         let positions = self.positions.to_mut();
         for (index, first) in self.first_at.iter_mut().enumerate() {
             let joined = stands_for[*first as usize];
@@ -379,17 +357,9 @@ impl<'a> Analysis<'a> {
     /// Leaves out repeated faces that are none, and says so.
     fn drop_repeats(&mut self) {
         let repeats = repeats::decide(&self.faces);
-        if !repeats.duplicates.is_empty() {
-            let extent = Extent::of(repeats.duplicates.iter().flat_map(|&face| self.corners(face as usize)));
-            self.report(FindingKind::DuplicateTriangles, repeats.duplicates.len() as u64, extent);
-        }
-        if !repeats.doubles.is_empty() {
-            let extent = Extent::of(repeats.doubles.iter().flatten().flat_map(|&face| self.corners(face as usize)));
-            self.report(FindingKind::DoubleFaces, repeats.doubles.len() as u64, extent);
-        }
-        if repeats.is_kept.contains(&false) {
-            self.keep(&repeats.is_kept);
-        }
+        self.report_faces(FindingKind::DuplicateTriangles, repeats.duplicates.len(), &repeats.duplicates);
+        self.report_faces(FindingKind::DoubleFaces, repeats.doubles.len(), repeats.doubles.as_flattened());
+        self.keep(&repeats.is_kept);
     }
 
     /// Turns faces over.
@@ -409,9 +379,8 @@ impl<'a> Analysis<'a> {
         for (index, (face, neighbours)) in self.faces.iter().zip(&edges.neighbours).enumerate() {
             let component = components.of_face[index];
             for (k, &other) in neighbours.iter().enumerate() {
-                let is_matched = other != NONE
-                    && !(components.is_doubtful(component) && run_the_same_way(&self.faces, index, k, other as usize));
-                if !is_matched {
+                let is_doubtful = components.one_sided[component as usize];
+                if other == NONE || is_doubtful && run_the_same_way(&self.faces, index, k, other as usize) {
                     found.push(HalfEdge { component, from: face[k], to: face[(k + 1) % 3] });
                 }
             }
@@ -503,13 +472,9 @@ impl<'a> Analysis<'a> {
     }
 
     fn report_nesting(&mut self, components: &Components, verdicts: &[Verdict]) {
-        let verdict = |component: u32| verdicts[component as usize];
-        self.report_components(FindingKind::Cavity, components, |c| {
-            verdict(c).winding_outside == 1 && verdict(c).winding == 0
-        });
-        self.report_components(FindingKind::NestedComponents, components, |c| {
-            verdict(c).winding.min(verdict(c).winding_outside) > 0
-        });
+        let windings = |c: u32| [verdicts[c as usize].winding_outside, verdicts[c as usize].winding];
+        self.report_components(FindingKind::Cavity, components, |c| windings(c) == [1, 0]);
+        self.report_components(FindingKind::NestedComponents, components, |c| windings(c).iter().all(|w| *w > 0));
     }
 
     fn repaired_mesh(&self) -> Option<Arc<Mesh>> {

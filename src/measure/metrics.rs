@@ -30,35 +30,16 @@ pub struct Difference {
 /// Images that cannot be compared.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MetricError {
-    /// There is nothing to take a mean of.
     #[error("cannot compare images without pixels")]
     Empty,
-    /// The images have different numbers of pixels.
     #[error("cannot compare images of different sizes: {image} pixels and {reference} pixels")]
-    SizesDiffer {
-        /// Pixels in the image.
-        image: usize,
-        /// Pixels in the reference.
-        reference: usize,
-    },
-    /// A NaN or an infinity, which would make every figure meaningless or, worse, barely move it.
+    SizesDiffer { image: usize, reference: usize },
+    /// A NaN or an infinity, which would make every figure meaningless or, worse, barely move it. `which` is `"image"` or `"reference"`,
+    /// `pixel` the row-major index of the first such pixel.
     #[error("pixel {pixel} of the {which} is not a finite number, so the images cannot be compared")]
-    NotFinite {
-        /// `"image"` or `"reference"`.
-        which: &'static str,
-        /// Row-major index of the first such pixel.
-        pixel: usize,
-    },
-    /// The width does not go with the number of pixels.
+    NotFinite { which: &'static str, pixel: usize },
     #[error("an image of {pixels} pixels cannot be {width} pixels wide and {height} high")]
-    WrongShape {
-        /// Pixels given.
-        pixels: usize,
-        /// Claimed width.
-        width: usize,
-        /// Claimed height.
-        height: usize,
-    },
+    WrongShape { pixels: usize, width: usize, height: usize },
     /// FLIP looks at images from a distance, and this is none.
     #[error("FLIP needs between 1 and 1000 pixels per degree; 67 is usual")]
     PixelsPerDegree,

@@ -70,7 +70,6 @@ pub struct Entry {
     pub label: &'static str,
     /// Who measured it, and under which conditions.
     pub source: &'static str,
-    /// IOR against wavelength.
     pub model: Ior,
 }
 

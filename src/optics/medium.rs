@@ -12,7 +12,6 @@ pub const VACUUM: &str = "vacuum";
 pub struct Medium {
     /// Unique in its scene; never [`WORLD`] or [`VACUUM`].
     pub name: String,
-    /// Index of refraction.
     pub ior: Ior,
     /// Absorption coefficient σ per scene unit, base e, for red, green and blue; each ≥ 0.
     pub absorption: [f64; 3],

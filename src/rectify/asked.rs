@@ -69,10 +69,7 @@ impl AskedCell {
         let mut surroundings = self.base.clone();
         for (member, membership) in self.members.iter().zip(memberships) {
             let copies = member.copies.iter().flat_map(|copies| &**copies);
-            [&member.refractor]
-                .into_iter()
-                .chain(copies)
-                .for_each(|&refractor| surroundings.add(refractor, membership));
+            copies.chain([&member.refractor]).for_each(|&refractor| surroundings.add(refractor, membership));
         }
         surroundings.resolve(scene)
     }

@@ -13,7 +13,6 @@ use super::contact::Contact;
 use super::containment::{containment_beside, is_inside_by_vote};
 use super::face::{Cover, Face};
 use super::relation::Relation;
-use super::subjects::is_refractor;
 use super::surroundings::{Membership, Surroundings, membership_of_parts};
 use super::tolerance::Tolerance;
 use crate::geometry::{PrimitiveId, SurfacePoint};
@@ -39,13 +38,9 @@ pub enum Cell {
 /// A touched face, divided. Halves come after what they are halves of; a triangle has one root, a sphere one for each octant.
 pub type Division = Vec<Cell>;
 
-fn is_sphere(scene: &Scene, face: PrimitiveId) -> bool {
-    scene.geometry.sphere(face).is_some()
-}
-
 /// The number of roots of a face's division.
-pub fn roots(is_sphere: bool) -> u32 {
-    if is_sphere { 8 } else { 1 }
+fn roots(scene: &Scene, face: PrimitiveId) -> u32 {
+    if scene.geometry.sphere(face).is_some() { 8 } else { 1 }
 }
 
 /// The objects that touch a face, in ascending order.
@@ -75,7 +70,7 @@ pub fn finest(scene: &Scene, face: PrimitiveId, contacts: &[Contact]) -> Option<
     let mut active = contacts.iter().filter(|contact| contact.relation != Relation::Touches).peekable();
     active.peek()?;
     let objects = active.map(|contact| ObjectId(scene.geometry.object_of(contact.primitive)));
-    Some(objects.filter(|&object| is_refractor(scene, object)).map(size).fold(size(subject), f64::min) * FINEST)
+    Some(objects.filter(|&object| scene.is_refractor(object)).map(size).fold(size(subject), f64::min) * FINEST)
 }
 
 /// Divides a touched face; one without listed contacts is crowded. `containers` are the refractors that contain its outer side and do not touch it.
@@ -90,7 +85,7 @@ pub fn divide(
     let subject = ObjectId(scene.geometry.object_of(face));
     if contacts.is_empty() {
         let crowded = Cell::Asked(Arc::new(AskedCell::crowded(subject)));
-        return vec![crowded; roots(is_sphere(scene, face)) as usize];
+        return vec![crowded; roots(scene, face) as usize];
     }
     let shape = Face::of(&scene.geometry, face);
     let pool: Vec<(Contact, Face)> =
@@ -105,7 +100,7 @@ pub fn divide(
         let active = match actives.last_mut() {
             Some(active) if active.object == object => active,
             _ => {
-                let is_refractor = is_refractor(scene, object);
+                let is_refractor = scene.is_refractor(object);
                 let tolerance = Tolerance::between(&scene.geometry, subject.0, object.0);
                 let has_several_parts = scene.object(object).may_contain_itself();
                 let (crossing, coincident) = (Vec::new(), Vec::new());
@@ -133,11 +128,11 @@ pub fn divide(
     // A refractor that touches the face at its edges only contains all of it or none.
     for object in touching(scene, contacts) {
         let is_active = actives.iter().any(|active| active.object == object);
-        if !is_active && is_refractor(scene, object) && is_inside_by_vote(scene, object, &middle) {
+        if !is_active && scene.is_refractor(object) && is_inside_by_vote(scene, object, &middle) {
             base.add(object, Membership::In);
         }
     }
-    let roots = roots(is_sphere(scene, face));
+    let roots = roots(scene, face);
     divider.nodes.resize(roots as usize, Cell::Known(Surroundings::new(subject)));
     for root in 0..roots {
         let corners = divider.root_corners(root);

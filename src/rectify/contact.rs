@@ -12,7 +12,7 @@ use super::copies::Copies;
 use super::face::{Cover, Face};
 use super::progress::{Cancelled, Progress, Stage};
 use super::relation::Relation;
-use super::subjects::{is_refractor, primitives_of};
+use super::subjects::primitives_of;
 use super::tolerance::{Margins, Tolerance, largest};
 use crate::geometry::{PrimitiveId, SurfacePoint};
 use crate::scene::{ObjectId, Scene};
@@ -42,7 +42,6 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    /// The number of touched faces.
     pub fn face_count(&self) -> usize {
         self.faces.len()
     }
@@ -77,9 +76,8 @@ pub fn find(scene: &Scene, subjects: &[ObjectId], copies: &Copies, progress: &Pr
     let mut tasks = Vec::new();
     for &subject in subjects {
         let range = primitives_of(geometry, subject);
-        tasks.extend(
-            (range.clone()).step_by(CHUNK as usize).map(|first| (subject, first..range.end.min(first + CHUNK))),
-        );
+        let task = |first| (subject, first..range.end.min(first + CHUNK));
+        tasks.extend(range.clone().step_by(CHUNK as usize).map(task));
     }
     tasks.sort_by_key(|(_, range)| range.start);
     let margins = Margins::new(geometry, scene.objects.len() as u32);
@@ -90,13 +88,8 @@ pub fn find(scene: &Scene, subjects: &[ObjectId], copies: &Copies, progress: &Pr
         .into_par_iter()
         .map(|(subject, range)| {
             let mut contacts = Contacts::default();
-            let seeker = Seeker {
-                scene,
-                subject,
-                copies,
-                is_refractor: is_refractor(scene, subject),
-                margin: margins[&subject],
-            };
+            let (is_refractor, margin) = (scene.is_refractor(subject), margins[&subject]);
+            let seeker = Seeker { scene, subject, copies, is_refractor, margin };
             let faces = range.len();
             for face in range {
                 progress.go_on()?;
@@ -141,7 +134,7 @@ impl Seeker<'_> {
         Other {
             object,
             is_copy: self.copies.is_copy(object),
-            is_refractor: is_refractor(self.scene, object),
+            is_refractor: self.scene.is_refractor(object),
             tolerance: Tolerance::between(&self.scene.geometry, self.subject.0, object.0),
         }
     }
@@ -228,7 +221,7 @@ pub fn is_stood_for(scene: &Scene, point: &SurfacePoint) -> bool {
     let (min, max) = (point.position - margin, point.position + margin);
     let search = geometry.search_near_box(min, max, except, |primitive| {
         let object = ObjectId(geometry.object_of(primitive));
-        let goes_first = primitive < point.primitive || !is_refractor(scene, object);
+        let goes_first = primitive < point.primitive || !scene.is_refractor(object);
         if primitive == point.primitive || !goes_first || (except.is_some() && object == own) {
             return ControlFlow::Continue(());
         }

@@ -6,9 +6,8 @@ use glam::DVec3;
 
 use super::face::coincides;
 use super::random::Random;
-use super::subjects::is_refractor;
 use super::tolerance::largest;
-use crate::geometry::{Enclosure, Hit, NO_PRIMITIVE, Ray, SurfacePoint, uniform_direction};
+use crate::geometry::{Enclosure, Hit, NO_PRIMITIVE, Ray, SurfacePoint};
 use crate::scene::{MediumId, ObjectId, Scene, Surface};
 
 /// Rays of the first round. Odd, so that a vote among them decides.
@@ -109,7 +108,7 @@ impl Poll {
         scene.geometry.for_each_hit(ray, |hit| {
             hits += 1;
             let object = scene.geometry.object_of(hit.primitive);
-            if !is_refractor(scene, ObjectId(object)) {
+            if !scene.is_refractor(ObjectId(object)) {
                 nearest_opaque = nearest_opaque.min(hit.t);
                 return;
             }
@@ -283,14 +282,11 @@ fn settle(scene: &Scene, point: &SurfacePoint, votes: Vec<Vote>, except: Option<
 /// Whether `refractor` contains a point on a face of another object, or the outer side of one of its own: one ray where one is enough.
 /// Faces that coincide with that face must have been dealt with.
 pub fn is_inside(scene: &Scene, refractor: ObjectId, point: &SurfacePoint) -> bool {
-    if let Some(sphere) = scene.geometry.sphere_of(refractor.0) {
-        return point.position.distance_squared(sphere.center) < sphere.radius * sphere.radius;
+    if scene.geometry.sphere_of(refractor.0).is_some() || scene.object(refractor).enclosure != Enclosure::Closed {
+        return is_inside_by_vote(scene, refractor, point);
     }
-    if scene.object(refractor).enclosure == Enclosure::Closed {
-        let ray = outward_ray(point, &mut Random::from_point(point.position));
-        return scene.geometry.closest_of(&ray, refractor.0).is_some_and(|hit| !hit.is_front);
-    }
-    is_inside_by_vote(scene, refractor, point)
+    let ray = outward_ray(point, &mut Random::from_point(point.position));
+    scene.geometry.closest_of(&ray, refractor.0).is_some_and(|hit| !hit.is_front)
 }
 
 /// [`is_inside`], decided by several rays.
@@ -342,7 +338,7 @@ pub fn top(scene: &Scene, refractors: impl IntoIterator<Item = ObjectId>) -> Opt
     refractors.into_iter().reduce(|a, b| {
         let (low, high) = (a.min(b), a.max(b));
         let (volume_low, volume_high) = (scene.object(low).volume, scene.object(high).volume);
-        match priority(scene, low).cmp(&priority(scene, high)) {
+        match scene.priority(low).cmp(&scene.priority(high)) {
             std::cmp::Ordering::Less => high,
             std::cmp::Ordering::Greater => low,
             std::cmp::Ordering::Equal if volume_low < volume_high && !is_same_volume(volume_low, volume_high) => low,
@@ -354,14 +350,6 @@ pub fn top(scene: &Scene, refractors: impl IntoIterator<Item = ObjectId>) -> Opt
 /// Whether two volumes count as equal.
 pub fn is_same_volume(a: f64, b: f64) -> bool {
     a.min(b) * (1.0 + SAME_VOLUME) >= a.max(b)
-}
-
-/// The priority of a refractor; the lowest of all for other objects.
-pub fn priority(scene: &Scene, object: ObjectId) -> i32 {
-    match scene.object(object).surface {
-        Surface::Refractor { priority, .. } => priority,
-        _ => i32::MIN,
-    }
 }
 
 /// The medium that fills the innermost of `refractors`; the global medium if there is none.
@@ -376,11 +364,4 @@ pub fn medium_of(scene: &Scene, refractor: Option<ObjectId>) -> MediumId {
 pub fn medium_at(scene: &Scene, point: DVec3) -> (MediumId, bool) {
     let found = containment(scene, point, None);
     (medium_of(scene, top(scene, found.refractors)), found.is_ambiguous)
-}
-
-impl Random {
-    /// Uniform on the sphere.
-    pub(super) fn direction(&mut self) -> DVec3 {
-        uniform_direction([self.next(), self.next()])
-    }
 }

@@ -97,14 +97,12 @@ impl Copies {
         }
     }
 
-    /// Adds the copies of all `objects`, which are and stay in ascending order.
+    /// Adds the copies of all `objects`, and puts them in ascending order.
     pub fn complete_list(&self, objects: &mut Vec<ObjectId>) {
         let copies: Vec<ObjectId> = objects.iter().flat_map(|first| self.of(*first)).copied().collect();
-        if !copies.is_empty() {
-            objects.extend(copies);
-            objects.sort_unstable();
-            objects.dedup();
-        }
+        objects.extend(copies);
+        objects.sort_unstable();
+        objects.dedup();
     }
 }
 

@@ -3,7 +3,6 @@
 use super::copies::have_same_surface;
 use super::layout::Layout;
 use super::site::SiteVotes;
-use super::subjects::is_refractor;
 use super::surroundings::Surroundings;
 use crate::scene::{ObjectId, Scene};
 
@@ -38,7 +37,7 @@ struct Seen {
 /// All encounters, sorted; each pair once for each way in which it meets.
 pub(super) fn encounters(scene: &Scene, layout: &Layout, votes: &[SiteVotes]) -> Vec<Encounter> {
     let mut of_cells: Vec<&Surroundings> =
-        layout.surroundings.iter().filter(|s| is_refractor(scene, s.subject)).collect();
+        layout.surroundings.iter().filter(|s| scene.is_refractor(s.subject)).collect();
     of_cells.sort_unstable_by_key(|s| (s.subject, &s.outer, &s.inner, s.is_masked));
 
     let mut found = Vec::new();

@@ -80,15 +80,11 @@ pub fn lay_out(
     let coarseness = coarseness(scene, &contacts);
     seconds.patches = start.elapsed().as_secs_f64();
     progress.enter(Stage::Votes, anew.len())?;
-    let nest = Nest::new(scene, |refractor| match kept.get(&refractor) {
-        Some(found) => {
-            matches!(found.sites[..], [(Site { faces: Faces::Whole, .. }, _)]) && !copies.is_copied(refractor)
-        }
-        None => {
-            contacts.of_range(primitives_of(&scene.geometry, refractor)).next().is_none()
-                && !copies.is_copied(refractor)
-        }
-    });
+    let is_untouched = |refractor| match kept.get(&refractor) {
+        Some(found) => matches!(found.sites[..], [(Site { faces: Faces::Whole, .. }, _)]),
+        None => contacts.of_range(primitives_of(&scene.geometry, refractor)).next().is_none(),
+    };
+    let nest = Nest::new(scene, |refractor| !copies.is_copied(refractor) && is_untouched(refractor));
     let whole: Vec<Option<SubjectLayout>> = (anew.par_iter())
         .map(|&subject| {
             progress.go_on()?;
@@ -296,7 +292,7 @@ mod tests {
                         patches.map(|p| (p.refractor, p.kind, p.faces, p.outside, p.inside)).collect::<Vec<_>>()
                     };
                     assert_eq!(known(&after), known(&fresh), "{name}, refractor {index} by {step}");
-                    kept += after.shared_subjects(&table);
+                    kept += after.layout.shared_subjects(&table.layout);
                     (scene, table) = (moved, after);
                 }
             }

@@ -13,7 +13,6 @@
 //! object_table                          one exterior for each object, the source's method, to compare with
 //! ```
 
-mod adjacency;
 pub mod asked;
 pub mod cells;
 mod coarseness;

@@ -5,7 +5,6 @@ use super::containment::{outward_ray, top};
 use super::object_table::container_along;
 use super::random::Random;
 use super::site::{Faces, Site, SiteVotes};
-use super::subjects::is_refractor;
 use super::surroundings::Fillers;
 use crate::geometry::Enclosure;
 use crate::scene::{ObjectId, Scene};
@@ -62,8 +61,7 @@ impl Nest {
             found = Some(container);
         }
         let is_larger = |container: ObjectId| {
-            let is_refractor = is_refractor(scene, site.subject);
-            !is_refractor || scene.object(container).volume > scene.object(site.subject).volume
+            !scene.is_refractor(site.subject) || scene.object(container).volume > scene.object(site.subject).volume
         };
         found.filter(|found| found.is_none_or(|found| self.is_whole[found.0 as usize] && is_larger(found)))
     }
@@ -86,12 +84,8 @@ fn whole_sites(scene: &Scene, sites: &[Site]) -> Vec<Option<usize>> {
 /// What fills the two sides of every site, by priority and volume.
 pub fn fillers(scene: &Scene, sites: &[Site], votes: &[SiteVotes]) -> Vec<Fillers> {
     let whole = whole_sites(scene, sites);
-    let of_listed = |(site, votes): (&Site, &SiteVotes)| {
-        votes.within.is_none().then(|| {
-            let surroundings = votes.surroundings(site);
-            Fillers { outer: surroundings.outer_refractor(scene), inner: surroundings.inner_refractor(scene) }
-        })
-    };
+    let of_listed =
+        |(site, votes): (&Site, &SiteVotes)| votes.within.is_none().then(|| votes.surroundings(site).fillers(scene));
     let mut fillers: Vec<Option<Fillers>> = sites.iter().zip(votes).map(of_listed).collect();
     for first in 0..fillers.len() {
         // Follow containers outwards to a resolved site, then resolve back inwards.
@@ -152,14 +146,13 @@ mod tests {
     fn what_is_inherited_is_what_would_be_found() {
         let scene = compile(&heaps(400), None).unwrap();
         let table = InterfaceTable::new(&scene);
-        let (layout, votes) = table.parts();
+        let (layout, votes) = (&table.layout, &table.votes);
         let inherited = votes.iter().filter(|votes| votes.within.is_some()).count();
         assert!(inherited > 100, "{inherited}");
         let fillers = fillers(&scene, &layout.sites, votes);
         for (number, site) in layout.sites.iter().enumerate() {
             let all = vote(&scene, site, &Nest::default(), SiteVotes::default()).surroundings(site);
-            let expected = Fillers { outer: all.outer_refractor(&scene), inner: all.inner_refractor(&scene) };
-            assert_eq!(fillers[number], expected, "{}", scene.object(site.subject).name);
+            assert_eq!(fillers[number], all.fillers(&scene), "{}", scene.object(site.subject).name);
         }
         assert!(table.repeated(&scene).says_the_same(&table));
     }
@@ -172,16 +165,11 @@ mod tests {
         let mut table = InterfaceTable::new(&scene);
         let mover = 31;
         assert_eq!(mover % 5, 1);
-        let place = |description: &Description, to: DVec3| {
-            let Shape::Sphere { center, .. } = description.objects.refractors()[mover].shape else {
-                panic!("it is a ball")
-            };
-            to - center
-        };
+        let Shape::Sphere { center, .. } = description.objects[mover].shape else { panic!("it is a ball") };
         let across = DVec3::new(0.0097, 0.0, 0.97);
         for to in [across, DVec3::new(0.0, 9.0, 0.0), across * 1.0001, DVec3::new(0.5, 0.5, 2.0)] {
             let before = description.clone();
-            description.objects.refractors_mut()[mover].transform.translate = place(&description, to);
+            description.objects[mover].transform.translate = to - center;
             let moved = compile(&description, Some((&before, &scene))).unwrap();
             let changed = changed_objects(&before, &description).unwrap();
             let after = table.updated(&moved, &scene, &changed);

@@ -5,10 +5,9 @@ use std::collections::HashSet;
 
 use rayon::prelude::*;
 
-use super::containment::medium_of;
+use super::containment::{medium_of, outward_ray};
 use super::random::Random;
-use super::subjects::is_refractor;
-use crate::geometry::{Hit, Ray, uniform_direction};
+use crate::geometry::{Hit, Ray};
 use crate::scene::{MediumId, ObjectId, Scene};
 
 /// Rays for each refractor.
@@ -72,11 +71,7 @@ fn vote(scene: &Scene, refractor: ObjectId) -> Vec<(Option<ObjectId>, u32)> {
     while rays < RAYS || (votes.len() > 1 && rays < MOST_RAYS) {
         let u = [random.next(), random.next(), random.next()];
         let Some(point) = scene.geometry.sample_surface(refractor.0, u) else { break };
-        let mut direction = uniform_direction([random.next(), random.next()]);
-        if direction.dot(point.normal) < 0.0 {
-            direction = -direction;
-        }
-        let container = container_along(scene, Ray::leaving(point.position, direction, point.primitive), refractor);
+        let container = container_along(scene, outward_ray(&point, &mut random), refractor);
         match votes.iter_mut().find(|(candidate, _)| *candidate == container) {
             Some((_, count)) => *count += 1,
             None => votes.push((container, 1)),
@@ -95,7 +90,7 @@ pub(super) fn container_along(scene: &Scene, mut ray: Ray, own: ObjectId) -> Opt
     let mut met_from_outside: HashSet<ObjectId> = HashSet::new();
     let mut is_container = |hit: &Hit| {
         let object = ObjectId(scene.geometry.object_of(hit.primitive));
-        let counts = object != own && is_refractor(scene, object) && !met_from_outside.contains(&object);
+        let counts = object != own && scene.is_refractor(object) && !met_from_outside.contains(&object);
         if counts && hit.is_front {
             met_from_outside.insert(object);
         }

@@ -5,36 +5,27 @@ use std::sync::Arc;
 use super::containment::Vote;
 use super::layout::{Layout, MixedGroup};
 use super::site::{Site, SiteVotes};
-use super::subjects::is_refractor;
 use super::surroundings::{Answer, Fillers};
 use crate::scene::{MediumId, ObjectId, Scene};
 
-/// What kind of interface a patch is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum PatchKind {
-    /// One medium outside, another inside.
-    Clear,
-    /// The same medium on both sides, by identity and not by value: nothing is to be seen there.
-    Null,
-    /// Other surfaces cross it: the answer differs from place to place.
-    Mixed,
-    /// It coincides with another surface, which stands for both.
-    Masked,
+named! {
+    /// What kind of interface a patch is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum PatchKind {
+        /// One medium outside, another inside.
+        Clear = "clear",
+        /// The same medium on both sides, by identity and not by value: nothing is to be seen there.
+        Null = "null",
+        /// Other surfaces cross it: the answer differs from place to place.
+        Mixed = "mixed",
+        /// It coincides with another surface, which stands for both.
+        Masked = "masked",
+    }
 }
 
 impl PatchKind {
     pub const ALL: [Self; 4] = [Self::Clear, Self::Null, Self::Mixed, Self::Masked];
-
-    /// The word used in JSON, tables and legends.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Clear => "clear",
-            Self::Null => "null",
-            Self::Mixed => "mixed",
-            Self::Masked => "masked",
-        }
-    }
 }
 
 /// A part of a refractor's surface with the same surroundings everywhere, or the faces of it that the same refractors cross.
@@ -92,7 +83,7 @@ pub(super) fn list(scene: &Scene, layout: &Layout, votes: &[SiteVotes], fillers:
         Patches { of_site: vec![0; layout.sites.len()], of_group: vec![0; layout.groups.len()], ..Patches::default() };
     for (subject, is_mixed, number) in order {
         // Lights come after all refractors in the order of object ids, so this numbers patches first, then lights.
-        let list = if is_refractor(scene, subject) { &mut patches.refractors } else { &mut patches.lights };
+        let list = if scene.is_refractor(subject) { &mut patches.refractors } else { &mut patches.lights };
         let index = list.last().filter(|last| last.refractor == subject).map_or(0, |last| last.index + 1);
         let patch = if is_mixed {
             of_group(&layout.groups[number], index)
@@ -146,9 +137,9 @@ fn of_site(scene: &Scene, site: &Site, votes: &SiteVotes, fillers: Fillers, inde
         faces: site.face_count(&scene.geometry),
         area: site.area(&scene.geometry),
         outside: (!is_masked).then_some(answer.outside),
-        inside: (!is_masked && is_refractor(scene, site.subject)).then_some(answer.inside),
+        inside: (!is_masked && scene.is_refractor(site.subject)).then_some(answer.inside),
         outside_refractor: fillers.outer.filter(|_| !is_masked),
-        inside_refractor: fillers.inner.filter(|_| !is_masked && is_refractor(scene, site.subject)),
+        inside_refractor: fillers.inner.filter(|_| !is_masked && scene.is_refractor(site.subject)),
         crossed_by: Vec::new(),
         rays: votes.rays,
         confidence,

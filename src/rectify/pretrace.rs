@@ -8,7 +8,6 @@ use super::nest::{self, Nest};
 use super::progress::{Cancelled, Progress, Stage};
 use super::random::Random;
 use super::site::{Site, SiteVotes};
-use super::subjects::is_refractor;
 use crate::geometry::{Hit, Ray};
 use crate::scene::Scene;
 
@@ -49,7 +48,7 @@ pub fn vote(scene: &Scene, site: &Site, nest: &Nest, mut votes: SiteVotes) -> Si
     if !scene.needs.nesting || site.fixed.is_masked {
         return votes;
     }
-    let asks_itself = is_refractor(scene, site.subject) && scene.object(site.subject).may_contain_itself();
+    let asks_itself = scene.is_refractor(site.subject) && scene.object(site.subject).may_contain_itself();
     let seed = (u64::from(site.subject.0) << 32) ^ (u64::from(site.first_face()) << 12) ^ (u64::from(votes.rays) << 44);
     let mut random = Random::new(seed);
     if votes.rays == 0 || votes.within.is_some() {

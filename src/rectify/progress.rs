@@ -2,32 +2,24 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 
-/// What is being done, in this order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
-pub enum Stage {
-    /// Meshes are analysed and the tree is built, before rectification begins.
-    #[default]
-    Meshes,
-    /// Which faces other surfaces touch.
-    Contacts,
-    /// Rays vote about whole objects.
-    Votes,
-    /// Touched faces are divided.
-    Cells,
+named! {
+    /// What is being done, in this order.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
+    pub enum Stage {
+        /// Meshes are analysed and the tree is built, before rectification begins.
+        #[default]
+        Meshes = "meshes",
+        /// Which faces other surfaces touch.
+        Contacts = "contacts",
+        /// Rays vote about whole objects.
+        Votes = "votes",
+        /// Touched faces are divided.
+        Cells = "cells",
+    }
 }
 
 impl Stage {
     pub const ALL: [Self; 4] = [Self::Meshes, Self::Contacts, Self::Votes, Self::Cells];
-
-    /// The word shown to the user.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Meshes => "meshes",
-            Self::Contacts => "contacts",
-            Self::Votes => "votes",
-            Self::Cells => "cells",
-        }
-    }
 }
 
 /// Time spent on each part, in seconds.

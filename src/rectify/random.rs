@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::geometry::uniform_direction;
+
 /// A stream of numbers that its seed determines.
 #[derive(Debug, Clone)]
 pub struct Random(u64);
@@ -32,5 +34,9 @@ impl Random {
     /// Uniform in [0, 1).
     pub fn next(&mut self) -> f64 {
         (self.next_bits() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+    }
+    /// Uniform on the sphere.
+    pub fn direction(&mut self) -> DVec3 {
+        uniform_direction([self.next(), self.next()])
     }
 }

@@ -10,7 +10,6 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::adjacency::{Sets, neighbours};
 use super::cells::{self, Cell, Division};
 use super::contact::{Contact, Contacts};
 use super::containment::containment_beside;
@@ -22,7 +21,7 @@ use super::relation::Relation;
 use super::site::{Faces, Site, SiteVotes};
 use super::subjects::primitives_of;
 use super::surroundings::{Membership, Surroundings};
-use crate::geometry::{Enclosure, PrimitiveId};
+use crate::geometry::{Enclosure, PrimitiveId, Sets, topology};
 use crate::scene::{ObjectId, Scene};
 
 /// The layout of one refractor or light. It follows from the geometry of that object and of those around it.
@@ -128,7 +127,10 @@ impl Splitter<'_> {
         match &self.scene.object(self.subject).topology {
             Some(topology) => Cow::Borrowed(&topology.neighbours),
             None if self.scene.geometry.sphere_of(self.subject.0).is_some() => Cow::Owned(vec![[u32::MAX; 3]]),
-            None => Cow::Owned(neighbours(&self.scene.geometry, range)),
+            None => {
+                let corners: Vec<_> = range.clone().map(|face| self.scene.geometry.corners(face)).collect();
+                Cow::Owned(topology::neighbours(&corners))
+            }
         }
     }
 
@@ -202,8 +204,6 @@ impl Splitter<'_> {
                         has_several_parts || surroundings.outer.contains(object) != surroundings.inner.contains(object)
                     });
                 let mut settled: Vec<ObjectId> = settled.collect();
-                settled.sort_unstable();
-                settled.dedup();
                 if !surroundings.is_masked {
                     self.copies.complete_list(&mut settled);
                     settled.extend(self.copies.of(self.subject));
@@ -227,10 +227,8 @@ impl Splitter<'_> {
         let mut sets = Sets::new(fates.len());
         let each_pair = |visit: &mut dyn FnMut(u32, u32)| {
             for (face, across) in neighbours.iter().enumerate() {
-                across
-                    .iter()
-                    .filter(|&&other| other > face as u32 && other != u32::MAX)
-                    .for_each(|&other| visit(face as u32, other));
+                let later = across.iter().filter(|&&other| other > face as u32 && other != u32::MAX);
+                later.for_each(|&other| visit(face as u32, other));
             }
         };
         each_pair(&mut |a, b| {

@@ -4,8 +4,10 @@
 use glam::DVec3;
 
 use super::containment::medium_at;
+use super::table::InterfaceTable;
 use crate::geometry::{PrimitiveId, Ray};
-use crate::scene::{MediumId, ObjectId, Scene, Surface};
+use crate::scene::lights::EmittedRay;
+use crate::scene::{MediumId, ObjectId, Scene};
 
 /// A ray starts on a surface where the surface lies this many of its roundings away or less.
 const ON_SURFACE: f64 = 4.0;
@@ -37,17 +39,9 @@ pub type Ask<'a> = &'a (dyn Fn(DVec3) -> (MediumId, bool) + Sync);
 
 impl StartRegion {
     /// The region within `radius` ≥ 0 of `center` (local coordinates).
-    pub fn new(scene: &Scene, center: DVec3, radius: f64) -> Self {
-        Self::by_asking(scene, center, radius, &|point| medium_at(scene, point))
-    }
-
-    /// The same, with another way to ask for media.
     pub fn by_asking(scene: &Scene, center: DVec3, radius: f64, ask: Ask<'_>) -> Self {
         let geometry = &scene.geometry;
-        let is_refractor = |primitive| {
-            let object = ObjectId(geometry.object_of(primitive));
-            matches!(scene.object(object).surface, Surface::Refractor { .. })
-        };
+        let is_refractor = |primitive| scene.is_refractor(ObjectId(geometry.object_of(primitive)));
         let reach = DVec3::splat(radius + room_around(scene, center, radius));
         let mut near = Vec::new();
         geometry.for_each_near_box(center - reach, center + reach, None, |primitive| {
@@ -62,12 +56,6 @@ impl StartRegion {
     }
 
     /// How a ray (local coordinates) starts whose origin lies in the region.
-    #[inline]
-    pub fn start(&self, scene: &Scene, ray: Ray) -> Start {
-        self.start_by_asking(scene, ray, &|point| medium_at(scene, point))
-    }
-
-    /// The same, with another way to ask for media.
     #[inline]
     pub fn start_by_asking(&self, scene: &Scene, ray: Ray, ask: Ask<'_>) -> Start {
         match self.whole {
@@ -130,4 +118,38 @@ pub fn start(scene: &Scene, ray: Ray) -> Start {
 /// The same, with another way to ask for media.
 pub fn start_by_asking(scene: &Scene, ray: Ray, ask: Ask<'_>) -> Start {
     StartRegion::by_asking(scene, ray.origin, 0.0, ask).start_by_asking(scene, ray, ask)
+}
+
+/// How a ray that a light emits (local coordinates) starts: in the medium that rectification found around the light there.
+pub fn start_from_light(scene: &Scene, table: &InterfaceTable, emitted: &EmittedRay) -> Start {
+    let patch = emitted.start.and_then(|point| table.patch_of(&scene.geometry, point.primitive));
+    match patch.and_then(|patch| patch.outside) {
+        Some(medium) => Start { ray: emitted.ray, medium, is_ambiguous: false },
+        // From afar, or where the surroundings of the light's face differ from place to place.
+        None => start(scene, emitted.ray),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::lights::Light;
+
+    /// A lamp in ice starts its light in ice, and the environment in air.
+    #[test]
+    fn light_starts_in_the_medium_around_its_lamp() {
+        let scene = crate::scene::compile::compile(&crate::formats::open("lamp-in-ice").unwrap(), None).unwrap();
+        let table = InterfaceTable::new(&scene);
+        let (lamp, _) = scene.emitters.iter().next().unwrap();
+        for (light, expected) in [(Light::Area(lamp), "ice"), (scene.environment_light(), "world")] {
+            for index in 0..50 {
+                let at = |step: f64| (f64::from(index) * step + 0.5).fract();
+                let (start, direction) = ([at(0.883_2), at(0.796_7), at(0.718_7)], [at(0.648_3), at(0.584_8)]);
+                let emitted = light.sample_ray(&scene.geometry, start, direction).unwrap();
+                let start = start_from_light(&scene, &table, &emitted);
+                assert_eq!(scene.medium(start.medium).name, expected);
+                assert_eq!(start.ray.direction, emitted.ray.direction);
+            }
+        }
+    }
 }

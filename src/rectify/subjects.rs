@@ -13,10 +13,6 @@ pub fn subjects(scene: &Scene) -> impl Iterator<Item = ObjectId> {
     })
 }
 
-pub fn is_refractor(scene: &Scene, object: ObjectId) -> bool {
-    matches!(scene.object(object).surface, Surface::Refractor { .. })
-}
-
 /// The primitives of an object.
 pub fn primitives_of(geometry: &Geometry, object: ObjectId) -> Range<PrimitiveId> {
     match geometry.range(object.0) {

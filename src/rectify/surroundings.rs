@@ -32,14 +32,6 @@ impl Membership {
             (true, false) => Self::OuterOnly,
         }
     }
-
-    pub fn is_outer(self) -> bool {
-        matches!(self, Self::In | Self::OuterOnly)
-    }
-
-    pub fn is_inner(self) -> bool {
-        matches!(self, Self::In | Self::InnerOnly)
-    }
 }
 
 /// The refractors on both sides of a piece of the surface of `subject`.
@@ -66,27 +58,22 @@ impl Surroundings {
                 set.insert(at, refractor);
             }
         };
-        if membership.is_outer() {
+        if matches!(membership, Membership::In | Membership::OuterOnly) {
             insert(&mut self.outer);
         }
-        if membership.is_inner() && refractor != self.subject {
+        if matches!(membership, Membership::In | Membership::InnerOnly) && refractor != self.subject {
             insert(&mut self.inner);
         }
     }
 
-    /// The refractor that fills the outer side.
-    pub fn outer_refractor(&self, scene: &Scene) -> Option<ObjectId> {
-        top(scene, self.outer.iter().copied())
-    }
-
-    /// The refractor that fills the inner side.
-    pub fn inner_refractor(&self, scene: &Scene) -> Option<ObjectId> {
-        top(scene, self.inner.iter().copied().chain([self.subject]))
+    /// The refractors that fill the two sides.
+    pub fn fillers(&self, scene: &Scene) -> Fillers {
+        let outer = top(scene, self.outer.iter().copied());
+        Fillers { outer, inner: top(scene, self.inner.iter().copied().chain([self.subject])) }
     }
 
     pub fn resolve(&self, scene: &Scene) -> Answer {
-        let fillers = Fillers { outer: self.outer_refractor(scene), inner: self.inner_refractor(scene) };
-        Answer::of(scene, self.is_masked, fillers)
+        Answer::of(scene, self.is_masked, self.fillers(scene))
     }
 }
 

@@ -14,7 +14,7 @@ use super::patch::{self, Patch};
 use super::pretrace;
 use super::progress::{Cancelled, Progress, RectifySeconds};
 use super::site::{Faces, SiteVotes};
-use super::subjects::{is_refractor, primitives_of};
+use super::subjects::primitives_of;
 use super::surroundings::Answer;
 use crate::geometry::{Geometry, Mask, PrimitiveId, SurfacePoint};
 use crate::scene::{ObjectId, Scene};
@@ -25,8 +25,8 @@ const NOT_CANCELLED: &str = "nobody can cancel it";
 /// The answer of rectification, looked up at every crossing.
 #[derive(Debug, Clone, Default)]
 pub struct InterfaceTable {
-    layout: Arc<Layout>,
-    votes: Arc<Vec<SiteVotes>>,
+    pub(super) layout: Arc<Layout>,
+    pub(super) votes: Arc<Vec<SiteVotes>>,
     flat: FlatTable,
     /// Sorted by refractor; within one, patches proper first, then mixed ones.
     pub patches: Vec<Patch>,
@@ -111,17 +111,6 @@ impl InterfaceTable {
         self.flat.answers == other.flat.answers
     }
 
-    #[cfg(test)]
-    pub(super) fn parts(&self) -> (&Layout, &[SiteVotes]) {
-        (&self.layout, &self.votes)
-    }
-
-    /// How many objects of an earlier table's were taken over.
-    #[cfg(test)]
-    pub(super) fn shared_subjects(&self, earlier: &Self) -> usize {
-        self.layout.shared_subjects(&earlier.layout)
-    }
-
     fn resolve(
         scene: &Scene,
         layout: Arc<Layout>,
@@ -142,7 +131,7 @@ impl InterfaceTable {
         let mut mask = Mask::default();
         for (site, answer) in layout.sites.iter().zip(&answers) {
             // The inner side of a light has no answer.
-            if !is_passable(answer) || !is_refractor(scene, site.subject) {
+            if !is_passable(answer) || !scene.is_refractor(site.subject) {
                 continue;
             }
             match &site.faces {
@@ -243,7 +232,6 @@ impl InterfaceTable {
         }
     }
 
-    /// The patches of one refractor.
     pub fn patches_of(&self, refractor: ObjectId) -> &[Patch] {
         let first = self.patches.partition_point(|patch| patch.refractor < refractor);
         let last = self.patches.partition_point(|patch| patch.refractor <= refractor);

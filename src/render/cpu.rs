@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::film::Film;
 use super::renderer::{RenderTask, Renderer, Unsupported};
-use super::settings::{Backend, Estimator};
+use super::settings::Estimator;
 use crate::rectify::containment::medium_at;
 use crate::rectify::start::StartRegion;
 use crate::scene::camera::Camera;
@@ -23,10 +23,6 @@ use crate::transport::sampler::Sampler;
 pub struct Cpu;
 
 impl Renderer for Cpu {
-    fn backend(&self) -> Backend {
-        Backend::Cpu
-    }
-
     fn require(&self, task: &RenderTask<'_>) -> Result<(), Unsupported> {
         match task.settings.estimator {
             Estimator::Path => Ok(()),

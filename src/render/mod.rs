@@ -1,6 +1,7 @@
 //! Images: their settings, the film that samples are added to, and what renders them.
 
 pub mod allocation;
+pub mod backends;
 pub mod cpu;
 pub mod display;
 pub mod exact;
@@ -12,7 +13,7 @@ pub mod renderer;
 pub mod settings;
 pub mod surfaces;
 
-pub use cpu::Cpu;
+pub use backends::renderer;
 pub use display::{Display, ToneCurve};
 pub use film::Film;
 pub use fingerprint::fingerprint;

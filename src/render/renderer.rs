@@ -18,9 +18,6 @@ pub struct RenderTask<'a> {
 
 /// A way to render.
 pub trait Renderer: Sync {
-    /// What computes.
-    fn backend(&self) -> Backend;
-
     /// Whether this renderer can render `task`.
     ///
     /// # Errors

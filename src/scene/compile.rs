@@ -30,7 +30,8 @@ const LEAST_RADIUS: f64 = 8.0 * f64::EPSILON;
 pub fn compile(description: &Description, previous: Option<(&Description, &Scene)>) -> Result<Scene, SceneError> {
     require_radiances(description)?;
     let media = compile_media(description)?;
-    let kept = previous.filter(|(before, _)| has_same_geometry(before, description)).map(|(_, scene)| scene);
+    let is_same = |before| changed_objects(before, description).is_some_and(|changed| changed.is_empty());
+    let kept = previous.filter(|(before, _)| is_same(before)).map(|(_, scene)| scene);
     let (geometry, bodies, topology_secs) = match kept {
         Some(scene) => (Arc::clone(&scene.geometry), scene.objects.iter().map(Body::of_object).collect(), 0.0),
         None => {
@@ -38,13 +39,17 @@ pub fn compile(description: &Description, previous: Option<(&Description, &Scene
             let analyses = analyse(description, previous)?;
             let topology_secs = start.elapsed().as_secs_f64();
             let parts = parts(description, &analyses)?;
-            let unanalysed = (parts.iter().enumerate())
-                .map(|(index, part)| analyses.get(index).is_none_or(Option::is_none).then(|| unanalysed(part)))
+            let analyses = analyses.into_iter().chain(std::iter::repeat(None));
+            let mut bodies: Vec<Body> = (description.objects.iter().zip(&parts).zip(analyses))
+                .map(|((object, part), topology)| Body::new(object, part, topology))
                 .collect();
             // Digits are wanted where media are told apart.
             let frame = Frame::about(&parts[..description.objects.refractors().len()]).or_else(|| Frame::about(&parts));
             let geometry = Arc::new(Geometry::build_in(frame.unwrap_or_default(), parts));
-            (Arc::clone(&geometry), bodies(description, unanalysed, &geometry, analyses), topology_secs)
+            for (object, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.enclosure == Enclosure::Holed) {
+                body.winding = Some(Arc::new(winding_tree(&geometry, object as u32)));
+            }
+            (geometry, bodies, topology_secs)
         }
     };
     require_distinct_spheres(description, &geometry)?;
@@ -113,35 +118,21 @@ fn require_radiances(description: &Description) -> Result<(), SceneError> {
 }
 
 fn compile_media(description: &Description) -> Result<Vec<SceneMedium>, SceneError> {
-    let world = &description.world;
-    let mut media = vec![
-        compile_medium(medium::WORLD, &world.ior, world.absorption)?,
-        SceneMedium {
-            name: medium::VACUUM.into(),
-            model: Ior::Constant(1.0),
-            ior_minus_one: 0.0,
-            absorption: Spectrum::ZERO,
-        },
-    ];
-    for m in &description.media {
-        media.push(compile_medium(&m.name, &m.ior, m.absorption)?);
-    }
-    Ok(media)
+    let (world, vacuum) = (&description.world, Ior::Constant(1.0));
+    let reserved = [(medium::WORLD, &world.ior, world.absorption), (medium::VACUUM, &vacuum, [0.0; 3])];
+    let own = description.media.iter().map(|m| (&*m.name, &m.ior, m.absorption));
+    reserved.into_iter().chain(own).map(|(name, ior, absorption)| compile_medium(name, ior, absorption)).collect()
 }
 
 fn compile_medium(name: &str, ior: &Ior, absorption: [f64; 3]) -> Result<SceneMedium, SceneError> {
     let ior_minus_one = ior.ior_minus_one(WAVELENGTH_D_UM);
-    if !IOR_RANGE.contains(&(1.0 + ior_minus_one)) {
-        let value = 1.0 + ior_minus_one;
-        return Err(SceneError::new(format!(
-            "medium `{name}`: the IOR is {value}, must be greater than 0 (from 1e-6 to 1e6)"
-        )));
+    let (value, [r, g, b]) = (1.0 + ior_minus_one, absorption);
+    let fault = |what: String| Err(SceneError::new(format!("medium `{name}`: {what}")));
+    if !IOR_RANGE.contains(&value) {
+        return fault(format!("the IOR is {value}, must be greater than 0 (from 1e-6 to 1e6)"));
     }
     if !absorption.iter().all(|a| a.is_finite() && *a >= 0.0) {
-        let [r, g, b] = absorption;
-        return Err(SceneError::new(format!(
-            "medium `{name}`: the absorption is [{r}, {g}, {b}], each must be 0 or more"
-        )));
+        return fault(format!("the absorption is [{r}, {g}, {b}], each must be 0 or more"));
     }
     Ok(SceneMedium { name: name.into(), model: ior.clone(), ior_minus_one, absorption: Spectrum::from_rgb(absorption) })
 }
@@ -179,11 +170,7 @@ fn analyse(description: &Description, previous: Option<(&Description, &Scene)>) 
                     Some(Topology::of_shape(&mesh.unwrap_or_default()))
                 }
             };
-            let topology = topology.map(Arc::new);
-            if let Some(topology) = &topology {
-                known.add(&refractor.name, &refractor.shape, topology);
-            }
-            Ok(topology)
+            Ok(topology.map(Arc::new).inspect(|topology| known.add(&refractor.name, &refractor.shape, topology)))
         })
         .collect()
 }
@@ -302,8 +289,7 @@ fn transform_mesh(mesh: &mut Mesh, matrix: &DAffine3) {
 /// Refuses spheres so small for their place that all their points round to their centre.
 fn require_distinct_spheres(description: &Description, geometry: &Geometry) -> Result<(), SceneError> {
     for (name, object) in description.objects.iter().map(|object| &object.name).zip(0..) {
-        let ObjectRange::Sphere(id) = geometry.range(object) else { continue };
-        let Some(sphere) = geometry.sphere(*id) else { continue };
+        let Some(sphere) = geometry.sphere_of(object) else { continue };
         let distance = sphere.center.abs().max_element();
         if sphere.radius < distance * LEAST_RADIUS {
             return Err(SceneError::new(format!(
@@ -326,51 +312,30 @@ struct Body {
 }
 
 impl Body {
+    /// Without its winding tree.
+    fn new(object: &description::Object, part: &Part, topology: Analysis) -> Self {
+        let volume = match (&topology, part) {
+            (Some(topology), _) => topology.volume * object.transform.matrix().matrix3.determinant().abs(),
+            // A sphere, or an object whose inside nothing asks for.
+            (None, Part::Sphere { radius, .. }) => 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3),
+            (None, Part::Mesh { mesh, .. }) => mesh.signed_volume().abs(),
+        };
+        let enclosure = topology.as_ref().map_or(Enclosure::Closed, |topology| topology.enclosure);
+        Self { volume: if volume > 0.0 { volume } else { f64::INFINITY }, enclosure, topology, winding: None }
+    }
+
     fn of_object(object: &Object) -> Self {
         let (topology, winding) = (object.topology.clone(), object.winding.clone());
         Self { volume: object.volume, enclosure: object.enclosure, topology, winding }
     }
 }
 
-/// The body of each object, in the order of object ids; `unanalysed` has those of the objects that have no analysis.
-fn bodies(
-    description: &Description,
-    unanalysed: Vec<Option<Body>>,
-    geometry: &Geometry,
-    analyses: Vec<Analysis>,
-) -> Vec<Body> {
-    let analysed =
-        description.objects.refractors().iter().zip(analyses).enumerate().map(|(index, (refractor, topology))| {
-            let topology = topology?;
-            let volume = topology.volume * refractor.transform.matrix().matrix3.determinant().abs();
-            let winding = (topology.enclosure == Enclosure::Holed).then(|| {
-                let triangles: Vec<[DVec3; 3]> = match geometry.range(index as u32) {
-                    ObjectRange::Triangles(range) => range.clone().map(|triangle| geometry.corners(triangle)).collect(),
-                    ObjectRange::Sphere(_) => Vec::new(),
-                };
-                Arc::new(WindingTree::build(&triangles))
-            });
-            Some(Body {
-                volume: if volume > 0.0 { volume } else { f64::INFINITY },
-                enclosure: topology.enclosure,
-                topology: Some(topology),
-                winding,
-            })
-        });
-    let analysed = analysed.chain(std::iter::repeat_with(|| None));
-    unanalysed.into_iter().zip(analysed).filter_map(|(unanalysed, analysed)| unanalysed.or(analysed)).collect()
-}
-
-/// The body of a sphere, or of an object whose inside nothing asks for.
-fn unanalysed(part: &Part) -> Body {
-    let volume = match part {
-        Part::Sphere { radius, .. } => 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3),
-        Part::Mesh { mesh, .. } => {
-            let volume = mesh.signed_volume().abs();
-            if volume > 0.0 { volume } else { f64::INFINITY }
-        }
+fn winding_tree(geometry: &Geometry, object: u32) -> WindingTree {
+    let triangles: Vec<[DVec3; 3]> = match geometry.range(object) {
+        ObjectRange::Triangles(range) => range.clone().map(|triangle| geometry.corners(triangle)).collect(),
+        ObjectRange::Sphere(_) => Vec::new(),
     };
-    Body { volume, enclosure: Enclosure::Closed, topology: None, winding: None }
+    WindingTree::build(&triangles)
 }
 
 fn objects(description: &Description, origin: DVec3, bodies: Vec<Body>) -> Result<Vec<Object>, SceneError> {
@@ -430,11 +395,6 @@ fn albedo(paint: &description::Paint, shape: &Shape, transform: &Transform, loca
             }
         }
     }
-}
-
-/// Whether two descriptions give the same primitives, object by object.
-fn has_same_geometry(a: &Description, b: &Description) -> bool {
-    changed_objects(a, b).is_some_and(|changed| changed.is_empty())
 }
 
 /// The objects whose primitives differ between two descriptions, in ascending order; `None` where the objects themselves are others.

@@ -25,7 +25,6 @@ pub struct Description {
     /// Shown in titles; defaults to the file's stem.
     pub name: String,
     pub camera: CameraDescription,
-    /// The global medium.
     pub world: WorldMedium,
     pub environment: Environment,
     pub media: Vec<Medium>,
@@ -90,7 +89,6 @@ pub enum Environment {
 }
 
 impl Description {
-    /// The medium of that name.
     pub fn medium(&self, name: &str) -> Option<&Medium> {
         self.media.iter().find(|m| m.name == name)
     }

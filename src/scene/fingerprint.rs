@@ -172,7 +172,7 @@ impl Description {
             hasher.media.insert(medium.name, index as u64);
         }
         hasher.hasher.integer(objects.len() as u64);
-        for object in &mut objects {
+        for object in objects.iter_mut() {
             hasher.hasher.text(object.kind().name());
             object.fields(&mut hasher);
         }

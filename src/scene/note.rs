@@ -11,3 +11,10 @@ pub struct LoadNote {
     /// What was passed over, in words for people.
     pub message: String,
 }
+
+impl LoadNote {
+    /// A note that belongs to no line.
+    pub fn new(kind: &'static str, count: u64, message: String) -> Self {
+        Self { kind, count, first_line: None, message }
+    }
+}

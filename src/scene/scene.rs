@@ -30,7 +30,7 @@ impl SceneMedium {
     }
 }
 
-/// The interface between each ordered pair of media.
+/// The interface between each ordered pair of media, as RGB meets it.
 #[derive(Debug, Clone, Default)]
 pub struct Interfaces {
     media: usize,
@@ -49,6 +49,20 @@ impl Interfaces {
         let between = |from: &SceneMedium, to: &SceneMedium| Interface::new(from.ior_minus_one, to.ior_minus_one);
         let pairs = media.iter().flat_map(|from| media.iter().map(move |to| between(from, to))).collect();
         Self { media: media.len(), pairs }
+    }
+
+    #[inline]
+    fn between(&self, media: &[SceneMedium], from: MediumId, to: MediumId, wavelengths: Wavelengths) -> Interface {
+        let (from, to) = (from.0 as usize, to.0 as usize);
+        match wavelengths {
+            Wavelengths::Rgb => match self.pairs.get(from * self.media + to) {
+                Some(interface) => *interface,
+                None => Interface::new(media[from].ior_minus_one, media[to].ior_minus_one),
+            },
+            Wavelengths::Single { um } => {
+                Interface::new(media[from].model.ior_minus_one(um), media[to].model.ior_minus_one(um))
+            }
+        }
     }
 }
 
@@ -158,18 +172,7 @@ impl Scene {
     /// The interface between two media, as light of these wavelengths meets it.
     #[inline]
     pub fn interface(&self, from: MediumId, to: MediumId, wavelengths: Wavelengths) -> Interface {
-        match wavelengths {
-            Wavelengths::Rgb => {
-                match self.interfaces.pairs.get(from.0 as usize * self.interfaces.media + to.0 as usize) {
-                    Some(interface) => *interface,
-                    None => Interface::new(self.medium(from).ior_minus_one, self.medium(to).ior_minus_one),
-                }
-            }
-            Wavelengths::Single { um } => {
-                let [from, to] = [from, to].map(|id| self.medium(id).model.ior_minus_one(um));
-                Interface::new(from, to)
-            }
-        }
+        self.interfaces.between(&self.media, from, to, wavelengths)
     }
 
     /// What lies all around.
@@ -185,10 +188,14 @@ impl Scene {
         current == left || (self.world_is_vacuum && current.0 <= MediumId::VACUUM.0 && left.0 <= MediumId::VACUUM.0)
     }
 
-    /// Whether this object is a refractor.
     #[inline]
     pub fn is_refractor(&self, id: ObjectId) -> bool {
         matches!(self.object(id).surface, Surface::Refractor { .. })
+    }
+
+    /// The priority of a refractor; the lowest of all for other objects.
+    pub fn priority(&self, id: ObjectId) -> i32 {
+        if let Surface::Refractor { priority, .. } = self.object(id).surface { priority } else { i32::MIN }
     }
 
     /// Ids and interior media of the refractors.
@@ -197,5 +204,44 @@ impl Scene {
             Surface::Refractor { medium, .. } => Some((ObjectId(index as u32), medium)),
             _ => None,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::{Refraction, catalog};
+
+    fn medium(name: &str, model: Ior) -> SceneMedium {
+        let ior_minus_one = model.ior_minus_one(crate::spectrum::WAVELENGTH_D_UM);
+        SceneMedium { name: name.into(), model, ior_minus_one, absorption: Spectrum::ZERO }
+    }
+
+    /// At normal incidence the reflectance tells the index: ((n − 1)/(n + 1))².
+    #[test]
+    fn interfaces_are_those_of_the_wavelength() {
+        let flint = Ior::Catalog(catalog::find("sf11").unwrap());
+        let mut media = vec![medium("world", Ior::Constant(1.0)), medium("sf11", flint.clone())];
+        // So many that their pairs are not kept.
+        for count in [2, 100] {
+            media.resize(count, medium("more", Ior::Constant(1.5)));
+            let interfaces = Interfaces::new(&media);
+            let reflectance =
+                |wavelengths| match interfaces.between(&media, MediumId(0), MediumId(1), wavelengths).refraction(1.0) {
+                    Refraction::TotalReflection => 1.0,
+                    Refraction::Partial { reflectance, .. } => reflectance,
+                };
+            let expected = |um: f64| {
+                let n_minus_one = flint.ior_minus_one(um);
+                (n_minus_one / (n_minus_one + 2.0)).powi(2)
+            };
+            for um in [0.4358, 0.5876, 0.6563] {
+                let got = reflectance(Wavelengths::Single { um });
+                assert!((got / expected(um) - 1.0).abs() < 1e-14, "{um}: {got}");
+            }
+            let rgb = reflectance(Wavelengths::Rgb);
+            assert!((rgb / expected(crate::spectrum::WAVELENGTH_D_UM) - 1.0).abs() < 1e-14);
+            assert!(reflectance(Wavelengths::Single { um: 0.4358 }) > 1.05 * rgb);
+        }
     }
 }

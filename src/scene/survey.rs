@@ -40,7 +40,7 @@ impl SceneNeeds {
         Self {
             nesting: media[0].ior_minus_one != 0.0
                 || refractors.iter().any(|r| objects[r.0].may_contain_itself())
-                || boxes_overlap(geometry, refractors.iter().map(|r| r.0)),
+                || any_overlap(refractors.iter().map(|r| geometry.bounds_of(r.0 as u32)).collect()),
             absorption: refractors.iter().map(|r| r.1).chain([0]).any(|medium| !media[medium].absorption.is_black()),
             index_matching: indices.windows(2).any(|pair| pair[0] == pair[1]),
             smooth_normals: objects.iter().any(is_smooth),
@@ -59,11 +59,6 @@ impl SceneNeeds {
             ..self
         }
     }
-}
-
-/// Whether any two of these objects' bounding boxes overlap.
-fn boxes_overlap(geometry: &Geometry, objects: impl Iterator<Item = usize>) -> bool {
-    any_overlap(objects.map(|object| geometry.bounds_of(object as u32)).collect())
 }
 
 /// Whether any two of these boxes overlap. They are halved where the fewest lie on both sides of the cut; boxes that no cut takes apart are

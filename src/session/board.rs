@@ -43,6 +43,15 @@ impl Snapshot {
     }
 }
 
+#[cfg(test)]
+impl Snapshot {
+    /// One sample of every pixel.
+    pub fn of(mode: Mode, size: [u32; 2], rgb: Vec<[f32; 3]>) -> Arc<Self> {
+        let events = Events::default();
+        Arc::new(Self { epoch: 1, mode, size, full_size: size, rgb, samples: 1, events, seconds: 1.0, is_done: false })
+    }
+}
+
 /// A picture of the surfaces by one quantity.
 #[derive(Debug, Clone)]
 pub struct PaintedSurfaces {
@@ -54,7 +63,6 @@ pub struct PaintedSurfaces {
 }
 
 impl PaintedSurfaces {
-    /// Whether this is a quick picture at a lower resolution.
     pub fn is_preview(&self) -> bool {
         [self.painting.width, self.painting.height] != self.full_size
     }
@@ -75,7 +83,6 @@ pub struct SceneReport {
     pub problems: Option<Vec<Problem>>,
 }
 
-/// What the threads publish and the window reads.
 #[derive(Debug, Default)]
 pub struct Board {
     state: Mutex<BoardState>,

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::job::{Job, LaneMessage, attempted, cancellable};
 use super::mailbox::{Mailbox, Taken};
 use super::{Board, News, Wake};
-use crate::render::{Cpu, Film, RenderTask, Renderer};
+use crate::render::{Film, RenderTask};
 use crate::tracking::Mode;
 
 /// Whether a ground truth is wanted.
@@ -75,22 +75,18 @@ struct Progress {
 pub(super) fn run_ground_truth(pools: &Pools, mailbox: &Mailbox<LaneMessage>, board: &Board, wake: &Wake) {
     let mut progress: Option<Progress> = None;
     loop {
-        let taken = match &progress {
-            Some(p) if p.has_work() && p.is_settled => mailbox.take(),
-            Some(p) if p.has_work() => mailbox.wait_for(SETTLING),
-            _ => mailbox.wait().into(),
-        };
-        match taken {
+        let working = progress.as_ref().filter(|p| p.has_work());
+        match mailbox.wait(working.map(|p| if p.is_settled { Duration::ZERO } else { SETTLING })) {
             Taken::Closed => return,
             Taken::Empty => {}
-            Taken::Message(LaneMessage::Hold) => {
+            Taken::Message(None) => {
                 progress = None;
                 if board.lock().ground_truth.take().is_some() {
                     wake(News::Images);
                 }
                 continue;
             }
-            Taken::Message(LaneMessage::Render(job)) => {
+            Taken::Message(Some(job)) => {
                 match &mut progress {
                     // Only panes, a limit or a pause have changed: go on.
                     Some(p) if p.job.shows_the_same(&job) => p.job = *job,
@@ -131,29 +127,17 @@ impl Progress {
     /// Some samples for both halves. `false` when another picture is wanted.
     fn advance(&mut self, pools: &Pools, mailbox: &Mailbox<LaneMessage>, board: &Board, wake: &Wake) -> bool {
         let per_sample = self.truth.seconds / f64::from(self.truth.samples.max(1));
-        let samples = match self.truth.samples {
-            0 => 1,
-            taken => {
-                ((SLICE_SECONDS / per_sample).clamp(1.0, MOST_SAMPLES_OF_A_SLICE) as u32).min(MOST_SAMPLES - taken)
-            }
-        };
+        let fitting = if self.truth.samples == 0 { 1.0 } else { SLICE_SECONDS / per_sample };
+        let samples = (fitting.clamp(1.0, MOST_SAMPLES_OF_A_SLICE) as u32).min(MOST_SAMPLES - self.truth.samples);
         let pool = if self.is_alone(board) { &pools.alone } else { &pools.beside };
         let job = &self.job;
         let begin = Instant::now();
         for (half, film) in self.films.iter_mut().enumerate() {
             let settings = job.settings(Mode::Reference, seed_of(job.request.settings.seed, half));
-            let is_other = |message: &LaneMessage| match message {
-                LaneMessage::Hold => true,
-                LaneMessage::Render(other) => !job.shows_the_same(other),
-            };
-            let is_complete = cancellable(pool, mailbox, is_other, begin, None, |cancel| {
-                Cpu.pass(
-                    &RenderTask { prepared: &job.prepared, camera: &job.camera, settings: &settings },
-                    film,
-                    samples,
-                    cancel,
-                )
-            });
+            let task = RenderTask { prepared: &job.prepared, camera: &job.camera, settings: &settings };
+            let is_other = |message: &LaneMessage| message.as_ref().is_none_or(|other| !job.shows_the_same(other));
+            let is_complete =
+                cancellable(pool, mailbox, is_other, begin, None, |cancel| task.pass(film, samples, cancel));
             if !is_complete {
                 return false;
             }

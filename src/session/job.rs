@@ -24,13 +24,8 @@ pub(super) struct Asked {
     pub(super) at: Instant,
 }
 
-/// What a lane is told.
-#[derive(Debug, Clone)]
-pub(super) enum LaneMessage {
-    Render(Box<Job>),
-    /// Nothing to do until told otherwise.
-    Hold,
-}
+/// What a lane is told; `None`: nothing to do until told otherwise.
+pub(super) type LaneMessage = Option<Box<Job>>;
 
 /// What a lane renders.
 #[derive(Debug, Clone)]
@@ -73,10 +68,7 @@ pub(super) fn attempted(epoch: u64, board: &Board, wake: &Wake, pass: impl FnOnc
 
 /// What puts the images of `epoch` out of date.
 pub(super) fn of_another_epoch(epoch: u64) -> impl Fn(&LaneMessage) -> bool {
-    move |message| match message {
-        LaneMessage::Hold => true,
-        LaneMessage::Render(job) => job.request.epoch != epoch,
-    }
+    move |message| message.as_ref().is_none_or(|job| job.request.epoch != epoch)
 }
 
 /// Runs `pass` on the pool while this thread watches the mailbox and the clock for the `alarm`, and cancels it when a message comes that
@@ -89,20 +81,12 @@ pub(super) fn cancellable(
     alarm: Option<Alarm<'_>>,
     pass: impl FnOnce(&AtomicBool) -> bool + Send,
 ) -> bool {
-    /// Ends the watch even if the pass panics.
-    struct Finish<'a>(&'a Mailbox<LaneMessage>);
-    impl Drop for Finish<'_> {
-        fn drop(&mut self) {
-            self.0.finish();
-        }
-    }
-
     let cancel = AtomicBool::new(false);
     let mut is_complete = false;
-    mailbox.begin();
+    let work = mailbox.begin();
     pool.in_place_scope(|scope| {
         scope.spawn(|_| {
-            let _finish = Finish(mailbox);
+            let _work = work;
             is_complete = pass(&cancel);
         });
         mailbox.watch(not_before, is_other, || cancel.store(true, Ordering::Relaxed), alarm);

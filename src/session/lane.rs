@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::job::{FIRST_IMAGE, Job, LaneMessage, MAX_DIVISOR, attempted, cancellable, divisor_for, of_another_epoch};
 use super::mailbox::{Alarm, Mailbox, Taken};
 use super::{Board, News, Snapshot, Wake};
-use crate::render::{Cpu, Film, RenderTask, Renderer};
+use crate::render::{Film, RenderTask};
 use crate::scene::description::Source;
 use crate::tracking::Mode;
 
@@ -47,11 +47,11 @@ pub(super) fn run_lane(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessage>,
     let mut progress: Option<Progress> = None;
     loop {
         let has_work = progress.as_ref().is_some_and(Progress::has_work);
-        match if has_work { mailbox.take() } else { mailbox.wait().into() } {
+        match mailbox.wait(has_work.then_some(Duration::ZERO)) {
             Taken::Closed => return,
             Taken::Empty => {}
-            Taken::Message(LaneMessage::Hold) => progress = None,
-            Taken::Message(LaneMessage::Render(job)) => match &mut progress {
+            Taken::Message(None) => progress = None,
+            Taken::Message(Some(job)) => match &mut progress {
                 // Only the limit or the pause has changed: go on.
                 Some(p) if p.job.request.epoch == job.request.epoch => p.job = *job,
                 _ => {
@@ -140,6 +140,7 @@ impl Progress {
         };
         for ((film, seconds), mode) in self.films.iter_mut().zip(&mut self.seconds).zip(&self.job.modes) {
             let settings = self.job.settings(*mode, self.job.request.settings.seed);
+            let task = RenderTask { prepared: &self.job.prepared, camera: &self.job.camera, settings: &settings };
             let begin = Instant::now();
             let (pilot, last_published) = (&mut self.pilot, &mut self.last_published);
             let alarm = pilot.is_some().then(|| Alarm {
@@ -150,14 +151,8 @@ impl Progress {
                 }),
             });
             let is_other = of_another_epoch(self.job.request.epoch);
-            let is_complete = cancellable(pool, mailbox, is_other, grace_end, alarm, |cancel| {
-                Cpu.pass(
-                    &RenderTask { prepared: &self.job.prepared, camera: &self.job.camera, settings: &settings },
-                    film,
-                    samples,
-                    cancel,
-                )
-            });
+            let is_complete =
+                cancellable(pool, mailbox, is_other, grace_end, alarm, |cancel| task.pass(film, samples, cancel));
             if !is_complete {
                 return false;
             }

@@ -14,7 +14,7 @@ pub(super) struct Mailbox<T> {
 struct Slot<T> {
     message: Option<T>,
     is_closed: bool,
-    /// Set by [`Mailbox::finish`]; what [`Mailbox::watch`] waits for.
+    /// What [`Mailbox::watch`] waits for.
     is_finished: bool,
 }
 
@@ -23,13 +23,6 @@ pub(super) enum Taken<T> {
     Message(T),
     Empty,
     Closed,
-}
-
-impl<T> From<Option<T>> for Taken<T> {
-    /// `None`, from [`Mailbox::wait`], means closed.
-    fn from(message: Option<T>) -> Self {
-        message.map_or(Self::Closed, Self::Message)
-    }
 }
 
 impl<T> Mailbox<T> {
@@ -54,61 +47,32 @@ impl<T> Mailbox<T> {
         self.changed.notify_all();
     }
 
-    /// The message, if there is one now.
-    pub(super) fn take(&self) -> Taken<T> {
-        let mut slot = self.lock();
-        match slot.message.take() {
-            _ if slot.is_closed => Taken::Closed,
-            Some(message) => Taken::Message(message),
-            None => Taken::Empty,
-        }
-    }
-
-    /// Waits for a message; `None` when closed.
-    pub(super) fn wait(&self) -> Option<T> {
+    /// Waits for a message, no longer than `patience` where there is one.
+    pub(super) fn wait(&self, patience: Option<Duration>) -> Taken<T> {
+        let end = patience.map(|patience| Instant::now() + patience);
         let mut slot = self.lock();
         loop {
-            if slot.is_closed {
-                return None;
+            match slot.message.take() {
+                _ if slot.is_closed => return Taken::Closed,
+                Some(message) => return Taken::Message(message),
+                None => {}
             }
-            if let Some(message) = slot.message.take() {
-                return Some(message);
-            }
-            slot = self.changed.wait(slot).unwrap_or_else(PoisonError::into_inner);
+            slot = match end.map(|end| end.saturating_duration_since(Instant::now())) {
+                Some(rest) if rest.is_zero() => return Taken::Empty,
+                Some(rest) => self.changed.wait_timeout(slot, rest).unwrap_or_else(PoisonError::into_inner).0,
+                None => self.changed.wait(slot).unwrap_or_else(PoisonError::into_inner),
+            };
         }
     }
 
-    /// [`Self::wait`], but no longer than `patience`.
-    pub(super) fn wait_for(&self, patience: Duration) -> Taken<T> {
-        let end = Instant::now() + patience;
-        let mut slot = self.lock();
-        loop {
-            if slot.is_closed {
-                return Taken::Closed;
-            }
-            if let Some(message) = slot.message.take() {
-                return Taken::Message(message);
-            }
-            let remaining = end.saturating_duration_since(Instant::now());
-            if remaining.is_zero() {
-                return Taken::Empty;
-            }
-            slot = self.changed.wait_timeout(slot, remaining).unwrap_or_else(PoisonError::into_inner).0;
-        }
-    }
-
-    /// Ends a [`Self::watch`].
-    pub(super) fn finish(&self) {
-        self.lock().is_finished = true;
-        self.changed.notify_all();
-    }
-
-    /// Makes ready for another [`Self::watch`].
-    pub(super) fn begin(&self) {
+    /// Makes ready for another [`Self::watch`], which ends when what is returned is dropped, by a panic too.
+    #[must_use]
+    pub(super) fn begin(&self) -> Watched<'_, T> {
         self.lock().is_finished = false;
+        Watched(self)
     }
 
-    /// Waits until [`Self::finish`]. Calls `interrupt` once if, meanwhile, the box is closed, or holds a message for which
+    /// Waits until what is [`Watched`] is over. Calls `interrupt` once if, meanwhile, the box is closed, or holds a message for which
     /// `matters` and the time is past `not_before`; rings `alarm` when its time comes, before it interrupts.
     pub(super) fn watch(
         &self,
@@ -146,6 +110,16 @@ impl<T> Mailbox<T> {
     }
 }
 
+/// Work during which the box is watched.
+pub(super) struct Watched<'a, T>(&'a Mailbox<T>);
+
+impl<T> Drop for Watched<'_, T> {
+    fn drop(&mut self) {
+        self.0.lock().is_finished = true;
+        self.0.changed.notify_all();
+    }
+}
+
 /// Something to be done during a [`Mailbox::watch`], if it lasts until then.
 pub(super) struct Alarm<'a> {
     pub at: Instant,
@@ -154,8 +128,6 @@ pub(super) struct Alarm<'a> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
 
     #[test]
@@ -163,41 +135,40 @@ mod tests {
         let mailbox = Mailbox::new();
         mailbox.post(1);
         mailbox.post(2);
-        assert_eq!(mailbox.wait(), Some(2));
-        assert!(matches!(mailbox.take(), Taken::Empty));
+        assert!(matches!(mailbox.wait(None), Taken::Message(2)));
+        assert!(matches!(mailbox.wait(Some(Duration::ZERO)), Taken::Empty));
         mailbox.post(3);
         mailbox.close();
-        assert!(matches!(mailbox.take(), Taken::Closed));
-        assert_eq!(mailbox.wait(), None);
+        assert!(matches!(mailbox.wait(Some(Duration::ZERO)), Taken::Closed));
+        assert!(matches!(mailbox.wait(None), Taken::Closed));
     }
 
     #[test]
     fn waiting_ends_with_patience_or_a_message() {
-        let mailbox = Arc::new(Mailbox::<i32>::new());
+        let mailbox = Mailbox::<i32>::new();
         let start = Instant::now();
-        assert!(matches!(mailbox.wait_for(Duration::from_millis(20)), Taken::Empty));
+        assert!(matches!(mailbox.wait(Some(Duration::from_millis(20))), Taken::Empty));
         assert!(start.elapsed() >= Duration::from_millis(20));
-        let sender = Arc::clone(&mailbox);
         std::thread::scope(|scope| {
-            scope.spawn(move || sender.post(5));
-            assert!(matches!(mailbox.wait_for(Duration::from_secs(60)), Taken::Message(5)));
+            scope.spawn(|| mailbox.post(5));
+            assert!(matches!(mailbox.wait(Some(Duration::from_secs(60))), Taken::Message(5)));
         });
         mailbox.close();
-        assert!(matches!(mailbox.wait_for(Duration::from_secs(60)), Taken::Closed));
+        assert!(matches!(mailbox.wait(Some(Duration::from_secs(60))), Taken::Closed));
     }
 
     #[test]
     fn a_message_interrupts_only_when_it_matters_and_not_too_early() {
-        let mailbox = Arc::new(Mailbox::new());
-        let worker = Arc::clone(&mailbox);
+        let mailbox = Mailbox::new();
         let start = Instant::now();
         let grace = Duration::from_millis(60);
         mailbox.post(7);
+        let work = mailbox.begin();
         std::thread::scope(|scope| {
             let (sender, receiver) = std::sync::mpsc::channel();
             scope.spawn(move || {
                 let _ = receiver.recv();
-                worker.finish();
+                drop(work);
             });
             let send = move || sender.send(()).expect("the receiver waits");
             mailbox.watch(start + grace, |message| *message == 7, send, None);
@@ -205,12 +176,11 @@ mod tests {
         assert!(start.elapsed() >= grace);
 
         // One that does not matter never interrupts.
-        mailbox.begin();
-        let worker = Arc::clone(&mailbox);
+        let work = mailbox.begin();
         std::thread::scope(|scope| {
             scope.spawn(move || {
                 std::thread::sleep(Duration::from_millis(20));
-                worker.finish();
+                drop(work);
             });
             mailbox.watch(start, |message| *message == 8, || panic!("interrupted"), None);
         });
@@ -225,11 +195,10 @@ mod tests {
             let ring = move || {
                 assert!(Instant::now() >= at);
                 rings.set(rings.get() + 1);
-                mailbox.finish();
+                drop(mailbox.begin());
             };
             Some(Alarm { at, ring: Box::new(ring) })
         };
-        mailbox.begin();
         mailbox.watch(start, |_| false, || panic!("interrupted"), alarm(start + Duration::from_millis(20)));
         assert_eq!(rings.get(), 1);
         mailbox.watch(start, |_| false, || panic!("interrupted"), alarm(start));

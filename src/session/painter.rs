@@ -27,13 +27,11 @@ pub(super) fn run_painter(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessag
     let mut progress: Option<Progress> = None;
     let mut seconds_per_ray = UNTIMED_SECONDS;
     loop {
-        let taken =
-            if progress.as_ref().is_some_and(|p| p.next().is_some()) { mailbox.take() } else { mailbox.wait().into() };
-        match taken {
+        match mailbox.wait(progress.as_ref().and_then(Progress::next).map(|_| Duration::ZERO)) {
             Taken::Closed => return,
             Taken::Empty => {}
-            Taken::Message(LaneMessage::Hold) => progress = None,
-            Taken::Message(LaneMessage::Render(job)) => match &mut progress {
+            Taken::Message(None) => progress = None,
+            Taken::Message(Some(job)) => match &mut progress {
                 // The same scene from the same camera: what is painted stays, whatever else is wanted now. What has left the board was not
                 // wanted by a request in between, which this lane need not have seen: it is painted anew.
                 Some(p) if p.job.request.epoch == job.request.epoch => {
@@ -108,8 +106,6 @@ impl Progress {
         if is_complete {
             let rays = f64::from(painting.width) * f64::from(painting.height);
             *seconds_per_ray = begun.elapsed().as_secs_f64() / rays;
-        }
-        if is_complete {
             let painted =
                 PaintedSurfaces { epoch: job.request.epoch, quantity, full_size: full, painting: painting.clone() };
             let mut state = board.lock();

@@ -41,10 +41,8 @@ impl Preparation {
         self.progress.cancel();
     }
 
-    /// Prepares `description`, and cancels that when there is a request for another scene. `None`: that request is to be served.
-    ///
-    /// # Errors
-    /// When the scene is impossible, or was given up.
+    /// Prepares `description`, unless that is impossible or given up, and cancels it when there is a request for another scene. `None`: that
+    /// request is to be served.
     pub(super) fn run(
         &self,
         description: &Arc<Description>,
@@ -75,18 +73,10 @@ pub(super) fn watched(
     progress: &Progress,
     work: impl FnOnce() + Send,
 ) {
-    /// Ends the watch even if the work panics.
-    struct Finish<'a>(&'a Mailbox<Asked>);
-    impl Drop for Finish<'_> {
-        fn drop(&mut self) {
-            self.0.finish();
-        }
-    }
-
-    requests.begin();
+    let watched = requests.begin();
     rayon::in_place_scope(|scope| {
         scope.spawn(|_| {
-            let _finish = Finish(requests);
+            let _watched = watched;
             work();
         });
         requests.watch(not_before, matters, || progress.cancel(), None);

@@ -68,8 +68,7 @@ pub(super) fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &Lanes, board: &B
     let mut leisure: Option<Leisure> = None;
     loop {
         let is_free = leisure.as_ref().is_some_and(|leisure| !leisure.is_over());
-        let taken = if is_free { requests.wait_for(QUIET) } else { requests.wait().into() };
-        let Asked { request, at: asked_at } = match taken {
+        let Asked { request, at: asked_at } = match requests.wait(is_free.then_some(QUIET)) {
             Taken::Message(asked) => asked,
             Taken::Closed => return,
             Taken::Empty => {
@@ -90,7 +89,7 @@ pub(super) fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &Lanes, board: &B
             let camera = Camera::new(&request.camera)?;
             if is_new {
                 // All cores for the preparation: what is being rendered is out of date.
-                lanes.iter().for_each(|lane| lane.post(LaneMessage::Hold));
+                lanes.iter().for_each(|lane| lane.post(None));
                 let preparation = Arc::new(Preparation::new(request.epoch));
                 board.lock().preparation = Some(Arc::clone(&preparation));
                 wake(News::Scene);
@@ -121,17 +120,8 @@ pub(super) fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &Lanes, board: &B
         let measures = request.ground_truth != GroundTruthDemand::Off;
         let has_work = [!main.is_empty(), !reference.is_empty(), !request.surfaces.is_empty(), measures];
         for ((lane, modes), has_work) in lanes.iter().zip([main, reference, Vec::new(), Vec::new()]).zip(has_work) {
-            lane.post(if !has_work {
-                LaneMessage::Hold
-            } else {
-                LaneMessage::Render(Box::new(Job {
-                    prepared: prepared.clone(),
-                    camera,
-                    modes,
-                    request: request.clone(),
-                    asked_at,
-                }))
-            });
+            let (prepared, request) = (prepared.clone(), request.clone());
+            lane.post(has_work.then(|| Box::new(Job { prepared, camera, modes, request, asked_at })));
         }
         {
             let mut state = board.lock();

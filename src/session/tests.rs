@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::time::Duration;
 
-use super::job::{Job, LaneMessage};
+use super::job::Job;
 use super::mailbox::Taken;
 use super::preparation::GRACE;
 use super::preparer::REPEATS;
 use super::*;
-use crate::render::{Cpu, Film, RenderTask, Renderer};
+use crate::render::{Film, RenderTask};
 use crate::scene::camera::Camera;
 use crate::scene::description::Shape;
 use crate::tracking::prepare;
@@ -41,12 +41,22 @@ fn slow_scene(shift: f64) -> Arc<Description> {
     Arc::new(description)
 }
 
-fn until(worker: &Worker, is_met: impl Fn(&BTreeMap<Mode, Arc<Snapshot>>) -> bool) {
+/// What `look` finds, which is asked again and again.
+#[track_caller]
+fn soon<T>(look: impl Fn() -> Option<T>) -> T {
     let start = Instant::now();
-    while !is_met(&worker.board().snapshots()) {
+    loop {
+        if let Some(found) = look() {
+            return found;
+        }
         assert!(start.elapsed() < Duration::from_secs(60), "waited too long");
         std::thread::sleep(Duration::from_millis(2));
     }
+}
+
+#[track_caller]
+fn until(worker: &Worker, is_met: impl Fn(&BTreeMap<Mode, Arc<Snapshot>>) -> bool) {
+    soon(|| is_met(&worker.board().snapshots()).then_some(()));
 }
 
 fn quiet() -> Wake {
@@ -149,12 +159,8 @@ fn previews_are_images_of_their_size() {
         let settings = ImageSettings { mode: snapshot.mode, ..first.settings };
         let mut film = Film::new(snapshot.size[0], snapshot.size[1]);
         let never = std::sync::atomic::AtomicBool::new(false);
-        Cpu.pass(
-            &RenderTask { prepared: &prepared, camera: &camera, settings: &settings },
-            &mut film,
-            snapshot.samples,
-            &never,
-        );
+        let task = RenderTask { prepared: &prepared, camera: &camera, settings: &settings };
+        task.pass(&mut film, snapshot.samples, &never);
         assert_eq!(film.to_rgb(), snapshot.rgb, "{} at {:?}", snapshot.mode, snapshot.size);
     }
 }
@@ -208,7 +214,7 @@ fn surfaces_are_painted_beside_the_films_and_without_any() {
 fn what_has_left_the_board_is_painted_anew() {
     let asked = Request { surfaces: vec![SurfaceQuantity::Class, SurfaceQuantity::Outside], ..request(1, &[]) };
     let message = || {
-        LaneMessage::Render(Box::new(Job {
+        Some(Box::new(Job {
             prepared: prepare(Arc::clone(&asked.description), None).unwrap(),
             camera: Camera::new(&asked.camera).unwrap(),
             modes: Vec::new(),
@@ -244,21 +250,11 @@ fn what_has_left_the_board_is_painted_anew() {
 #[test]
 fn a_ground_truth_is_kept_while_the_picture_is_the_same() {
     let worker = Worker::start(quiet()).unwrap();
-    let truth_when = |is_met: &dyn Fn(Option<&GroundTruth>) -> bool| {
-        let start = Instant::now();
-        loop {
-            let truth = worker.board().ground_truth();
-            if is_met(truth.as_ref()) {
-                return truth;
-            }
-            assert!(start.elapsed() < Duration::from_secs(60), "waited too long");
-            std::thread::sleep(Duration::from_millis(2));
-        }
-    };
+    let truth_when =
+        |is_met: &dyn Fn(&GroundTruth) -> bool| soon(|| worker.board().ground_truth().filter(|truth| is_met(truth)));
     let first = Request { ground_truth: GroundTruthDemand::On, ..request(1, &[Mode::Rectified]) };
     worker.submit(first.clone());
-    let truth = truth_when(&|truth| truth.is_some_and(|truth| truth.halves.as_ref().is_some_and(|h| h.samples >= 4)));
-    let halves = truth.and_then(|truth| truth.halves).unwrap();
+    let halves = truth_when(&|truth| truth.halves.as_ref().is_some_and(|h| h.samples >= 4)).halves.unwrap();
     assert_eq!((halves.size, halves.mean.len()), ([96, 64], 96 * 64));
     assert_ne!(halves.rgb[0], halves.rgb[1], "the halves have noise of their own");
     let film = Arc::clone(&worker.board().snapshots()[&Mode::Rectified]);
@@ -268,16 +264,16 @@ fn a_ground_truth_is_kept_while_the_picture_is_the_same() {
     let paused =
         Request { epoch: 2, modes: vec![Mode::Stack], ground_truth: GroundTruthDemand::Paused, ..first.clone() };
     worker.submit(paused);
-    let kept = truth_when(&|truth| truth.is_some_and(|truth| truth.epoch == 2)).unwrap();
+    let kept = truth_when(&|truth| truth.epoch == 2);
     assert!(kept.samples >= halves.samples);
     // Another view is another picture.
     let mut moved = Request { epoch: 3, ..first.clone() };
     moved.camera.position.x += 0.1;
     worker.submit(moved);
-    let anew = truth_when(&|truth| truth.is_some_and(|truth| truth.epoch == 3)).unwrap();
+    let anew = truth_when(&|truth| truth.epoch == 3);
     assert!(anew.samples < kept.samples, "it begins anew: {} of {}", anew.samples, kept.samples);
     worker.submit(Request { epoch: 4, ..request(4, &[Mode::Rectified]) });
-    truth_when(&|truth| truth.is_none());
+    until(&worker, |_| worker.board().ground_truth().is_none());
 }
 
 #[test]
@@ -289,14 +285,7 @@ fn an_impossible_request_is_told_and_the_old_scene_stays() {
     let mut bad = Request { epoch: 2, ..good.clone() };
     bad.camera.target = bad.camera.position;
     worker.submit(bad);
-    let start = Instant::now();
-    let (epoch, error) = loop {
-        if let Some(failure) = worker.board().take_failure() {
-            break failure;
-        }
-        assert!(start.elapsed() < Duration::from_secs(60), "waited too long");
-        std::thread::sleep(Duration::from_millis(2));
-    };
+    let (epoch, error) = soon(|| worker.board().take_failure());
     assert_eq!(epoch, 2);
     assert!(error.message.contains("direction"), "{error}");
     assert!(worker.board().scene().is_some());
@@ -316,7 +305,10 @@ fn a_long_preparation_gives_way_to_another_scene() {
     assert!(preparation.run(&scene, None, &requests).unwrap().is_some());
     requests.post(asked(request(3, &[])));
     assert!(preparation.run(&scene, None, &requests).unwrap().is_none());
-    assert!(matches!(requests.take(), Taken::Message(asked) if asked.request.epoch == 3), "it is still to be served");
+    assert!(
+        matches!(requests.wait(Some(Duration::ZERO)), Taken::Message(asked) if asked.request.epoch == 3),
+        "it is still to be served"
+    );
     // One that has not taken so long yet is finished.
     requests.post(asked(request(4, &[])));
     let mut preparation = Preparation::new(5);
@@ -332,18 +324,13 @@ fn a_preparation_that_is_given_up_is_told_and_the_old_scene_stays() {
     worker.submit(good.clone());
     until(&worker, |_| is_ready(1));
     worker.submit(Request { epoch: 2, description: slow_scene(0.3), ..good.clone() });
-    let start = Instant::now();
-    let (epoch, error) = loop {
+    let (epoch, error) = soon(|| {
         if let Some(preparation) = worker.board().preparation() {
             assert_eq!(preparation.epoch, 2);
             preparation.give_up();
         }
-        if let Some(failure) = worker.board().take_failure() {
-            break failure;
-        }
-        assert!(start.elapsed() < Duration::from_secs(60), "waited too long");
-        std::thread::sleep(Duration::from_millis(1));
-    };
+        worker.board().take_failure()
+    });
     assert!(epoch == 2 && error.message.contains("given up"), "{epoch}: {error}");
     assert!(worker.board().preparation().is_none());
     assert!(Arc::ptr_eq(&worker.board().scene().unwrap().prepared.description, &good.description));

@@ -56,75 +56,39 @@ impl Spectrum {
     }
 }
 
-impl Add for Spectrum {
-    type Output = Self;
+/// Implements operators band by band, each as one of [`DVec3`].
+macro_rules! operators {
+    ($($operator:ident $method:ident $other:ty: $value:expr,)*) => {
+        $(impl $operator<$other> for Spectrum {
+            type Output = Self;
 
-    #[inline]
-    fn add(self, other: Self) -> Self {
-        Self(self.0 + other.0)
-    }
+            #[inline]
+            fn $method(self, other: $other) -> Self {
+                Self($operator::$method(self.0, $value(other)))
+            }
+        })*
+    };
+    ($($operator:ident $method:ident $other:ty: $value:expr;)*) => {
+        $(impl $operator<$other> for Spectrum {
+            #[inline]
+            fn $method(&mut self, other: $other) {
+                $operator::$method(&mut self.0, $value(other));
+            }
+        })*
+    };
 }
 
-impl AddAssign for Spectrum {
-    #[inline]
-    fn add_assign(&mut self, other: Self) {
-        self.0 += other.0;
-    }
+operators! {
+    Add add Self: |other: Self| other.0,
+    Sub sub Self: |other: Self| other.0,
+    Mul mul Self: |other: Self| other.0,
+    Mul mul f64: |factor: f64| factor,
+    Div div f64: |divisor: f64| divisor,
 }
 
-impl Sub for Spectrum {
-    type Output = Self;
-
-    #[inline]
-    fn sub(self, other: Self) -> Self {
-        Self(self.0 - other.0)
-    }
-}
-
-impl Mul for Spectrum {
-    type Output = Self;
-
-    #[inline]
-    fn mul(self, other: Self) -> Self {
-        Self(self.0 * other.0)
-    }
-}
-
-impl MulAssign for Spectrum {
-    #[inline]
-    fn mul_assign(&mut self, other: Self) {
-        self.0 *= other.0;
-    }
-}
-
-impl Mul<f64> for Spectrum {
-    type Output = Self;
-
-    #[inline]
-    fn mul(self, factor: f64) -> Self {
-        Self(self.0 * factor)
-    }
-}
-
-impl MulAssign<f64> for Spectrum {
-    #[inline]
-    fn mul_assign(&mut self, factor: f64) {
-        self.0 *= factor;
-    }
-}
-
-impl Div<f64> for Spectrum {
-    type Output = Self;
-
-    #[inline]
-    fn div(self, divisor: f64) -> Self {
-        Self(self.0 / divisor)
-    }
-}
-
-impl DivAssign<f64> for Spectrum {
-    #[inline]
-    fn div_assign(&mut self, divisor: f64) {
-        self.0 /= divisor;
-    }
+operators! {
+    AddAssign add_assign Self: |other: Self| other.0;
+    MulAssign mul_assign Self: |other: Self| other.0;
+    MulAssign mul_assign f64: |factor: f64| factor;
+    DivAssign div_assign f64: |divisor: f64| divisor;
 }

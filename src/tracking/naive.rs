@@ -22,13 +22,7 @@ impl Tracker for Naive {
     type State = ();
 
     #[inline]
-    fn start(&self, (): &mut ()) {}
-
-    #[inline]
     fn sides(&self, (): &(), crossing: &Crossing, _: &mut Events) -> Option<Sides> {
-        Some(crossing.sides(MediumId::VACUUM))
+        Some(crossing.sides(MediumId::VACUUM, crossing.interior))
     }
-
-    #[inline]
-    fn transmit(&self, (): &mut (), _: &Crossing) {}
 }

@@ -16,7 +16,7 @@
 use super::events::Events;
 use super::prepare::Prepared;
 use super::tracker::{Crossing, Sides, Tracker, TrackingMode};
-use crate::scene::{MediumId, ObjectId, Scene, Surface};
+use crate::scene::{MediumId, ObjectId, Scene};
 
 #[derive(Debug, Clone, Copy)]
 pub struct Priority<'a> {
@@ -31,16 +31,6 @@ pub struct Entry {
     priority: i32,
     /// Entries less exits, at least 1.
     depth: u32,
-}
-
-impl Priority<'_> {
-    fn priority(&self, refractor: ObjectId) -> i32 {
-        match self.scene.object(refractor).surface {
-            Surface::Refractor { priority, .. } => priority,
-            // Only refractors are crossed.
-            _ => i32::MIN,
-        }
-    }
 }
 
 /// The refractor's place in the list. What was entered last is usually left first.
@@ -63,11 +53,6 @@ impl Tracker for Priority<'_> {
     type State = Vec<Entry>;
 
     #[inline]
-    fn start(&self, state: &mut Self::State) {
-        state.clear();
-    }
-
-    #[inline]
     fn can_skip(&self) -> bool {
         true
     }
@@ -78,13 +63,13 @@ impl Tracker for Priority<'_> {
         let current = state.last();
         let place = position(state, crossing.refractor);
         if crossing.is_entering {
-            let is_current =
-                place.is_none() && current.is_none_or(|entry| entry.priority <= self.priority(crossing.refractor));
+            let is_current = place.is_none()
+                && current.is_none_or(|entry| entry.priority <= self.scene.priority(crossing.refractor));
             return is_current.then(|| Sides { from: medium(current), to: crossing.interior });
         }
         let Some(place) = place else {
             events.stack_underflow += 1;
-            let was_current = current.is_none_or(|entry| entry.priority < self.priority(crossing.refractor));
+            let was_current = current.is_none_or(|entry| entry.priority < self.scene.priority(crossing.refractor));
             return was_current.then(|| Sides { from: crossing.interior, to: medium(current) });
         };
         let was_current = place + 1 == state.len() && state[place].depth == 1;
@@ -96,7 +81,7 @@ impl Tracker for Priority<'_> {
         match (position(state, crossing.refractor), crossing.is_entering) {
             (Some(place), true) => state[place].depth += 1,
             (None, true) => {
-                let priority = self.priority(crossing.refractor);
+                let priority = self.scene.priority(crossing.refractor);
                 let place = state.partition_point(|entry| entry.priority <= priority);
                 let (refractor, interior) = (crossing.refractor, crossing.interior);
                 state.insert(place, Entry { refractor, interior, priority, depth: 1 });
@@ -196,35 +181,26 @@ mod tests {
         ])
     }
 
-    fn across() -> Ray {
-        Ray::new(DVec3::new(-5.0, 1.0, 0.013), DVec3::X)
-    }
-
+    /// The higher priority wins, whichever it is. Of equals the one entered last is current: the water's own boundary on the way in, the
+    /// glass's on the way out.
     #[test]
     fn water_that_overlaps_its_glass() {
-        let scene = tumbler(1, 0);
-        let (sights, walk) = Walk::along(&scene, &across());
-        let expected = [Some((-1, GLASS)), None, Some((GLASS, WATER)), Some((WATER, GLASS)), None, Some((GLASS, -1))];
-        assert_eq!(sights, expected);
-        assert!(walk.list.is_empty() && walk.events == Events::default());
+        let [in_glass, in_water] = [(-1, GLASS), (GLASS, WATER)].map(Some);
+        let [out_of_glass, out_of_water] = [(GLASS, -1), (WATER, GLASS)].map(Some);
+        for (priorities, expected) in [
+            ((1, 0), [in_glass, None, in_water, out_of_water, None, out_of_glass]),
+            ((-7, -2), [in_glass, in_water, None, None, out_of_water, out_of_glass]),
+            ((3, 3), [in_glass, in_water, None, out_of_water, None, out_of_glass]),
+        ] {
+            let scene = tumbler(priorities.0, priorities.1);
+            let (sights, walk) = Walk::along(&scene, &Ray::new(DVec3::new(-5.0, 1.0, 0.013), DVec3::X));
+            assert_eq!(sights, expected, "{priorities:?}");
+            assert!(walk.list.is_empty() && walk.events == Events::default());
+        }
         // From above, through the water's surface and the bottom.
+        let scene = tumbler(1, 0);
         let (sights, _) = Walk::along(&scene, &Ray::new(DVec3::new(0.03, 5.0, 0.02), DVec3::NEG_Y));
-        assert_eq!(sights, [Some((-1, WATER)), Some((WATER, GLASS)), None, Some((GLASS, -1))]);
-    }
-
-    #[test]
-    fn the_higher_priority_wins_whichever_it_is() {
-        let (sights, _) = Walk::along(&tumbler(-7, -2), &across());
-        let expected = [Some((-1, GLASS)), Some((GLASS, WATER)), None, None, Some((WATER, GLASS)), Some((GLASS, -1))];
-        assert_eq!(sights, expected);
-    }
-
-    /// Of equals the one entered last is current: the water's own boundary on the way in, the glass's on the way out.
-    #[test]
-    fn a_tie_goes_to_what_was_entered_last() {
-        let (sights, _) = Walk::along(&tumbler(3, 3), &across());
-        let expected = [Some((-1, GLASS)), Some((GLASS, WATER)), None, Some((WATER, GLASS)), None, Some((GLASS, -1))];
-        assert_eq!(sights, expected);
+        assert_eq!(sights, [Some((-1, WATER)), out_of_water, None, out_of_glass]);
     }
 
     #[test]

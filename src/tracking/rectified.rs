@@ -28,22 +28,11 @@ impl Tracker for Rectified<'_> {
     type State = ();
 
     #[inline]
-    fn start(&self, (): &mut ()) {}
-
-    #[inline]
     fn sides(&self, (): &(), crossing: &Crossing, events: &mut Events) -> Option<Sides> {
         events.mixed += u64::from(self.table.is_mixed(crossing.refractor, crossing.point.primitive));
         let answer = self.table.look(self.scene, crossing.refractor, &crossing.point, crossing.barycentric);
-        if answer.is_masked() {
-            return None;
-        }
-        let (outside, inside) = (answer.outside, answer.inside);
-        let (from, to) = if crossing.is_entering { (outside, inside) } else { (inside, outside) };
-        Some(Sides { from, to })
+        (!answer.is_masked()).then(|| crossing.sides(answer.outside, answer.inside))
     }
-
-    #[inline]
-    fn transmit(&self, (): &mut (), _: &Crossing) {}
 
     #[inline]
     fn mask(&self) -> Option<&Mask> {

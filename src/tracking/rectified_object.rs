@@ -25,13 +25,7 @@ impl Tracker for RectifiedObject {
     type State = ();
 
     #[inline]
-    fn start(&self, (): &mut ()) {}
-
-    #[inline]
     fn sides(&self, (): &(), crossing: &Crossing, _: &mut Events) -> Option<Sides> {
-        Some(crossing.sides(self.outsides[crossing.refractor.0 as usize]))
+        Some(crossing.sides(self.outsides[crossing.refractor.0 as usize], crossing.interior))
     }
-
-    #[inline]
-    fn transmit(&self, (): &mut (), _: &Crossing) {}
 }

@@ -23,11 +23,6 @@ impl Tracker for Stack {
     type State = Vec<MediumId>;
 
     #[inline]
-    fn start(&self, state: &mut Self::State) {
-        state.clear();
-    }
-
-    #[inline]
     fn sides(&self, state: &Self::State, crossing: &Crossing, events: &mut Events) -> Option<Sides> {
         let below = |depth: usize| state.len().checked_sub(depth).map_or(MediumId::WORLD, |index| state[index]);
         if crossing.is_entering {
@@ -62,19 +57,10 @@ mod tests {
     use crate::geometry::SurfacePoint;
     use crate::scene::ObjectId;
 
-    fn crossing(interior: u32, is_entering: bool) -> Crossing {
-        let point = SurfacePoint { position: DVec3::ZERO, normal: DVec3::Y, primitive: 0 };
-        Crossing {
-            refractor: ObjectId(interior),
-            interior: MediumId(interior),
-            is_entering,
-            point,
-            barycentric: [0.0; 2],
-        }
-    }
-
     fn cross(state: &mut Vec<MediumId>, events: &mut Events, interior: u32, is_entering: bool) -> (u32, u32) {
-        let crossing = crossing(interior, is_entering);
+        let point = SurfacePoint { position: DVec3::ZERO, normal: DVec3::Y, primitive: 0 };
+        let (refractor, interior) = (ObjectId(interior), MediumId(interior));
+        let crossing = Crossing { refractor, interior, is_entering, point, barycentric: [0.0; 2] };
         let sides = Stack.sides(state, &crossing, events).expect("a stack skips nothing");
         Stack.transmit(state, &crossing);
         (sides.from.0, sides.to.0)

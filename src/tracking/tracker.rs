@@ -28,14 +28,11 @@ pub struct Sides {
 }
 
 impl Crossing {
-    /// The sides, given what lies outside.
+    /// The sides, given what lies outside and inside.
     #[inline]
-    pub(super) fn sides(&self, outside: MediumId) -> Sides {
-        if self.is_entering {
-            Sides { from: outside, to: self.interior }
-        } else {
-            Sides { from: self.interior, to: outside }
-        }
+    pub(super) fn sides(&self, outside: MediumId, inside: MediumId) -> Sides {
+        let (from, to) = if self.is_entering { (outside, inside) } else { (inside, outside) };
+        Sides { from, to }
     }
 }
 
@@ -45,7 +42,11 @@ pub trait Tracker: Sync {
     type State: Clone + Default + Send;
 
     /// Makes `state` that of a fresh path.
-    fn start(&self, state: &mut Self::State);
+    #[inline]
+    fn start(&self, state: &mut Self::State) {
+        // What it has allocated is kept.
+        state.clone_from(&Self::State::default());
+    }
 
     /// Whether [`Tracker::sides`] may answer `None`: shadow rays must then look at every refractor in their way.
     #[inline]
@@ -72,7 +73,8 @@ pub trait Tracker: Sync {
     fn sides(&self, state: &Self::State, crossing: &Crossing, events: &mut Events) -> Option<Sides>;
 
     /// Records that the path went through, bent or not.
-    fn transmit(&self, state: &mut Self::State, crossing: &Crossing);
+    #[inline]
+    fn transmit(&self, _state: &mut Self::State, _crossing: &Crossing) {}
 }
 
 /// A tracker that is a mode of its own: see [`super::Mode`].

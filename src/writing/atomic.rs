@@ -81,8 +81,8 @@ pub fn require_writable(path: &Path) -> Result<(), WriteError> {
         Target::Stream(_) => Ok(()),
         Target::File(target) => {
             target.require_replaceable(path)?;
-            let temporary = Temporary::beside(&target);
-            let temporary = temporary.map_err(|reason| WriteError::System { path: path.to_path_buf(), reason })?;
+            let failed = |reason| WriteError::System { path: path.to_path_buf(), reason };
+            let temporary = Temporary::beside(&target).map_err(failed)?;
             target.require_owned(path, temporary.file())
         }
     }

@@ -2,7 +2,7 @@
 """Makes metrics.json: figures of small images by implementations that are not iorect's.
 
 FLIP and HDR-FLIP by NVIDIA's own package, flip-evaluator 1.7; MSE, relMSE and sMAPE by numpy. The images are those of
-`tests/measure.rs`, number for number: integer hashes and products of halves, which any language rounds alike.
+`tests/library/measure.rs`, number for number: integer hashes and products of halves, which any language rounds alike.
 
     pip install flip-evaluator==1.7 numpy && python3 make_metrics.py > metrics.json
 """

@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use image::{DynamicImage, ImageFormat, Rgb, Rgb32FImage, RgbImage};
 use iorect::export::write_sums;
 use iorect::render::exact::unit_exponent;
-use iorect::render::{Cpu, Film, ImageSettings, Partial, Recipe, RenderTask, Renderer};
+use iorect::render::{Film, ImageSettings, Partial, Recipe, RenderTask};
 use iorect::scene::camera::Camera;
 use iorect::tracking::Mode;
 use iorect::tracking::prepare;
@@ -203,8 +203,7 @@ fn sums(first: u32) -> Vec<u8> {
     let settings = ImageSettings { max_depth: Some(8), ..ImageSettings::new(Mode::Rectified, 0) };
     let unit_exponent = unit_exponent(&description);
     let mut film = Film::partial(5, 4, first, unit_exponent);
-    assert!(Cpu.pass(
-        &RenderTask { prepared: &prepared, camera: &camera, settings: &settings },
+    assert!(RenderTask { prepared: &prepared, camera: &camera, settings: &settings }.pass(
         &mut film,
         2,
         &AtomicBool::new(false)

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 pub use self::slot::{Found, Slot};
-use super::background::{Background, Bell, Desk};
+use super::background::{Background, Bell, Desk, Repaint};
 use crate::scene::Description;
 
 /// Where autosaves are kept; `None` where the system names no folder for such things.
@@ -16,20 +16,10 @@ pub fn folder() -> Option<PathBuf> {
     eframe::storage_dir("iorect").map(|folder| folder.join("autosave"))
 }
 
-/// When edits are written.
-#[derive(Debug, Clone, Copy)]
-pub struct Timing {
-    /// After this long without another edit.
-    pub quiet: Duration,
-    /// However many edits follow each other, after this long.
-    pub longest: Duration,
-}
-
-impl Default for Timing {
-    fn default() -> Self {
-        Self { quiet: Duration::from_secs(2), longest: Duration::from_secs(10) }
-    }
-}
+/// Edits are written after this long without another one.
+const QUIET: Duration = Duration::from_secs(2);
+/// However many edits follow each other, they are written after this long.
+const LONGEST: Duration = Duration::from_secs(10);
 
 /// An edited scene that no file has.
 #[derive(Debug, Clone)]
@@ -68,28 +58,19 @@ pub type Autosaver = Background<Order, Report>;
 
 /// Starts the thread, which keeps edits in `folder` and calls `wake` when it has something to say. When it is dropped with edits that no
 /// file has, they are written at once and stay.
-///
-/// # Errors
-/// When the system refuses a thread.
-pub fn start(
-    folder: PathBuf,
-    timing: Timing,
-    wake: impl Fn() + Send + 'static,
-) -> std::io::Result<Background<Order, Report>> {
+pub fn start(folder: PathBuf, wake: Repaint) -> std::io::Result<Autosaver> {
     Background::start("autosave", Bell::default(), move |desk| {
         let found = Found::all(&folder);
         if !found.is_empty() {
             desk.put(|report| report.found = found);
             wake();
         }
-        Keeper { folder, timing, slot: None, kept: None, first_change: None, order: Order::default() }.run(desk, &wake);
+        Keeper { folder, slot: None, kept: None, first_change: None, order: Order::default() }.run(desk, &wake);
     })
 }
 
-/// The thread's state.
 struct Keeper {
     folder: PathBuf,
-    timing: Timing,
     slot: Option<Arc<Slot>>,
     /// What is in the slot, or could not be put there.
     kept: Option<Edits>,
@@ -99,7 +80,7 @@ struct Keeper {
 }
 
 impl Keeper {
-    fn run(&mut self, desk: &Desk<Order, Report>, wake: &dyn Fn()) {
+    fn run(&mut self, desk: &Desk<Order, Report>, wake: &Repaint) {
         let mut due = None;
         let say = |failure: Option<String>| {
             if failure.is_some() {
@@ -145,8 +126,8 @@ impl Keeper {
                 let now = Instant::now();
                 let first = *self.first_change.get_or_insert(now);
                 let is_new = *edits != before.edits;
-                let latest = first + self.timing.longest;
-                Some(if is_new { latest.min(now + self.timing.quiet) } else { now })
+                let latest = first + LONGEST;
+                Some(if is_new { latest.min(now + QUIET) } else { now })
             }
         }
     }

@@ -64,10 +64,7 @@ pub struct Found {
 }
 
 impl Slot {
-    /// A free place in `folder`, which is made if it is not there.
-    ///
-    /// # Errors
-    /// When the folder cannot be made or written, or its file system has no locks.
+    /// A free place in `folder`, which is made if it is not there. Fails where it cannot be made or written, or has no locks.
     pub fn claim(folder: &Path) -> io::Result<Self> {
         let mut builder = fs::DirBuilder::new();
         builder.recursive(true);
@@ -101,15 +98,11 @@ impl Slot {
         }
     }
 
-    /// The autosave's file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Writes `edits`, in place of what was there.
-    ///
-    /// # Errors
-    /// Says in words why the edits cannot be kept.
+    /// Writes `edits`, in place of what was there, or says in words why they cannot be kept.
     pub fn write(&self, edits: &Edits) -> Result<(), String> {
         let description = &edits.description;
         let (source, is_builtin) = match description.source.as_deref() {
@@ -162,7 +155,6 @@ impl Found {
         Some(Self { slot: Arc::new(slot), head, text })
     }
 
-    /// The scene's name.
     pub fn name(&self) -> &str {
         &self.head.name
     }
@@ -180,9 +172,6 @@ impl Found {
     }
 
     /// The edited scene, with the files that it names.
-    ///
-    /// # Errors
-    /// As [`crate::formats::parse`].
     pub fn description(&self) -> Result<Description, SceneError> {
         let files: &dyn Files = if self.head.is_builtin { &BuiltIn } else { &Disk };
         crate::formats::parse(&self.text, &self.head.source, files)

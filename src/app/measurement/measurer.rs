@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::ErrorMetric;
 use super::curve::{Curve, Point};
-use crate::app::background::{Background, Bell, Desk};
+use crate::app::background::{Background, Bell, Desk, Repaint};
 use crate::measure::{MetricError, difference, difference_from_two, flip};
 use crate::render::Display;
 use crate::session::{Board, GroundTruth, Halves, Snapshot};
@@ -25,6 +25,13 @@ pub struct Plan {
     pub display: Display,
     /// Time that rectification has taken, counted with the modes that use what it found.
     pub rectification_seconds: f64,
+}
+
+impl Plan {
+    /// Time to be counted with a mode beside its film's, where it looks up what rectification found.
+    fn more_seconds(&self, mode: Mode) -> f64 {
+        if matches!(mode, Mode::Rectified | Mode::RectifiedObject) { self.rectification_seconds } else { 0.0 }
+    }
 }
 
 /// What has been measured.
@@ -52,27 +59,19 @@ type Results = Option<Arc<Measurements>>;
 pub type Measurer = Background<Plan, Results>;
 
 /// Starts the thread, which looks at `board` whenever `bell` rings and calls `wake` when it has measured something.
-///
-/// # Errors
-/// When the system refuses a thread.
-pub fn start(
-    bell: Bell<Plan, Results>,
-    board: Arc<Board>,
-    wake: impl Fn() + Send + 'static,
-) -> std::io::Result<Measurer> {
+pub fn start(bell: Bell<Plan, Results>, board: Arc<Board>, wake: Repaint) -> std::io::Result<Measurer> {
     Background::start("measure", bell, move |desk| run(desk, &board, &wake))
 }
 
-fn run(desk: &Desk<Plan, Results>, board: &Board, wake: &dyn Fn()) {
+fn run(desk: &Desk<Plan, Results>, board: &Board, wake: &Repaint) {
     let mut records = Records::default();
     let mut has_more = false;
     while let Some(plan) = desk.wait(if has_more { Some(Instant::now()) } else { records.live_due() }) {
         let truth = board.ground_truth().filter(|truth| plan.is_on && truth.epoch == plan.epoch);
-        let mut has_changed = records.take_in(&plan, board);
+        let is_out_of_date = records.take_in(&plan, board);
         // One film at a time: between two, the board may have films that must not be missed.
         has_more = records.measure_next(&plan, truth.as_ref());
-        has_changed |= has_more;
-        if has_changed {
+        if is_out_of_date || has_more {
             let measurements = Arc::new(records.measurements(&plan));
             desk.put(|finished| *finished = Some(measurements));
             wake();
@@ -94,6 +93,10 @@ impl Record {
         Self { film: Some(film), point: None, flip_display: None }
     }
 
+    fn samples(&self) -> Option<u32> {
+        self.film.as_ref().map(|film| film.samples).or(self.point.map(|point| point.samples))
+    }
+
     fn is_due(&self, plan: &Plan, truth: &Halves, is_last: bool) -> bool {
         if self.film.as_ref().is_none_or(|film| film.size != truth.size) {
             return false;
@@ -107,21 +110,13 @@ impl Record {
 
     fn measure(&mut self, plan: &Plan, truth: &Halves, more_seconds: f64) {
         let Some(film) = &self.film else { return };
-        let wants_flip = plan.metric == ErrorMetric::Flip;
-        match measured(film, truth, more_seconds, wants_flip.then_some(&plan.display)) {
-            Ok(point) => {
-                self.point = Some(point);
-                self.flip_display = wants_flip.then_some(plan.display);
-            }
+        let flip_display = (plan.metric == ErrorMetric::Flip).then_some(plan.display);
+        match measured(film, truth, more_seconds, flip_display) {
+            Ok(point) => (self.point, self.flip_display) = (Some(point), flip_display),
             // Not every figure is finite, or the sizes differ: there is nothing to be measured in this film.
             Err(_) => self.film = None,
         }
     }
-}
-
-/// Whether a mode looks up what rectification found.
-fn uses_rectification(mode: Mode) -> bool {
-    matches!(mode, Mode::Rectified | Mode::RectifiedObject)
 }
 
 /// One mode's films.
@@ -142,7 +137,6 @@ struct Records {
     /// The images that `noise` is of.
     truth: Option<Arc<Halves>>,
     noise: Option<f64>,
-    rectification_seconds: f64,
 }
 
 impl Records {
@@ -162,7 +156,6 @@ impl Records {
                 return had_any;
             }
         }
-        self.rectification_seconds = plan.rectification_seconds;
         for (mode, film) in board.snapshots() {
             if film.epoch != self.epoch || film.is_preview() || film.samples == 0 {
                 continue;
@@ -209,7 +202,7 @@ impl Records {
             self.truth = Some(Arc::clone(halves));
         }
         for (mode, track) in &mut self.tracks {
-            let more_seconds = if uses_rectification(*mode) { plan.rectification_seconds } else { 0.0 };
+            let more_seconds = plan.more_seconds(*mode);
             if let Some(record) = track.records.iter_mut().find(|record| record.is_due(plan, halves, is_last)) {
                 record.measure(plan, halves, more_seconds);
                 return true;
@@ -229,9 +222,8 @@ impl Records {
 
     fn measurements(&self, plan: &Plan) -> Measurements {
         let curves = self.tracks.iter().map(|(mode, track)| {
-            let rectification_seconds = if uses_rectification(*mode) { plan.rectification_seconds } else { 0.0 };
             let points = track.records.iter().chain(&track.live).filter_map(|record| record.point).collect();
-            (*mode, Curve { points, rectification_seconds })
+            (*mode, Curve { points, rectification_seconds: plan.more_seconds(*mode) })
         });
         Measurements {
             epoch: self.epoch,
@@ -239,12 +231,6 @@ impl Records {
             curves: curves.collect(),
             truth_noise: self.noise,
         }
-    }
-}
-
-impl Record {
-    fn samples(&self) -> Option<u32> {
-        self.film.as_ref().map(|film| film.samples).or(self.point.map(|point| point.samples))
     }
 }
 
@@ -261,20 +247,17 @@ fn measured(
     film: &Snapshot,
     truth: &Halves,
     more_seconds: f64,
-    flip_display: Option<&Display>,
+    flip_display: Option<Display>,
 ) -> Result<Point, MetricError> {
     let [first, second] = &truth.rgb;
     let squared = difference_from_two(&film.rgb, [first, second])?;
     let smape = difference(&film.rgb, &truth.mean)?.smape;
-    let flip = match flip_display {
-        None => None,
-        Some(display) => {
-            let [width, height] = film.size.map(|side| side as usize);
-            let viewed = flip::DEFAULT_PIXELS_PER_DEGREE;
-            let reference = flip::Reference::displayed(&truth.mean, width, height, viewed, *display)?;
-            Some(reference.flip(&film.rgb)?.mean())
-        }
+    let flip_for = |display: Display| {
+        let [width, height] = film.size.map(|side| side as usize);
+        let viewed = flip::DEFAULT_PIXELS_PER_DEGREE;
+        Ok(flip::Reference::displayed(&truth.mean, width, height, viewed, display)?.flip(&film.rgb)?.mean())
     };
+    let flip = flip_display.map(flip_for).transpose()?;
     Ok(Point {
         samples: film.samples,
         seconds: film.seconds + more_seconds,

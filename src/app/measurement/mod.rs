@@ -10,7 +10,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 pub use self::curve::{Curve, Point, Trend};
-pub use self::measurer::{Measurements, Measurer};
+pub use self::measurer::Measurements;
 use crate::session::{GroundTruth, GroundTruthDemand};
 
 /// The figures by which an error can be told. All are ≥ 0 but for chance, and 0 for equal images.

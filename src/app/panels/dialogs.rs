@@ -1,11 +1,11 @@
 //! Questions: a path where the system has no dialog for it, and whether to lose unsaved changes.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use egui::{Context, Frame, Id, Key, Margin, Modal, TextEdit, Ui};
 
 use crate::app::command::Command;
-use crate::app::files::{Purpose, extension_of, with_extension};
+use crate::app::files::Purpose;
 use crate::app::state::State;
 use crate::app::widgets::note;
 
@@ -14,16 +14,7 @@ use crate::app::widgets::note;
 pub struct Dialogs {
     pub prompt: Option<PathPrompt>,
     /// What the user wants to do although it loses unsaved changes.
-    pub leaving: Option<Leaving>,
-}
-
-/// A step that loses unsaved changes.
-pub enum Leaving {
-    Quit,
-    /// Opens another scene, by path or name.
-    Open(PathBuf),
-    /// Restores an autosave, by path.
-    Restore(PathBuf),
+    pub leaving: Option<Command>,
 }
 
 /// Asks for a path.
@@ -54,20 +45,9 @@ impl Dialogs {
 
     pub fn show(&mut self, ctx: &Context, state: &State, commands: &mut Vec<Command>) {
         if let Some(prompt) = &mut self.prompt {
-            let answer = modal(ctx, "path").show(ctx, |ui| prompt.show(ui));
-            match answer.inner {
-                Some(Answer::Path(path)) => {
-                    let command = match prompt.purpose {
-                        Purpose::Open => Command::Open(path),
-                        Purpose::SaveAs => Command::SaveAs(path),
-                        Purpose::Export(kind) => Command::Export(kind, path),
-                    };
-                    commands.push(command);
-                    self.prompt = None;
-                }
-                Some(Answer::Cancel) => self.prompt = None,
-                None if answer.should_close() => self.prompt = None,
-                None => {}
+            let answer = modal(ctx, "path").show(ctx, |ui| prompt.show(ui, commands));
+            if answer.inner || answer.should_close() {
+                self.prompt = None;
             }
         }
         if let Some(leaving) = &self.leaving {
@@ -85,13 +65,9 @@ fn modal(ctx: &Context, id: &str) -> Modal {
     Modal::new(Id::unique(id)).frame(frame)
 }
 
-enum Answer {
-    Path(PathBuf),
-    Cancel,
-}
-
 impl PathPrompt {
-    fn show(&mut self, ui: &mut Ui) -> Option<Answer> {
+    /// `true` when the question has been answered.
+    fn show(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
         ui.set_width((ui.ctx().content_rect().width() - 80.0).min(520.0));
         ui.heading(self.purpose.title());
         ui.label(note(ui, "This system offers no file dialog; type the path."));
@@ -104,24 +80,21 @@ impl PathPrompt {
         let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         ui.add_space(8.0);
         let path = self.text.trim();
-        let mut answer = None;
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let verb = if self.purpose == Purpose::Open { "Open" } else { "Save" };
             let is_clicked = ui.add_enabled(!path.is_empty(), egui::Button::new(verb)).clicked();
-            if (is_clicked || is_entered) && !path.is_empty() {
-                let path = with_extension(Path::new(path), extension_of(self.purpose), self.purpose);
-                answer = Some(Answer::Path(path));
+            let is_given = (is_clicked || is_entered) && !path.is_empty();
+            if is_given {
+                commands.push(self.purpose.command(self.purpose.extended(Path::new(path))));
             }
-            if ui.button("Cancel").clicked() {
-                answer = Some(Answer::Cancel);
-            }
-        });
-        answer
+            ui.button("Cancel").clicked() || is_given
+        })
+        .inner
     }
 }
 
 /// `true` when the question has been answered.
-fn leaving_ui(ui: &mut Ui, leaving: &Leaving, state: &State, commands: &mut Vec<Command>) -> bool {
+fn leaving_ui(ui: &mut Ui, leaving: &Command, state: &State, commands: &mut Vec<Command>) -> bool {
     ui.set_width(360.0);
     ui.heading("Unsaved changes");
     ui.label(format!("“{}” has edits that no file has.", state.document.description().name));
@@ -130,20 +103,16 @@ fn leaving_ui(ui: &mut Ui, leaving: &Leaving, state: &State, commands: &mut Vec<
         let save = ui.button("Save…").clicked();
         let stay = ui.button("Stay").clicked();
         let verb = match leaving {
-            Leaving::Quit => "Quit without saving",
-            Leaving::Open(_) => "Open without saving",
-            Leaving::Restore(_) => "Restore without saving",
+            Command::QuitAnyway => "Quit without saving",
+            Command::RestoreEditsAnyway(_) => "Restore without saving",
+            _ => "Open without saving",
         };
         let lose = ui.button(verb).clicked();
         if save {
             commands.push(Command::Save);
         }
         if lose {
-            commands.push(match leaving {
-                Leaving::Quit => Command::QuitAnyway,
-                Leaving::Open(name_or_path) => Command::OpenAnyway(name_or_path.clone()),
-                Leaving::Restore(path) => Command::RestoreEditsAnyway(path.clone()),
-            });
+            commands.push(leaving.clone());
         }
         save || stay || lose
     })

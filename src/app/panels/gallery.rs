@@ -30,10 +30,8 @@ pub fn show(ctx: &Context, state: &State, commands: &mut Vec<Command>) {
             }
         }
     });
-    if let Some(name) = chosen {
-        commands.push(Command::Open(name.into()));
-        commands.push(Command::ShowGallery(false));
-    } else if is_closed {
+    if is_closed || chosen.is_some() {
+        commands.extend(chosen.map(|name| Command::Open(name.into())));
         commands.push(Command::ShowGallery(false));
     }
 }

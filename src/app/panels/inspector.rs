@@ -6,7 +6,7 @@ use crate::app::command::Command;
 use crate::app::settings::mode_title;
 use crate::app::state::{Inspection, State};
 use crate::app::theme::{DOT, Palette, WARNING_MARK};
-use crate::app::widgets::{fact_ui, note, row_ui, section_first_ui, section_ui, segmented_ui, value};
+use crate::app::widgets::{button_ui, fact_ui, note, row_ui, section_first_ui, section_ui, segmented_row_ui, value};
 use crate::transport::inspect::{Follow, TracedPath, Vertex, VertexEvent};
 
 /// Vertices that are shown; a trapped path has many alike.
@@ -27,9 +27,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     row_ui(ui, "Mode", "The mode of the active pane: click another pane to see its path.", |ui| {
         ui.label(RichText::new(format!("{DOT} {}", mode_title(mode))).color(palette.mode(mode)));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if ui.button("Close").on_hover_text("Puts the marker away (Esc).").clicked() {
-                commands.push(Command::Inspect(None));
-            }
+            button_ui(ui, "Close", "Puts the marker away (Esc).", commands, Command::Inspect(None));
         });
     });
     let follows = [
@@ -37,11 +35,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         (Follow::Reflect, "Back", "Reflected at every interface."),
         (Follow::Sample, "Chance", "By chance, as the renderer does."),
     ];
-    row_ui(ui, "Follow", "Which way the path goes at interfaces.", |ui| {
-        if let Some(follow) = segmented_ui(ui, inspection.follow, &follows) {
-            commands.push(Command::SetFollow(follow));
-        }
-    });
+    let about = "Which way the path goes at interfaces.";
+    commands.extend(segmented_row_ui(ui, "Follow", about, inspection.follow, &follows).map(Command::SetFollow));
     match &inspection.path {
         Some(path) => path_ui(ui, state, inspection, path),
         None => {
@@ -95,10 +90,7 @@ fn faults(path: &TracedPath) -> Vec<Option<String>> {
 fn vertex_ui(ui: &mut Ui, index: usize, vertex: &Vertex, was_in: Option<&str>) {
     let palette = Palette::of(ui);
     let fill = ui.visuals().faint_bg_color;
-    let stroke = match was_in {
-        Some(_) => egui::Stroke::new(1.0, palette.warning),
-        None => egui::Stroke::NONE,
-    };
+    let stroke = was_in.map_or(egui::Stroke::NONE, |_| egui::Stroke::new(1.0, palette.warning));
     let frame =
         egui::Frame::new().fill(fill).stroke(stroke).corner_radius(4).inner_margin(egui::Margin::symmetric(8, 4));
     let response = frame
@@ -127,15 +119,14 @@ fn vertex_ui(ui: &mut Ui, index: usize, vertex: &Vertex, was_in: Option<&str>) {
                     .on_hover_text("Fresnel's reflectance, unpolarised: the share of the light that is reflected.");
             }
             if let Some(was_in) = was_in {
-                ui.label(
-                    RichText::new(format!("{WARNING_MARK} the path was in {was_in}")).small().color(palette.warning),
-                );
+                let text = format!("{WARNING_MARK} the path was in {was_in}");
+                ui.label(RichText::new(text).small().color(palette.warning));
             }
             ui.set_width(ui.available_width());
         })
         .response;
-    response
-        .on_hover_text(format!("at {:.5}, {:.5}, {:.5}", vertex.position[0], vertex.position[1], vertex.position[2]));
+    let [x, y, z] = vertex.position;
+    response.on_hover_text(format!("at {x:.5}, {y:.5}, {z:.5}"));
 }
 
 fn event_text(event: VertexEvent) -> &'static str {

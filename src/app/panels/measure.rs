@@ -2,7 +2,7 @@
 
 mod plot;
 
-use egui::{Button, ComboBox, RichText, Ui};
+use egui::{RichText, Ui};
 
 use super::render::{short_title, table_row_ui};
 use crate::app::command::{Command, ExportKind};
@@ -10,7 +10,9 @@ use crate::app::measurement::{Curve, ErrorAxis, ErrorMetric, Point};
 use crate::app::settings::mode_title;
 use crate::app::state::State;
 use crate::app::theme::{Palette, WARNING_MARK};
-use crate::app::widgets::{fact_ui, note, row_ui, section_first_ui, section_ui, segmented_ui, short_seconds, value};
+use crate::app::widgets::{
+    button_ui, combo_ui, fact_ui, note, row_ui, section_first_ui, section_ui, segmented_row_ui, short_seconds, value,
+};
 use crate::export::words::{duration, grouped};
 use crate::session::GroundTruthDemand;
 use crate::tracking::Mode;
@@ -30,17 +32,13 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     bias_ui(ui, state, &curves);
     ui.add_space(6.0);
     let about = "Every point of the plot, in every metric, as a table for other programs.";
-    if ui.add(Button::new("Export as CSV…")).on_hover_text(about).clicked() {
-        commands.push(Command::AskExport(ExportKind::ErrorsCsv));
-    }
+    button_ui(ui, "Export as CSV…", about, commands, Command::AskExport(ExportKind::ErrorsCsv));
 }
 
 fn reference_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let measurement = &state.measurement;
     let mut button = |ui: &mut Ui, text: &str, about: &str, demand: GroundTruthDemand| {
-        if ui.add(Button::new(text)).on_hover_text(about).clicked() {
-            commands.push(Command::SetGroundTruth(demand));
-        }
+        button_ui(ui, text, about, commands, Command::SetGroundTruth(demand));
     };
     let drop = "Lets the reference image go, and the errors with it.";
     match measurement.demand {
@@ -71,12 +69,8 @@ fn reference_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     };
     let samples =
         if samples == 0 { progress.to_owned() } else { format!("2 × {}, {progress}", grouped(samples.into())) };
-    fact_ui(
-        ui,
-        "Samples per pixel",
-        samples,
-        "Of each half. It takes cores that the panes leave, and all of them once they are done.",
-    );
+    let about = "Of each half. It takes cores that the panes leave, and all of them once they are done.";
+    fact_ui(ui, "Samples per pixel", samples, about);
     if let Some(truth) = truth.filter(|truth| truth.samples > 0) {
         fact_ui(ui, "Time", duration(truth.seconds), "Spent on rendering the reference image.");
     }
@@ -93,26 +87,21 @@ fn reference_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 fn choices_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let metric = state.settings.error_metric;
     row_ui(ui, "Metric", metric.about(), |ui| {
-        ComboBox::from_id_salt("metric").selected_text(metric.name()).width(ui.available_width()).truncate().show_ui(
-            ui,
-            |ui| {
-                for choice in ErrorMetric::ALL {
-                    if ui.selectable_label(choice == metric, choice.name()).on_hover_text(choice.about()).clicked() {
-                        commands.push(Command::SetErrorMetric(choice));
-                    }
+        combo_ui(ui, "metric", metric.name(), |ui| {
+            for choice in ErrorMetric::ALL {
+                if ui.selectable_label(choice == metric, choice.name()).on_hover_text(choice.about()).clicked() {
+                    commands.push(Command::SetErrorMetric(choice));
                 }
-            },
-        );
+            }
+        });
     });
     let axes = [
         (ErrorAxis::Time, "Time", "Time spent on each film, and on rectification where the mode needs it."),
         (ErrorAxis::Samples, "Samples", "Samples per pixel."),
     ];
-    row_ui(ui, "Against", "What the plot has to the right.", |ui| {
-        if let Some(axis) = segmented_ui(ui, state.settings.error_axis, &axes) {
-            commands.push(Command::SetErrorAxis(axis));
-        }
-    });
+    let about = "What the plot has to the right.";
+    let chosen = segmented_row_ui(ui, "Against", about, state.settings.error_axis, &axes);
+    commands.extend(chosen.map(Command::SetErrorAxis));
 }
 
 /// Whether what has been measured is of the picture that is shown.
@@ -125,15 +114,8 @@ fn curves(state: &State) -> Vec<(Mode, &Curve)> {
     if !is_current(state) {
         return Vec::new();
     }
-    let modes = state.settings.modes();
-    state
-        .measurement
-        .results
-        .curves
-        .iter()
-        .map(|(mode, curve)| (*mode, curve))
-        .filter(|(mode, _)| modes.contains(mode))
-        .collect()
+    let curves = &state.measurement.results.curves;
+    state.settings.modes().into_iter().filter_map(|mode| Some((mode, curves.get(&mode)?))).collect()
 }
 
 fn waiting_text(state: &State) -> &'static str {
@@ -174,7 +156,7 @@ fn table_ui(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
             (None, Some(slope)) => value(signed(slope)),
             (None, None) => value("…"),
         };
-        let name = format!("{} {}", plot::mark(*mode), short_title(*mode));
+        let name = format!("{} {}", plot::look(*mode).0, short_title(*mode));
         let cells = [
             RichText::new(panes.join(" ")).small().color(palette.weak_text),
             RichText::new(name).small().color(palette.mode(*mode)),

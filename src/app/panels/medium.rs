@@ -5,7 +5,7 @@ use egui::{Button, DragValue, Rect, RichText, Slider, SliderClamping, Ui, UiBuil
 use crate::app::command::{Command, MediumRef};
 use crate::app::document::ior_of;
 use crate::app::theme::Palette;
-use crate::app::widgets::{note, row_ui};
+use crate::app::widgets::{note, number_ui, row_ui};
 use crate::optics::{Ior, catalog};
 use crate::scene::Description;
 
@@ -16,14 +16,6 @@ const SLIDER_WIDTH: f32 = 60.0;
 
 /// Width that [`ior_ui`] takes.
 pub const IOR_WIDTH: f32 = VALUE_WIDTH + SLIDER_WIDTH + 6.0;
-
-/// The name of a medium on the screen.
-pub fn name(medium: &MediumRef) -> &str {
-    match medium {
-        MediumRef::World => "world",
-        MediumRef::Named(name) => name,
-    }
-}
 
 /// A slider and a typed value for an IOR, in the space at the right of `rect`. `owner` names the row, so that two objects of one
 /// medium keep their controls apart.
@@ -36,7 +28,7 @@ pub fn ior_ui(
     commands: &mut Vec<Command>,
 ) {
     let Some(model) = ior_of(description, medium) else { return };
-    let label = format!("IOR of {}", name(medium));
+    let label = format!("IOR of {}", medium.name());
     let ior = model.ior();
     let source = match model {
         Ior::Constant(_) => String::new(),
@@ -45,20 +37,14 @@ pub fn ior_ui(
             format!("\nFrom a {}, at 587.56 nm; dragging makes it a constant.", form(model))
         }
     };
-    let tip = format!("Index of refraction of {}. Drag, or type any value above 0.{source}", name(medium));
-    let mut controls = ui.new_child(
-        UiBuilder::new()
-            .max_rect(rect)
-            .id_salt(("ior", owner))
-            .layout(egui::Layout::right_to_left(egui::Align::Center)),
-    );
-    let ui = &mut controls;
+    let tip = format!("Index of refraction of {}. Drag, or type any value above 0.{source}", medium.name());
+    let layout = egui::Layout::right_to_left(egui::Align::Center);
+    let ui = &mut ui.new_child(UiBuilder::new().max_rect(rect).id_salt(("ior", owner)).layout(layout));
     ui.spacing_mut().slider_width = SLIDER_WIDTH;
     let mut value = ior;
     // Four decimals tell catalogue media apart; what was typed is kept in full.
     let typed = DragValue::new(&mut value).speed(0.001).range(1e-3..=1e3).min_decimals(3).max_decimals(4);
-    let response = ui.add_sized([VALUE_WIDTH, ui.spacing().interact_size.y], typed.update_while_editing(false));
-    if response.accessible_name(&label).on_hover_text(&tip).changed() && value != ior {
+    if number_ui(ui, VALUE_WIDTH, typed, &label, &tip) && value != ior {
         commands.push(Command::SetIor(medium.clone(), Ior::Constant(value)));
     }
     let mut value = ior;
@@ -112,10 +98,9 @@ pub fn details_ui(ui: &mut Ui, description: &Description, medium: &MediumRef, co
         let width = (ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0;
         let mut is_changed = false;
         for (value, color) in edited.iter_mut().zip(["red", "green", "blue"]) {
-            let drag = DragValue::new(value).speed(0.002).range(0.0..=1e6).max_decimals(3).update_while_editing(false);
-            let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
-            let response = response.accessible_name(format!("Absorption of {} in {}", color, name(medium)));
-            is_changed |= response.on_hover_text(format!("{about}\nThis one is {color}.")).changed();
+            let drag = DragValue::new(value).speed(0.002).range(0.0..=1e6).max_decimals(3);
+            let label = format!("Absorption of {color} in {}", medium.name());
+            is_changed |= number_ui(ui, width, drag, label, format!("{about}\nThis one is {color}."));
         }
         if is_changed && edited != absorption {
             commands.push(Command::SetAbsorption(medium.clone(), edited));

@@ -17,7 +17,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.menu_button("View", |ui| view_ui(ui, state, commands));
         ui.menu_button("Render", |ui| render_ui(ui, state, commands));
         ui.menu_button("Help", |ui| {
-            item(ui, "Keyboard and mouse", Some(&keys::SHORTCUTS), commands, Command::ShowShortcuts(true));
+            item(ui, "Keyboard and mouse", Some(keys::SHORTCUTS), commands, Command::ShowShortcuts(true));
             item(ui, "About iorect", None, commands, Command::ShowAbout(true));
         });
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -36,19 +36,15 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
+/// The keys that do the same as an entry.
+type Keys = Option<KeyboardShortcut>;
+
 /// An entry of a menu.
-fn item(ui: &mut Ui, text: &str, keys: Option<&KeyboardShortcut>, commands: &mut Vec<Command>, command: Command) {
+fn item(ui: &mut Ui, text: &str, keys: Keys, commands: &mut Vec<Command>, command: Command) {
     item_enabled(ui, true, text, keys, commands, command);
 }
 
-fn item_enabled(
-    ui: &mut Ui,
-    is_enabled: bool,
-    text: &str,
-    keys: Option<&KeyboardShortcut>,
-    commands: &mut Vec<Command>,
-    command: Command,
-) {
+fn item_enabled(ui: &mut Ui, is_enabled: bool, text: &str, keys: Keys, commands: &mut Vec<Command>, command: Command) {
     if entry_ui(ui, is_enabled, false, text, keys).clicked() {
         commands.push(command);
         ui.close();
@@ -56,14 +52,7 @@ fn item_enabled(
 }
 
 /// An entry with a mark that says whether it is on.
-fn choice(
-    ui: &mut Ui,
-    is_on: bool,
-    text: &str,
-    keys: Option<&KeyboardShortcut>,
-    commands: &mut Vec<Command>,
-    command: Command,
-) {
+fn choice(ui: &mut Ui, is_on: bool, text: &str, keys: Keys, commands: &mut Vec<Command>, command: Command) {
     let response = entry_ui(ui, true, is_on, text, keys);
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, is_on, text));
     if response.clicked() {
@@ -73,8 +62,8 @@ fn choice(
 }
 
 /// A line of a menu: room for a mark, the text, and at the right the keys.
-fn entry_ui(ui: &mut Ui, is_enabled: bool, is_on: bool, text: &str, keys: Option<&KeyboardShortcut>) -> Response {
-    let keys = keys.map(|keys| ui.ctx().format_shortcut(keys)).unwrap_or_default();
+fn entry_ui(ui: &mut Ui, is_enabled: bool, is_on: bool, text: &str, keys: Keys) -> Response {
+    let keys = keys.map(|keys| ui.ctx().format_shortcut(&keys)).unwrap_or_default();
     let button = Button::new((mark(ui, is_on, text), Atom::grow())).right_text(RichText::new(keys).small().weak());
     ui.add_enabled(is_enabled, button).accessible_name(text)
 }
@@ -96,8 +85,8 @@ fn submenu_ui(ui: &mut Ui, text: &str, contents: impl FnOnce(&mut Ui)) {
 }
 
 fn file_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    item(ui, "Open…", Some(&keys::OPEN), commands, Command::AskOpen);
-    item(ui, "Built-in scenes…", Some(&keys::GALLERY), commands, Command::ShowGallery(true));
+    item(ui, "Open…", Some(keys::OPEN), commands, Command::AskOpen);
+    item(ui, "Built-in scenes…", Some(keys::GALLERY), commands, Command::ShowGallery(true));
     submenu_ui(ui, "Open recent", |ui| {
         if state.settings.recent.is_empty() {
             ui.weak("No files yet");
@@ -113,13 +102,13 @@ fn file_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         item(ui, "Clear the list", None, commands, Command::ClearRecent);
     });
     ui.separator();
-    item(ui, "Save", Some(&keys::SAVE), commands, Command::Save);
-    item(ui, "Save as…", Some(&keys::SAVE_AS), commands, Command::AskSaveAs);
+    item(ui, "Save", Some(keys::SAVE), commands, Command::Save);
+    item(ui, "Save as…", Some(keys::SAVE_AS), commands, Command::AskSaveAs);
     ui.separator();
     submenu_ui(ui, "Export", |ui| {
         let all = [
-            ("Active pane as PNG…", Some(&keys::EXPORT_PANE), ExportKind::PanePng),
-            ("All panes, labelled, as PNG…", Some(&keys::EXPORT_ALL), ExportKind::AllPanesPng),
+            ("Active pane as PNG…", Some(keys::EXPORT_PANE), ExportKind::PanePng),
+            ("All panes, labelled, as PNG…", Some(keys::EXPORT_ALL), ExportKind::AllPanesPng),
             ("Active pane as EXR (linear)…", None, ExportKind::PaneExr),
         ];
         for (text, keys, kind) in all {
@@ -130,7 +119,7 @@ fn file_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         item_enabled(ui, is_measured, "Measured errors as CSV…", None, commands, ask);
     });
     ui.separator();
-    item(ui, "Quit", Some(&keys::QUIT), commands, Command::Quit);
+    item(ui, "Quit", Some(keys::QUIT), commands, Command::Quit);
 }
 
 /// The end of a long path, which tells files apart.
@@ -145,30 +134,27 @@ fn shortened(path: &str) -> String {
 }
 
 fn edit_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let text = |verb: &str, label: Option<String>| match label {
-        Some(label) => format!("{verb} {label}"),
-        None => verb.to_owned(),
-    };
-    let (undo, redo) = (state.document.undo_label(), state.document.redo_label());
-    item_enabled(ui, undo.is_some(), &text("Undo", undo.clone()), Some(&keys::UNDO), commands, Command::Undo);
-    item_enabled(ui, redo.is_some(), &text("Redo", redo.clone()), Some(&keys::REDO), commands, Command::Redo);
+    let steps = [
+        ("Undo", state.document.undo_label(), keys::UNDO, Command::Undo),
+        ("Redo", state.document.redo_label(), keys::REDO, Command::Redo),
+    ];
+    for (verb, label, keys, command) in steps {
+        let text = label.as_ref().map_or(verb.to_owned(), |label| format!("{verb} {label}"));
+        item_enabled(ui, label.is_some(), &text, Some(keys), commands, command);
+    }
     ui.separator();
     for manipulation in Manipulation::ALL {
-        let keys = match manipulation {
-            Manipulation::Move => keys::MOVE,
-            Manipulation::Rotate => keys::ROTATE,
-            Manipulation::Scale => keys::SCALE,
-        };
         let is_on = state.settings.handles == Some(manipulation);
         let command = Command::SetHandles((!is_on).then_some(manipulation));
-        choice(ui, is_on, &format!("{} by handles", manipulation.name()), Some(&keys), commands, command);
+        let text = format!("{} by handles", manipulation.name());
+        choice(ui, is_on, &text, Some(keys::of(manipulation)), commands, command);
     }
     let selected = state.selected_object();
-    let name = selected.map(|(name, _)| name.to_owned()).unwrap_or_default();
-    let visible = selected.is_none_or(|(_, object)| object.visible);
+    let name = selected.map(|object| object.name.clone()).unwrap_or_default();
+    let visible = selected.is_none_or(|object| object.visible);
     let verb = if visible { "Hide" } else { "Show" };
     let hide = Command::SetVisible(name.clone(), !visible);
-    item_enabled(ui, selected.is_some(), &format!("{verb} {name}"), Some(&keys::HIDE), commands, hide);
+    item_enabled(ui, selected.is_some(), &format!("{verb} {name}"), Some(keys::HIDE), commands, hide);
 }
 
 fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -177,7 +163,7 @@ fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         [(1, "One pane", egui::Key::Num1), (2, "Two panes", egui::Key::Num2), (4, "Four panes", egui::Key::Num4)]
     {
         let keys = KeyboardShortcut::new(egui::Modifiers::NONE, key);
-        choice(ui, settings.pane_count == count, name, Some(&keys), commands, Command::SetPaneCount(count));
+        choice(ui, settings.pane_count == count, name, Some(keys), commands, Command::SetPaneCount(count));
     }
     submenu_ui(ui, "Preset of panes", |ui| {
         for preset in Preset::ALL {
@@ -187,31 +173,25 @@ fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
     let is_wipe = settings.arrangement == Arrangement::Wipe;
     let next = if is_wipe { Arrangement::Tiles } else { Arrangement::Wipe };
-    choice(ui, is_wipe, "Wipe", Some(&keys::WIPE), commands, Command::SetArrangement(next));
+    choice(ui, is_wipe, "Wipe", Some(keys::WIPE), commands, Command::SetArrangement(next));
     ui.separator();
-    item(ui, "Camera as in the scene", Some(&keys::RESET_CAMERA), commands, Command::ResetCamera);
-    let selected = state.selected_object().map(|(name, _)| name.to_owned());
+    item(ui, "Camera as in the scene", Some(keys::RESET_CAMERA), commands, Command::ResetCamera);
+    let selected = state.selected_object().map(|object| object.name.clone());
     let to_selected = Command::FrameObject(selected.clone().unwrap_or_default());
-    item_enabled(ui, selected.is_some(), "Camera to the selected object", Some(&keys::FRAME), commands, to_selected);
-    let has_earlier = state.has_earlier_view();
-    item_enabled(ui, has_earlier, "Earlier view", Some(&keys::EARLIER_VIEW), commands, Command::EarlierView);
+    item_enabled(ui, selected.is_some(), "Camera to the selected object", Some(keys::FRAME), commands, to_selected);
+    let has_earlier = !state.earlier_views.is_empty();
+    item_enabled(ui, has_earlier, "Earlier view", Some(keys::EARLIER_VIEW), commands, Command::EarlierView);
     item(ui, "Make this view the scene's own", None, commands, Command::KeepView);
-    item(ui, "Whole picture", Some(&keys::RESET_ZOOM), commands, Command::SetZoom(1.0, [0.5; 2]));
+    item(ui, "Whole picture", Some(keys::RESET_ZOOM), commands, Command::SetZoom(1.0, [0.5; 2]));
     ui.separator();
-    choice(ui, settings.show_scene_panel, "Scene panel", Some(&keys::SCENE_PANEL), commands, Command::ToggleScenePanel);
-    choice(
-        ui,
-        settings.show_render_panel,
-        "Render panel",
-        Some(&keys::RENDER_PANEL),
-        commands,
-        Command::ToggleRenderPanel,
-    );
+    choice(ui, settings.show_scene_panel, "Scene panel", Some(keys::SCENE_PANEL), commands, Command::ToggleScenePanel);
+    let is_on = settings.show_render_panel;
+    choice(ui, is_on, "Render panel", Some(keys::RENDER_PANEL), commands, Command::ToggleRenderPanel);
     choice(ui, settings.show_problems, "Problems", None, commands, Command::ToggleProblems);
     item(ui, "Inspector", None, commands, Command::ShowTab(Tab::Inspector));
-    item(ui, "Error against time", Some(&keys::MEASURE), commands, Command::ShowTab(Tab::Measure));
+    item(ui, "Error against time", Some(keys::MEASURE), commands, Command::ShowTab(Tab::Measure));
     let values = "Values under the pointer";
-    choice(ui, settings.show_values, values, Some(&keys::VALUES), commands, Command::ToggleValues);
+    choice(ui, settings.show_values, values, Some(keys::VALUES), commands, Command::ToggleValues);
     ui.separator();
     submenu_ui(ui, "Theme", |ui| {
         for (theme, name) in [(Theme::System, "As the system"), (Theme::Dark, "Dark"), (Theme::Light, "Light")] {
@@ -219,18 +199,9 @@ fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         }
     });
     submenu_ui(ui, "Size of the interface", |ui| {
-        let automatic = InterfaceScale::Automatic;
-        choice(
-            ui,
-            settings.interface_scale == automatic,
-            "Automatic",
-            None,
-            commands,
-            Command::SetInterfaceScale(automatic),
-        );
-        for factor in InterfaceScale::FACTORS {
-            let scale = InterfaceScale::Factor(factor);
-            let name = format!("{} %", factor * 100.0);
+        let automatic = (InterfaceScale::Automatic, "Automatic".to_owned());
+        let factors = InterfaceScale::FACTORS.map(|x| (InterfaceScale::Factor(x), format!("{} %", x * 100.0)));
+        for (scale, name) in std::iter::once(automatic).chain(factors) {
             choice(ui, settings.interface_scale == scale, &name, None, commands, Command::SetInterfaceScale(scale));
         }
     });
@@ -238,6 +209,6 @@ fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 fn render_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let name = if state.is_paused { "Go on" } else { "Pause" };
-    item(ui, name, Some(&keys::PAUSE), commands, Command::TogglePause);
-    item(ui, "Start anew", Some(&keys::RESTART), commands, Command::Restart);
+    item(ui, name, Some(keys::PAUSE), commands, Command::TogglePause);
+    item(ui, "Start anew", Some(keys::RESTART), commands, Command::Restart);
 }

@@ -41,34 +41,28 @@ pub fn show(
     let fill = ui.visuals().panel_fill;
     let bar = Frame::new().fill(fill).inner_margin(Margin::symmetric(8, 3));
     Panel::top("menu").frame(bar).show(ui, |ui| menu_bar::show(ui, state, commands));
+    let strip = Frame::new().fill(ui.visuals().faint_bg_color).inner_margin(Margin::symmetric(10, 4));
     if !state.left_behind.is_empty() {
-        let frame = Frame::new().fill(ui.visuals().faint_bg_color).inner_margin(Margin::symmetric(10, 4));
-        Panel::top("recovery").frame(frame).show(ui, |ui| recovery::show(ui, state, commands));
+        Panel::top("recovery").frame(strip).show(ui, |ui| recovery::show(ui, state, commands));
     }
     Panel::bottom("status").frame(bar).show(ui, |ui| status::show(ui, state, viewport, commands));
     let is_pressed = ui.input(|input| input.pointer.any_down());
     if state.problem_strip(is_pressed) {
-        let frame = Frame::new().fill(ui.visuals().faint_bg_color).inner_margin(Margin::symmetric(10, 4));
-        Panel::bottom("problems").frame(frame).show(ui, |ui| problems::show(ui, state, commands));
+        Panel::bottom("problems").frame(strip).show(ui, |ui| problems::show(ui, state, commands));
     }
     let width = ui.available_width();
     let has_scene = state.settings.show_scene_panel && width > SCENE_PANEL_WIDTH + LEAST_VIEWPORT;
     let left = if has_scene { SCENE_PANEL_WIDTH } else { 0.0 };
     let has_render = state.settings.show_render_panel && width > left + RENDER_PANEL_WIDTH + LEAST_VIEWPORT;
     let side = Frame::new().fill(fill).inner_margin(Margin { left: 10, right: 6, top: 8, bottom: 8 });
+    let sizes = 220.0..=(width * 0.4).max(221.0);
     if has_scene {
-        Panel::left("scene")
-            .frame(side)
-            .default_size(SCENE_PANEL_WIDTH)
-            .size_range(220.0..=(width * 0.4).max(221.0))
-            .show(ui, |ui| scene_tree::show(ui, state, commands));
+        let panel = Panel::left("scene").frame(side).default_size(SCENE_PANEL_WIDTH).size_range(sizes.clone());
+        panel.show(ui, |ui| scene_tree::show(ui, state, commands));
     }
     if has_render {
-        Panel::right("render")
-            .frame(side)
-            .default_size(RENDER_PANEL_WIDTH)
-            .size_range(220.0..=(width * 0.4).max(221.0))
-            .show(ui, |ui| tabs_ui(ui, state, viewport, commands));
+        let panel = Panel::right("render").frame(side).default_size(RENDER_PANEL_WIDTH).size_range(sizes);
+        panel.show(ui, |ui| tabs_ui(ui, state, viewport, commands));
     }
     CentralPanel::no_frame().show(ui, |ui| {
         viewport.show(ui, state, commands);

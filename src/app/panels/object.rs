@@ -4,15 +4,16 @@ use egui::{DragValue, Ui};
 use glam::DVec3;
 
 use crate::app::command::Command;
-use crate::app::objects::{self, Manipulation, Object};
-use crate::app::widgets::{note, row_ui};
-use crate::scene::description::{Shape, Transform};
+use crate::app::objects::{self, Manipulation};
+use crate::app::widgets::{note, number_ui, row_ui};
+use crate::scene::description::{Object, Shape, Transform};
 
 /// Decimals that are shown; what was typed is kept in full.
 const DECIMALS: usize = 3;
 
 /// Rows for everything about an object that is not its medium or its colour.
-pub fn show(ui: &mut Ui, name: &str, object: &Object<'_>, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, object: &Object, commands: &mut Vec<Command>) {
+    let name = &object.name;
     let about = "Whether it is there at all: a hidden object is hit by nothing and contains nothing (V).";
     row_ui(ui, "Shown", about, |ui| {
         let mut visible = object.visible;
@@ -24,25 +25,24 @@ pub fn show(ui: &mut Ui, name: &str, object: &Object<'_>, commands: &mut Vec<Com
             ui.label(note(ui, "hidden"));
         }
     });
-    if let Some(priority) = object.priority {
+    if let Some(priority) = object.refractor().map(|refractor| refractor.priority) {
         let about = "Which refractor's medium is there where volumes overlap: the one with the higher number. Any whole number; where \
                      two are equal the smaller volume wins.";
         row_ui(ui, "Priority", about, |ui| {
             let mut edited = priority;
-            let drag = DragValue::new(&mut edited).speed(0.05).update_while_editing(false);
-            let response = ui.add_sized([64.0, ui.spacing().interact_size.y], drag);
-            let label = format!("Priority of {name}");
-            if response.accessible_name(label).on_hover_text(about).changed() && edited != priority {
+            let drag = DragValue::new(&mut edited).speed(0.05);
+            if number_ui(ui, 64.0, drag, format!("Priority of {name}"), about) && edited != priority {
                 commands.push(Command::SetPriority(name.to_owned(), edited));
             }
             ui.label(note(ui, "higher wins"));
         });
     }
-    transform_ui(ui, name, object, commands);
+    transform_ui(ui, object, commands);
 }
 
-fn transform_ui(ui: &mut Ui, name: &str, object: &Object<'_>, commands: &mut Vec<Command>) {
-    let Object { shape, transform, .. } = *object;
+fn transform_ui(ui: &mut Ui, object: &Object, commands: &mut Vec<Command>) {
+    let Object { name, shape, transform, .. } = object;
+    let transform = *transform;
     let pivot = objects::pivot(shape);
     let (min, max) = objects::bounds(shape);
     let size = ((max - min) * transform.scale).length();
@@ -69,10 +69,7 @@ fn transform_ui(ui: &mut Ui, name: &str, object: &Object<'_>, commands: &mut Vec
             let before = transform.scale.abs().x;
             let mut factor = before;
             let drag = scale_drag(&mut factor, before);
-            let response = ui.add_sized([64.0, ui.spacing().interact_size.y], drag);
-            let label = format!("Scale {name}");
-            let is_changed = response.accessible_name(label).on_hover_text(about).changed();
-            if is_changed && factor != before {
+            if number_ui(ui, 64.0, drag, format!("Scale {name}"), about) && factor != before {
                 // Mirrored axes stay mirrored; a typed sign turns all of them over.
                 let scale = transform.scale.signum() * factor;
                 set(Manipulation::Scale, objects::scaled_to(&transform, scale, pivot));
@@ -91,9 +88,7 @@ fn transform_ui(ui: &mut Ui, name: &str, object: &Object<'_>, commands: &mut Vec
         let mut changed = None;
         for (axis, axis_name) in ["x", "y", "z"].into_iter().enumerate() {
             let drag = scale_drag(&mut edited[axis], transform.scale[axis]);
-            let response = add_field(ui, width, drag);
-            let response = response.accessible_name(format!("Scale {name} along {axis_name}"));
-            if response.on_hover_text(format!("{about}\nThis one is {axis_name}.")).changed() {
+            if field_ui(ui, width, drag, &format!("Scale {name}"), axis_name, about) {
                 changed = Some(axis);
             }
         }
@@ -120,7 +115,7 @@ fn transform_ui(ui: &mut Ui, name: &str, object: &Object<'_>, commands: &mut Vec
 fn scale_drag(factor: &mut f64, before: f64) -> DragValue<'_> {
     let speed = 0.005 * before.abs().max(1e-6);
     // Typed, any sign will do; dragging stops short of 0.
-    DragValue::new(factor).speed(speed).max_decimals(DECIMALS).update_while_editing(false)
+    DragValue::new(factor).speed(speed).max_decimals(DECIMALS)
 }
 
 /// Width of one of three fields in a row, with `reserved` points left for something else.
@@ -128,17 +123,18 @@ fn field_width(ui: &Ui, reserved: f32) -> f32 {
     ((ui.available_width() - reserved - 2.0 * ui.spacing().item_spacing.x) / 3.0).max(20.0)
 }
 
-fn add_field(ui: &mut Ui, width: f32, drag: DragValue<'_>) -> egui::Response {
+/// One of three fields. `label` is the accessible name, before the axis's.
+fn field_ui(ui: &mut Ui, width: f32, drag: DragValue<'_>, label: &str, axis: &str, about: &str) -> bool {
     let padding = std::mem::replace(&mut ui.spacing_mut().button_padding.x, 3.0);
-    let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
+    let (label, about) = (format!("{label} along {axis}"), format!("{about}\nThis one is {axis}."));
+    let is_changed = number_ui(ui, width, drag, label, about);
     ui.spacing_mut().button_padding.x = padding;
-    response
+    is_changed
 }
 
 /// Three numbers, for x, y and z.
 struct Field<'a> {
     about: &'a str,
-    /// The accessible name, before the axis's.
     label: &'a str,
     speed: f64,
     suffix: &'a str,
@@ -151,13 +147,8 @@ impl Field<'_> {
         let width = field_width(ui, 0.0);
         let mut is_changed = false;
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            let drag = DragValue::new(&mut edited[axis])
-                .speed(self.speed)
-                .suffix(self.suffix)
-                .max_decimals(DECIMALS)
-                .update_while_editing(false);
-            let response = add_field(ui, width, drag).accessible_name(format!("{} along {name}", self.label));
-            is_changed |= response.on_hover_text(format!("{}\nThis one is {name}.", self.about)).changed();
+            let drag = DragValue::new(&mut edited[axis]).speed(self.speed).suffix(self.suffix).max_decimals(DECIMALS);
+            is_changed |= field_ui(ui, width, drag, self.label, name, self.about);
         }
         (is_changed && edited != values).then_some(edited)
     }

@@ -3,10 +3,9 @@
 use egui::{Align, CursorIcon, Label, Layout, RichText, ScrollArea, Sense, Ui};
 
 use crate::app::command::Command;
-use crate::app::objects;
 use crate::app::state::State;
 use crate::app::theme::{ADVICE_MARK, ERROR_MARK, Palette, WARNING_MARK};
-use crate::app::widgets::note;
+use crate::app::widgets::{button_ui, note};
 use crate::check::{Problem, Severity};
 use crate::rectify::containment::top;
 use crate::scene::ObjectId;
@@ -14,20 +13,12 @@ use crate::scene::ObjectId;
 /// Height of the opened strip, in points: the picture keeps most of the room.
 const MOST_HEIGHT: f32 = 140.0;
 
-/// A mark that says the severity without its colour.
-fn mark(severity: Severity) -> &'static str {
+/// A mark that says the severity without its colour, and what it means.
+fn mark(severity: Severity) -> (&'static str, &'static str) {
     match severity {
-        Severity::Error => ERROR_MARK,
-        Severity::Warning => WARNING_MARK,
-        Severity::Advice => ADVICE_MARK,
-    }
-}
-
-fn word(severity: Severity) -> &'static str {
-    match severity {
-        Severity::Error => "Error: the scene cannot be rendered like this.",
-        Severity::Warning => "Warning: the picture may be wrong.",
-        Severity::Advice => "Advice: perhaps not what was meant.",
+        Severity::Error => (ERROR_MARK, "Error: the scene cannot be rendered like this."),
+        Severity::Warning => (WARNING_MARK, "Warning: the picture may be wrong."),
+        Severity::Advice => (ADVICE_MARK, "Advice: perhaps not what was meant."),
     }
 }
 
@@ -101,7 +92,7 @@ fn fix(problem: &Problem, state: &State) -> Option<(String, Command)> {
     let is_second = top(scene, [id(a)?, id(b)?]) == id(b);
     let (winner, other) = if is_second { (b, a) } else { (a, b) };
     let description = state.document.description();
-    let priority = objects::object(description, other)?.priority?.checked_add(1)?;
+    let priority = description.objects.find(other)?.refractor()?.priority.checked_add(1)?;
     let tip = format!(
         "Sets the priority of {winner} to {priority}: it wins over {other}, as it does now without being told."
     );
@@ -122,27 +113,21 @@ fn row_ui(
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             more(ui);
             let show = show_command(problem, state);
-            if let Some((tip, command)) = fix(problem, state)
-                && ui.button("Fix").on_hover_text(tip).clicked()
-            {
-                commands.push(command);
+            if let Some((tip, command)) = fix(problem, state) {
+                button_ui(ui, "Fix", &tip, commands, command);
             }
-            if let Some((tip, command)) = &show
-                && ui.button("Show").on_hover_text(*tip).clicked()
-            {
-                commands.push(command.clone());
+            if let Some((tip, command)) = &show {
+                button_ui(ui, "Show", tip, commands, command.clone());
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let color = palette.severity(problem.severity);
-                ui.label(RichText::new(mark(problem.severity)).color(color)).on_hover_text(word(problem.severity));
+                let (mark, meaning) = mark(problem.severity);
+                ui.label(RichText::new(mark).color(color)).on_hover_text(meaning);
                 let mut text = egui::text::LayoutJob::default();
                 let font = egui::TextStyle::Body.resolve(ui.style());
-                text.append(
-                    &problem.place,
-                    0.0,
-                    egui::TextFormat::simple(font.clone(), ui.visuals().strong_text_color()),
-                );
-                text.append(&problem.message, 8.0, egui::TextFormat::simple(font, ui.visuals().text_color()));
+                let format = |color| egui::TextFormat::simple(font.clone(), color);
+                text.append(&problem.place, 0.0, format(ui.visuals().strong_text_color()));
+                text.append(&problem.message, 8.0, format(ui.visuals().text_color()));
                 let label = if is_full { Label::new(text).wrap() } else { Label::new(text).truncate() };
                 match show {
                     Some((tip, command)) => {

@@ -7,6 +7,7 @@ use egui::{Align, Label, Layout, RichText, Ui};
 use crate::app::command::Command;
 use crate::app::state::State;
 use crate::app::theme::{ADVICE_MARK, Palette};
+use crate::app::widgets::button_ui;
 
 /// The latest ones first; the next come when these have been answered.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -15,19 +16,13 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(ADVICE_MARK).color(Palette::of(ui).accent));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if ui.button("Later").on_hover_text("They are offered again at the next start.").clicked() {
-                commands.push(Command::PostponeEdits);
-            }
-            if ui.button("Discard").on_hover_text("They are removed.").clicked() {
-                commands.push(Command::DiscardEdits(path()));
-            }
+            button_ui(ui, "Later", "They are offered again at the next start.", commands, Command::PostponeEdits);
+            button_ui(ui, "Discard", "They are removed.", commands, Command::DiscardEdits(path()));
             let about = match found.scene_path() {
                 Some(scene) => format!("Opens the edited scene; “Save” writes to {}.", scene.display()),
                 None => "Opens the edited scene, which has no file yet.".to_owned(),
             };
-            if ui.button("Restore").on_hover_text(about).clicked() {
-                commands.push(Command::RestoreEdits(path()));
-            }
+            button_ui(ui, "Restore", &about, commands, Command::RestoreEdits(path()));
             if !others.is_empty() {
                 ui.label(RichText::new(format!("+{} more", others.len())).small());
             }

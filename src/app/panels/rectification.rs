@@ -41,13 +41,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
     fact_ui(ui, "Pre-trace", duration(seconds.pretrace), "Shooting the rays; once per geometry.");
     fact_ui(ui, "Resolve", duration(seconds.resolve), "From votes to media; done again at every edit.");
-    let prepare = report.prepared.seconds;
-    fact_ui(
-        ui,
-        "Geometry and tree",
-        duration(prepare.bvh),
-        "Tessellating, transforming, building the tree; 0 when kept.",
-    );
+    let about = "Tessellating, transforming, building the tree; 0 when kept.";
+    fact_ui(ui, "Geometry and tree", duration(report.prepared.seconds.bvh), about);
 
     section_ui(ui, "Interfaces", "outside | inside");
     let mut height = None;

@@ -1,6 +1,6 @@
 //! Panes and their modes, display, quality, progress, events.
 
-use egui::{ComboBox, DragValue, RichText, Slider, Ui};
+use egui::{DragValue, RichText, Slider, Ui};
 
 use crate::app::command::Command;
 use crate::app::settings::{Arrangement, DifferenceKind, MAX_PANES, PaneContent, Preset, mode_title};
@@ -8,7 +8,8 @@ use crate::app::state::State;
 use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
 use crate::app::viewport::{Viewport, content_menu_ui, event_meaning, event_name};
 use crate::app::widgets::{
-    note, row_ui, section_first_ui, section_ui, segmented_ui, short_count, short_seconds, value,
+    combo_ui, note, number_ui, row_ui, section_first_ui, section_ui, segmented_row_ui, short_count, short_seconds,
+    value,
 };
 use crate::export::words::grouped;
 use crate::render::ToneCurve;
@@ -32,25 +33,20 @@ pub fn show(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Vec<
 fn panes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let settings = &state.settings;
     let counts = [(1, "1", "One pane (1)"), (2, "2", "Two panes (2)"), (4, "4", "Four panes (4)")];
-    row_ui(ui, "Number", "How many pictures are shown.", |ui| {
-        if let Some(count) = segmented_ui(ui, settings.pane_count, &counts) {
-            commands.push(Command::SetPaneCount(count));
-        }
-    });
+    let chosen = segmented_row_ui(ui, "Number", "How many pictures are shown.", settings.pane_count, &counts);
+    commands.extend(chosen.map(Command::SetPaneCount));
     let arrangements = [
         (Arrangement::Tiles, "Tiles", "Side by side (W)"),
         (Arrangement::Wipe, "Wipe", "Over each other, with a divider to drag (W)"),
     ];
-    row_ui(ui, "Arrange", "How the pictures share the room.", |ui| {
-        if let Some(arrangement) = segmented_ui(ui, settings.arrangement, &arrangements) {
-            commands.push(Command::SetArrangement(arrangement));
-        }
-    });
+    let about = "How the pictures share the room.";
+    let chosen = segmented_row_ui(ui, "Arrange", about, settings.arrangement, &arrangements);
+    commands.extend(chosen.map(Command::SetArrangement));
     row_ui(ui, "Compare", "Four panes that answer one question together.", |ui| {
         let is_shown = |preset: &Preset| settings.pane_count == MAX_PANES && settings.panes == preset.panes();
         let shown = Preset::ALL.into_iter().find(is_shown);
         let text = shown.map_or("custom", Preset::name);
-        ComboBox::from_id_salt("panes").selected_text(text).width(ui.available_width()).truncate().show_ui(ui, |ui| {
+        combo_ui(ui, "panes", text, |ui| {
             for preset in Preset::ALL {
                 let response = ui.selectable_label(shown == Some(preset), preset.name());
                 if response.on_hover_text(preset.about()).clicked() {
@@ -71,14 +67,9 @@ fn panes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                     RichText::new(content.to_string())
                 }
             };
-            ComboBox::from_id_salt(("pane", index)).selected_text(text).width(ui.available_width()).truncate().show_ui(
-                ui,
-                |ui| {
-                    if let Some(content) = content_menu_ui(ui, *content) {
-                        commands.push(Command::SetPaneContent(index, content));
-                    }
-                },
-            );
+            combo_ui(ui, ("pane", index), text, |ui| {
+                commands.extend(content_menu_ui(ui, *content).map(|new| Command::SetPaneContent(index, new)));
+            });
         });
     }
 }
@@ -95,11 +86,8 @@ fn display_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let is_dragged = ui.add(slider).accessible_name("Exposure").on_hover_text(about).changed();
         ui.spacing_mut().interact_size.y = height;
         let typed = DragValue::new(&mut exposure).speed(0.02).range(-30.0..=30.0).fixed_decimals(2);
-        let is_typed = ui
-            .add_sized([46.0, ui.spacing().interact_size.y], typed)
-            .accessible_name("Exposure")
-            .on_hover_text(about)
-            .changed();
+        let typed = ui.add_sized([46.0, ui.spacing().interact_size.y], typed);
+        let is_typed = typed.accessible_name("Exposure").on_hover_text(about).changed();
         if is_dragged || is_typed {
             commands.push(Command::SetExposure(exposure));
         }
@@ -108,18 +96,13 @@ fn display_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         (ToneCurve::Soft, "Soft", "A shoulder that keeps bright parts apart."),
         (ToneCurve::Clip, "Clip", "Cut off at white: comparable by eye with other programs' plain output."),
     ];
-    row_ui(ui, "Curve", "How radiance above 1 is brought into the screen's range.", |ui| {
-        if let Some(curve) = segmented_ui(ui, settings.display.curve, &curves) {
-            commands.push(Command::SetCurve(curve));
-        }
-    });
+    let about = "How radiance above 1 is brought into the screen's range.";
+    commands.extend(segmented_row_ui(ui, "Curve", about, settings.display.curve, &curves).map(Command::SetCurve));
     if settings.shown_panes().iter().any(|content| content.is_difference()) {
         let kinds = DifferenceKind::ALL.map(|kind| (kind, kind.name(), kind.about()));
-        row_ui(ui, "Difference", "How differences are coloured. The exposure scales them.", |ui| {
-            if let Some(kind) = segmented_ui(ui, settings.difference, &kinds) {
-                commands.push(Command::SetDifference(kind));
-            }
-        });
+        let about = "How differences are coloured. The exposure scales them.";
+        let chosen = segmented_row_ui(ui, "Difference", about, settings.difference, &kinds);
+        commands.extend(chosen.map(Command::SetDifference));
     }
 }
 
@@ -127,52 +110,32 @@ fn quality_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let settings = &state.settings;
     let about = "Film pixels per screen pixel, each way. Smaller is faster and coarser.";
     let scales = SCALES.map(|(scale, name)| (scale, name, about));
-    row_ui(ui, "Resolution", about, |ui| {
-        if let Some(scale) = segmented_ui(ui, settings.resolution_scale, &scales) {
-            commands.push(Command::SetResolutionScale(scale));
-        }
-    });
+    let chosen = segmented_row_ui(ui, "Resolution", about, settings.resolution_scale, &scales);
+    commands.extend(chosen.map(Command::SetResolutionScale));
     let about =
         "Most segments of a path, the camera's first being one. A cap darkens what many interfaces lie in front of.";
-    limit_ui(ui, "Depth cap", about, settings.max_depth, 64, 1..=100_000, |depth| {
-        commands.push(Command::SetMaxDepth(depth))
-    });
+    let depth = limit_ui(ui, "Depth cap", about, settings.max_depth, 64, 100_000);
+    commands.extend(depth.map(Command::SetMaxDepth));
     let about = "Samples per pixel at which rendering stops.";
-    limit_ui(ui, "Samples", about, settings.sample_limit, 4096, 1..=10_000_000, |limit| {
-        commands.push(Command::SetSampleLimit(limit));
-    });
+    let limit = limit_ui(ui, "Samples", about, settings.sample_limit, 4096, 10_000_000);
+    commands.extend(limit.map(Command::SetSampleLimit));
 }
 
-/// A number that can be absent.
-fn limit_ui(
-    ui: &mut Ui,
-    name: &str,
-    about: &str,
-    limit: Option<u32>,
-    default: u32,
-    range: std::ops::RangeInclusive<u32>,
-    set: impl FnOnce(Option<u32>),
-) {
+/// A number from 1 to `most` that can be absent. Returns what it has been changed to.
+fn limit_ui(ui: &mut Ui, name: &str, about: &str, limit: Option<u32>, default: u32, most: u32) -> Option<Option<u32>> {
     row_ui(ui, name, about, |ui| {
         let mut is_on = limit.is_some();
         let has_toggled = ui.checkbox(&mut is_on, "").accessible_name(name).on_hover_text(about).changed();
         let mut number = limit.unwrap_or(default);
         let mut has_changed = false;
         if limit.is_some() {
-            let drag = DragValue::new(&mut number).range(range).speed(0.5).update_while_editing(false);
-            let width = ui.available_width();
-            has_changed = ui
-                .add_sized([width, ui.spacing().interact_size.y], drag)
-                .accessible_name(name)
-                .on_hover_text(about)
-                .changed();
+            let drag = DragValue::new(&mut number).range(1..=most).speed(0.5);
+            has_changed = number_ui(ui, ui.available_width(), drag, name, about);
         } else {
             ui.label(note(ui, "no limit"));
         }
-        if has_toggled || has_changed {
-            set(is_on.then_some(number));
-        }
-    });
+        (has_toggled || has_changed).then(|| is_on.then_some(number))
+    })
 }
 
 /// A mode's name where there is little room.
@@ -198,9 +161,7 @@ fn progress_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
     table_row_ui(ui, &COLUMNS, ["mode", "spp", "time", "samples/s"].map(head), about);
     for mode in state.settings.modes() {
         let name = RichText::new(format!("{DOT} {}", short_title(mode))).small().color(palette.mode(mode));
-        let film = (state.settings.shown_panes().iter())
-            .find_map(|content| viewport.films(*content).into_iter().find(|film| film.mode == mode));
-        let texts = match film {
+        let texts = match viewport.film(state, mode) {
             Some(film) => {
                 let samples = if film.is_preview() { "…".to_owned() } else { film.samples.to_string() };
                 [samples, short_seconds(film.seconds), short_count(film.samples_per_second())]
@@ -232,9 +193,7 @@ fn events_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
     let palette = Palette::of(ui);
     let mut has_any = false;
     for mode in state.settings.modes() {
-        let film = (state.settings.shown_panes().iter())
-            .find_map(|content| viewport.films(*content).into_iter().find(|film| film.mode == mode));
-        let Some(film) = film else { continue };
+        let Some(film) = viewport.film(state, mode) else { continue };
         for (kind, count) in film.events.named().into_iter().filter(|(_, count)| *count > 0) {
             has_any = true;
             ui.horizontal(|ui| {
@@ -250,7 +209,6 @@ fn events_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
         }
     }
     if !has_any {
-        let text = "None: every path left each medium that it had entered.";
-        ui.label(note(ui, text));
+        ui.label(note(ui, "None: every path left each medium that it had entered."));
     }
 }

@@ -8,7 +8,7 @@ use egui::{
 use super::{medium, object};
 use crate::app::command::{Command, MediumRef};
 use crate::app::state::{State, medium_of};
-use crate::app::theme::{Palette, WARNING_MARK};
+use crate::app::theme::{Palette, WARNING_MARK, opaque};
 use crate::app::widgets::{fact_ui, note, section_first_ui, section_ui, swatch_ui};
 use crate::rectify::Patch;
 use crate::scene::Description;
@@ -68,8 +68,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.label(note(ui, "No refractors in this scene."));
         }
         ui.add_space(8.0);
-        plain_rows_ui(ui, state, "Solids", &plain_rows(description.objects.solids()), to_show.as_deref(), commands);
-        plain_rows_ui(ui, state, "Lights", &plain_rows(description.objects.lights()), to_show.as_deref(), commands);
+        plain_rows_ui(ui, state, "Solids", description.objects.solids(), to_show.as_deref(), commands);
+        plain_rows_ui(ui, state, "Lights", description.objects.lights(), to_show.as_deref(), commands);
     });
 }
 
@@ -288,11 +288,10 @@ fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut
         medium::details_ui(ui, description, &MediumRef::World, commands);
         return;
     }
-    let Some((_, object)) = state.selected_object() else { return };
+    let Some(object) = state.selected_object() else { return };
     if let Some(medium) = medium_of(description, selected) {
-        let name = medium::name(&medium).to_owned();
-        section_ui(ui, selected, &name);
-        object::show(ui, selected, &object, commands);
+        section_ui(ui, selected, medium.name());
+        object::show(ui, object, commands);
         medium::details_ui(ui, description, &medium, commands);
         fact_ui(ui, "Outside", outside(state, selected), "The medium that rectification found on the other side.");
         if let Some(patch) = state.report.as_deref().and_then(|report| patch_of(report, selected)) {
@@ -301,11 +300,11 @@ fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut
         }
         return;
     }
-    let Some(role) = description.objects.find(selected).map(|object| &object.role) else { return };
+    let role = &object.role;
     let kind = if matches!(role, Role::Solid(solid) if solid.mirror) { "mirror" } else { role.kind().name() };
     section_ui(ui, selected, kind);
-    object::show(ui, selected, &object, commands);
-    fact_ui(ui, "Shape", shape_name(object.shape), "");
+    object::show(ui, object, commands);
+    fact_ui(ui, "Shape", shape_name(&object.shape), "");
     match role {
         Role::Refractor(_) => {}
         Role::Solid(solid) => fact_ui(ui, "Colour", paint_name(&solid.paint), "Albedo, linear RGB."),
@@ -313,25 +312,17 @@ fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut
     }
 }
 
-/// What is no refractor: name, colour and whether it is shown.
-type PlainRow<'a> = (&'a str, [f64; 3], bool);
-
-fn plain_rows(objects: &[Object]) -> Vec<PlainRow<'_>> {
-    let rows = objects.iter().map(|object| {
-        let color = match &object.role {
-            Role::Solid(Solid { paint: Paint::Color(color), .. }) => *color,
-            Role::Solid(Solid { paint: Paint::Checker { a, b, .. }, .. }) => {
-                std::array::from_fn(|i| 0.5 * (a[i] + b[i]))
-            }
-            Role::Light(light) => {
-                let most = light.radiance.iter().copied().fold(1e-9, f64::max);
-                light.radiance.map(|x| x / most)
-            }
-            Role::Refractor(_) => [1.0; 3],
-        };
-        (&*object.name, color, object.visible)
-    });
-    rows.collect()
+/// The colour of what is no refractor.
+fn color_of(role: &Role) -> [f64; 3] {
+    match role {
+        Role::Solid(Solid { paint: Paint::Color(color), .. }) => *color,
+        Role::Solid(Solid { paint: Paint::Checker { a, b, .. }, .. }) => std::array::from_fn(|i| 0.5 * (a[i] + b[i])),
+        Role::Light(light) => {
+            let most = light.radiance.iter().copied().fold(1e-9, f64::max);
+            light.radiance.map(|x| x / most)
+        }
+        Role::Refractor(_) => [1.0; 3],
+    }
 }
 
 /// Rows under a heading that opens where one of them is `to_show`.
@@ -339,44 +330,38 @@ fn plain_rows_ui(
     ui: &mut Ui,
     state: &State,
     heading: &str,
-    rows: &[PlainRow<'_>],
+    objects: &[Object],
     to_show: Option<&str>,
     commands: &mut Vec<Command>,
 ) {
-    if rows.is_empty() {
+    if objects.is_empty() {
         return;
     }
-    let is_shown = to_show.is_some_and(|to_show| rows.iter().any(|(name, ..)| *name == to_show));
-    let header = CollapsingHeader::new(format!("{heading} ({})", rows.len())).id_salt(heading);
+    let is_shown = to_show.is_some_and(|to_show| objects.iter().any(|object| object.name == to_show));
+    let header = CollapsingHeader::new(format!("{heading} ({})", objects.len())).id_salt(heading);
     header.open(is_shown.then_some(true)).show(ui, |ui| {
-        for (name, color, visible) in rows {
-            let response = plain_row_ui(ui, state, name, *color, *visible, commands);
-            if to_show == Some(name) {
+        for object in objects {
+            let response = plain_row_ui(ui, state, object, commands);
+            if to_show == Some(&object.name) {
                 response.scroll_to_me(None);
             }
         }
     });
 }
 
-fn plain_row_ui(
-    ui: &mut Ui,
-    state: &State,
-    name: &str,
-    color: [f64; 3],
-    visible: bool,
-    commands: &mut Vec<Command>,
-) -> Response {
-    let is_selected = state.selected.as_deref() == Some(name);
+fn plain_row_ui(ui: &mut Ui, state: &State, object: &Object, commands: &mut Vec<Command>) -> Response {
+    let name = &object.name;
+    let is_selected = state.selected.as_ref() == Some(name);
     let (rect, response) = selectable_row_ui(ui, is_selected, name);
-    let [r, g, b] = crate::render::Display::default().encode(color.map(|c| c as f32));
+    let color = opaque(crate::render::Display::default().encode(color_of(&object.role).map(|c| c as f32)));
     let left = rect.shrink2(vec2(4.0, 0.0));
     let mut contents = ui.new_child(UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center)));
-    swatch_ui(&mut contents, egui::Color32::from_rgb(r, g, b));
-    contents.add(Label::new(row_name(ui, name, visible)).truncate().sense(Sense::empty()));
+    swatch_ui(&mut contents, color);
+    contents.add(Label::new(row_name(ui, name, object.visible)).truncate().sense(Sense::empty()));
     if response.clicked() {
-        commands.push(Command::SelectObject((!is_selected).then(|| name.to_owned())));
+        commands.push(Command::SelectObject((!is_selected).then(|| name.clone())));
     }
-    row_menu_ui(&response, name, visible, commands);
+    row_menu_ui(&response, name, object.visible, commands);
     response
 }
 

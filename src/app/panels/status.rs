@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Vec<
             let [width, height] = state.film_size();
             ui.label(value(format!("{width} × {height}")).color(palette.weak_text))
                 .on_hover_text("Size of each image, in pixels.");
-            if let Some([x, y]) = viewport.pointer().and_then(|point| pixel_at([width, height], point)) {
+            if let Some([x, y]) = viewport.pointer.and_then(|point| pixel_at([width, height], point)) {
                 ui.label(value(format!("pixel {x}, {y}")))
                     .on_hover_text("Under the pointer; 0, 0 is at the upper left.");
             }

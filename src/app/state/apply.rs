@@ -3,10 +3,10 @@
 use super::{MAX_ZOOM, State, Windows};
 use crate::app::command::Command;
 use crate::app::document::{EditKey, with_absorption, with_ior};
-use crate::app::objects::{self, Manipulation};
+use crate::app::objects::{self, Manipulation, replaced};
 use crate::app::settings::{MAX_PANES, PaneContent, Settings};
 use crate::scene::Description;
-use crate::scene::description::Transform;
+use crate::scene::description::{Object, Transform};
 use crate::session::GroundTruthDemand;
 
 impl State {
@@ -31,12 +31,11 @@ impl State {
                 }
             }
             Command::SetPriority(object, priority) => {
-                let edited = objects::with_priority(self.document.description(), &object, priority);
-                self.edit(EditKey::Priority(object), now_secs, edited);
+                let set = |o: &mut Object| o.refractor_mut().is_some_and(|r| replaced(&mut r.priority, priority));
+                self.edit_object(object, EditKey::Priority, now_secs, set);
             }
             Command::SetVisible(object, visible) => {
-                let edited = objects::with_visible(self.document.description(), &object, visible);
-                self.edit(EditKey::Visibility(object), now_secs, edited);
+                self.edit_object(object, EditKey::Visibility, now_secs, |o| replaced(&mut o.visible, visible));
             }
             Command::SetTransform(object, manipulation, transform) => {
                 self.set_transform(object, manipulation, transform, now_secs);
@@ -193,14 +192,24 @@ impl State {
     }
 
     fn set_transform(&mut self, object: String, manipulation: Manipulation, transform: Transform, now_secs: f64) {
-        let description = self.document.description();
-        let Some(shape) = objects::object(description, &object).map(|o| o.shape) else { return };
-        if let Err(fault) = transform.validate(shape) {
+        let Some(known) = self.document.description().objects.find(&object) else { return };
+        if let Err(fault) = transform.validate(&known.shape) {
             self.notify_error(fault.to_string());
             return;
         }
-        let edited = objects::with_transform(description, &object, transform);
-        self.edit(EditKey::Transform(object, manipulation), now_secs, edited);
+        let key = |object| EditKey::Transform(object, manipulation);
+        self.edit_object(object, key, now_secs, |o| replaced(&mut o.transform, transform));
+    }
+
+    fn edit_object(
+        &mut self,
+        name: String,
+        key: impl FnOnce(String) -> EditKey,
+        now_secs: f64,
+        edit: impl FnOnce(&mut Object) -> bool,
+    ) {
+        let edited = objects::with(self.document.description(), &name, edit);
+        self.edit(key(name), now_secs, edited);
     }
 
     fn escape(&mut self) {

@@ -4,6 +4,7 @@ use super::State;
 use super::view::ray_through;
 use crate::scene::camera::Camera;
 use crate::scene::description::CameraDescription;
+use crate::tracking::Mode;
 use crate::transport::inspect::{Follow, TracedPath, trace};
 
 /// Segments after which the inspector stops following a path.
@@ -17,19 +18,11 @@ pub struct Inspection {
     pub follow: Follow,
     pub path: Option<TracedPath>,
     /// What `path` was traced for.
-    key: Option<InspectionKey>,
+    key: Option<Key>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct InspectionKey {
-    scene_epoch: u64,
-    /// Rays of the pre-trace: more of them may have changed an answer.
-    rays: u64,
-    camera: CameraDescription,
-    mode: crate::tracking::Mode,
-    size: [u32; 2],
-    follow: Follow,
-}
+/// The scene's epoch, rays of its pre-trace (more of them may have changed an answer), and how the path begins and goes on.
+type Key = (u64, u64, CameraDescription, Mode, [u32; 2], Follow);
 
 impl State {
     /// The path under the inspected pixel in the active pane's mode, traced again when anything it depends on has changed.
@@ -37,18 +30,11 @@ impl State {
         let mode = self.settings.panes[self.view.active_pane].inspected_mode();
         let film_camera = self.film_camera();
         let (Some(inspection), Some(report)) = (&mut self.inspection, &self.report) else { return };
-        let key = InspectionKey {
-            scene_epoch: report.epoch,
-            rays: report.prepared.table.rays(),
-            camera: film_camera,
-            mode,
-            size: self.film_size,
-            follow: inspection.follow,
-        };
-        if inspection.key == Some(key) {
+        let rays = report.prepared.table.rays();
+        let key = Some((report.epoch, rays, film_camera, mode, self.film_size, inspection.follow));
+        if std::mem::replace(&mut inspection.key, key) == key {
             return;
         }
-        inspection.key = Some(key);
         inspection.path = Camera::new(&film_camera).ok().map(|camera| {
             let ray = ray_through(&camera, self.film_size, inspection.point);
             let depth = self.settings.max_depth.unwrap_or(INSPECTOR_DEPTH).min(INSPECTOR_DEPTH);

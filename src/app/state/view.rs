@@ -85,14 +85,9 @@ impl State {
         }
     }
 
-    /// Whether there is a view to return to.
-    pub fn has_earlier_view(&self) -> bool {
-        !self.earlier_views.is_empty()
-    }
-
     pub(super) fn frame_object(&mut self, name: &str) {
-        let Some(object) = objects::object(self.document.description(), name) else { return };
-        let (min, max) = object.scene_bounds();
+        let Some(object) = self.document.description().objects.find(name) else { return };
+        let (min, max) = objects::scene_bounds(object);
         let is_ball = matches!(object.shape, Shape::Sphere { .. } | Shape::Icosphere { .. });
         let radius = if is_ball { (max.x - min.x) / 2.0 } else { (max - min).length() / 2.0 };
         self.frame((min + max) / 2.0, radius);
@@ -102,9 +97,8 @@ impl State {
         if let Some(name) = names.first() {
             self.selected = Some(name.clone());
         }
-        let description = self.document.description();
-        let boxes: Vec<_> =
-            names.iter().filter_map(|name| objects::object(description, name)).map(|o| o.scene_bounds()).collect();
+        let all = &self.document.description().objects;
+        let boxes: Vec<_> = names.iter().filter_map(|name| all.find(name)).map(objects::scene_bounds).collect();
         let (center, radius) = match (spot, &boxes[..]) {
             (Some(spot), _) => (spot.center, spot.radius),
             (None, []) => return,
@@ -130,12 +124,6 @@ impl State {
         }
     }
 
-    /// Distance at which dollying begins to push the target ahead: small against the scene.
-    pub fn near_distance(&self) -> f64 {
-        let scene = self.document.description().camera;
-        0.02 * scene.position.distance(scene.target)
-    }
-
     /// Moves the camera by what the pointer did in a pane of `height` points.
     pub fn navigate(&self, motion: Motion, height: f32) -> Command {
         let per_height =
@@ -143,7 +131,12 @@ impl State {
         Command::SetCamera(match motion {
             Motion::Orbit(drag) => navigation::orbit(&self.view.camera, per_height(drag)),
             Motion::Pan(drag) => navigation::pan(&self.view.camera, per_height(drag)),
-            Motion::Dolly(steps) => navigation::dolly(&self.view.camera, f64::from(steps), self.near_distance()),
+            Motion::Dolly(steps) => {
+                let scene = self.document.description().camera;
+                // Small against the scene.
+                let near = 0.02 * scene.position.distance(scene.target);
+                navigation::dolly(&self.view.camera, f64::from(steps), near)
+            }
         })
     }
 }

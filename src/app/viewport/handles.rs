@@ -4,20 +4,19 @@
 //! becomes a [`Transform`]. The crate works in a space whose origin is the camera and whose unit is the distance of the object, so that
 //! scenes of any size and place look alike to it.
 
-use egui::{Align2, Color32, Mesh, Painter, PointerButton, Pos2, Rect, Response, Shape as Drawing, Stroke, Ui, Vec2};
+use egui::{Align2, Color32, Mesh, Painter, PointerButton, Pos2, Response, Shape as Drawing, Stroke, Ui, Vec2};
 use glam::{DQuat, DVec3};
 use transform_gizmo::math::{Pos2 as GizmoPos, Transform as Target};
 use transform_gizmo::{
-    EnumSet, Gizmo, GizmoConfig, GizmoInteraction, GizmoMode, GizmoOrientation, GizmoResult, GizmoVisuals, enum_set,
-    mint,
+    Gizmo, GizmoConfig, GizmoInteraction, GizmoMode, GizmoOrientation, GizmoResult, GizmoVisuals, enum_set, mint,
 };
 
 use super::layout::{Pane, film_from_screen, film_window, screen_from_film};
 use crate::app::command::Command;
-use crate::app::objects::{self, Manipulation, Object};
+use crate::app::objects::{self, Manipulation};
 use crate::app::state::State;
 use crate::scene::camera::Camera;
-use crate::scene::description::{Shape, Transform};
+use crate::scene::description::{Object, Shape, Transform};
 
 /// Length of an arrow, in points, where the pane is large enough.
 const SIZE: f32 = 78.0;
@@ -102,23 +101,6 @@ impl Sight {
     }
 }
 
-/// Where the whole film would be on the screen if the pane did not cut it off.
-fn film_rect(state: &State, pane: &Pane) -> Rect {
-    let window = film_window(state.view.zoom, state.view.zoom_center);
-    let corner = |x, y| screen_from_film(pane.picture, window, egui::pos2(x, y));
-    Rect::from_two_pos(corner(0.0, 0.0), corner(1.0, 1.0))
-}
-
-/// An analytic sphere has one handle for its scale.
-fn modes(manipulation: Manipulation, shape: &Shape) -> EnumSet<GizmoMode> {
-    match manipulation {
-        Manipulation::Move => GizmoMode::all_translate(),
-        Manipulation::Rotate => GizmoMode::all_rotate(),
-        Manipulation::Scale if matches!(shape, Shape::Sphere { .. }) => enum_set!(GizmoMode::ScaleUniform),
-        Manipulation::Scale => GizmoMode::all_scale(),
-    }
-}
-
 /// 1, 2 or 5 times a power of ten, near `size`.
 fn round_step(size: f64) -> f64 {
     let decade = objects::decade(size);
@@ -161,13 +143,12 @@ impl Handles {
         }
         let held = self.grip.as_ref().map(|grip| grip.manipulation);
         let wanted = held.or(state.settings.handles);
-        let (Some((name, object)), Some(sight), Some(manipulation)) =
-            (state.selected_object(), Sight::of(state), wanted)
+        let (Some(object), Some(sight), Some(manipulation)) = (state.selected_object(), Sight::of(state), wanted)
         else {
             self.pane = None;
             return false;
         };
-        let pivot = objects::pivot(object.shape);
+        let pivot = objects::pivot(&object.shape);
         let place = object.transform.matrix().transform_point3(pivot);
         if sight.film(place).is_none() && held.is_none() {
             self.pane = None;
@@ -181,20 +162,20 @@ impl Handles {
         };
         self.pane = Some(index);
         let unit = self.grip.as_ref().map_or_else(|| place.distance(sight.camera.position), |grip| grip.unit);
-        let config = config(ui, state, &sight, &panes[index], manipulation, object.shape, unit);
+        let config = config(ui, state, &sight, &panes[index], manipulation, &object.shape, unit);
         self.gizmo.update_config(config);
-        let target = target(&object, (place - sight.camera.position) / unit);
+        let target = target(object, (place - sight.camera.position) / unit);
 
         let starts = held.is_none() && response.drag_started_by(PointerButton::Primary);
         if starts && let Some(press) = press {
             // The handle under the place where the button went down, from which the pointer has moved away since.
-            let interaction = interaction(press, true, true, true);
-            if self.gizmo.update(interaction, &[target]).is_none() && !self.gizmo.is_focused() {
+            if self.gizmo.update(interaction(press, true, true, true), &[target]).is_none() && !self.gizmo.is_focused()
+            {
                 return false;
             }
             commands.push(Command::BeginDrag);
             self.grip = Some(Grip {
-                object: name.to_owned(),
+                object: object.name.clone(),
                 manipulation,
                 start: object.transform,
                 pivot,
@@ -223,10 +204,10 @@ impl Handles {
 
     /// Paints the selected object's box and its handles over a pane.
     pub(super) fn paint(&self, painter: &Painter, state: &State, panes: &[Pane], index: usize) {
-        let (Some((_, object)), Some(sight)) = (state.selected_object(), Sight::of(state)) else { return };
+        let (Some(object), Some(sight)) = (state.selected_object(), Sight::of(state)) else { return };
         let window = film_window(state.view.zoom, state.view.zoom_center);
         let screen = |place: DVec3| Some(screen_from_film(panes[index].picture, window, sight.film(place)?));
-        paint_box(painter, &object, screen);
+        paint_box(painter, object, screen);
         let Some(pane) = self.pane.filter(|pane| *pane < panes.len()) else { return };
         // All panes have one size and one camera: the handles are the same but for their place.
         let offset = panes[index].picture.min - panes[pane].picture.min;
@@ -249,7 +230,7 @@ impl Handles {
             painter.add(Drawing::mesh(shadow));
         }
         painter.add(Drawing::mesh(mesh));
-        self.paint_letters(painter, &object, &sight, screen);
+        self.paint_letters(painter, object, &sight, screen);
         if let Some(grip) = self.grip.as_ref().filter(|grip| !grip.done.is_empty() && index == pane) {
             let place = object.transform.matrix().transform_point3(grip.pivot);
             if let Some(at) = screen(place) {
@@ -259,19 +240,13 @@ impl Handles {
     }
 
     /// Names of the axes beyond the tips of arrows and knobs.
-    fn paint_letters(
-        &self,
-        painter: &Painter,
-        object: &Object<'_>,
-        sight: &Sight,
-        screen: impl Fn(DVec3) -> Option<Pos2>,
-    ) {
+    fn paint_letters(&self, painter: &Painter, object: &Object, sight: &Sight, screen: impl Fn(DVec3) -> Option<Pos2>) {
         let config = self.gizmo.config();
         let has_axes = [GizmoMode::TranslateX, GizmoMode::ScaleX].into_iter().any(|mode| config.modes.contains(mode));
         if self.grip.is_some() || !has_axes {
             return;
         }
-        let place = object.transform.matrix().transform_point3(objects::pivot(object.shape));
+        let place = object.transform.matrix().transform_point3(objects::pivot(&object.shape));
         let depth = (place - sight.camera.position).dot(sight.camera.forward);
         let per_point = 2.0 * depth * sight.camera.tan_half_fov / f64::from(config.viewport.height());
         let axes = match config.orientation {
@@ -301,7 +276,7 @@ fn interaction(pos: Pos2, hovered: bool, drag_started: bool, dragging: bool) -> 
 }
 
 /// The object in the crate's space.
-fn target(object: &Object<'_>, place: DVec3) -> Target {
+fn target(object: &Object, place: DVec3) -> Target {
     let rotation = DQuat::from_mat3(&objects::rotation_of(&object.transform));
     Target {
         scale: mint::Vector3 { x: 1.0, y: 1.0, z: 1.0 },
@@ -370,9 +345,12 @@ fn config(
     unit: f64,
 ) -> GizmoConfig {
     let [view_matrix, projection_matrix] = sight.matrices();
-    let film = film_rect(state, pane);
-    let corner = |pos: Pos2| GizmoPos::new(pos.x, pos.y);
-    let viewport = transform_gizmo::Rect::from_min_max(corner(film.min), corner(film.max));
+    let window = film_window(state.view.zoom, state.view.zoom_center);
+    // Where the whole film would be on the screen if the pane did not cut it off.
+    let [min, max] = [Pos2::ZERO, egui::pos2(1.0, 1.0)]
+        .map(|corner| screen_from_film(pane.picture, window, corner))
+        .map(|pos| GizmoPos::new(pos.x, pos.y));
+    let viewport = transform_gizmo::Rect::from_min_max(min, max);
     let room = pane.visible.width().min(pane.visible.height());
     // A step is about a fortieth of what the picture shows at the object's distance.
     let seen = 2.0 * unit * sight.camera.tan_half_fov / f64::from(state.view.zoom);
@@ -381,7 +359,13 @@ fn config(
         view_matrix,
         projection_matrix,
         viewport,
-        modes: modes(manipulation, shape),
+        modes: match manipulation {
+            Manipulation::Move => GizmoMode::all_translate(),
+            Manipulation::Rotate => GizmoMode::all_rotate(),
+            // An analytic sphere has one handle for its scale.
+            Manipulation::Scale if matches!(shape, Shape::Sphere { .. }) => enum_set!(GizmoMode::ScaleUniform),
+            Manipulation::Scale => GizmoMode::all_scale(),
+        },
         mode_override: None,
         // A scale comes before the rotation, and so goes along the object's own axes.
         orientation: match manipulation {
@@ -409,10 +393,10 @@ fn config(
 }
 
 /// The corners of an object's box in its own axes.
-fn paint_box(painter: &Painter, object: &Object<'_>, screen: impl Fn(DVec3) -> Option<Pos2>) {
+fn paint_box(painter: &Painter, object: &Object, screen: impl Fn(DVec3) -> Option<Pos2>) {
     /// Share of each edge that is drawn at either end.
     const PART: f64 = 0.18;
-    let (min, max) = objects::bounds(object.shape);
+    let (min, max) = objects::bounds(&object.shape);
     let matrix = object.transform.matrix();
     let corner = |bits: usize| {
         let pick = |axis: usize| if bits & (1 << axis) == 0 { min[axis] } else { max[axis] };

@@ -1,6 +1,6 @@
 //! Where panes are, and how their pixels map to the film.
 
-use egui::{Pos2, Rect, Vec2, pos2, vec2};
+use egui::{Pos2, Rangef, Rect, Vec2, pos2, vec2};
 
 use crate::app::settings::Arrangement;
 
@@ -24,20 +24,13 @@ pub fn panes(area: Rect, count: usize, arrangement: Arrangement, divider: [f32; 
                 (area.left() + area.width() * divider[0]).round(),
                 (area.top() + area.height() * divider[1]).round(),
             );
-            let (left, right) = (area.left()..=cut.x, cut.x..=area.right());
-            let (top, bottom) = (area.top()..=cut.y, cut.y..=area.bottom());
-            let all = area.top()..=area.bottom();
-            let parts = match count {
-                1 => vec![area],
-                2 => vec![Rect::from_x_y_ranges(left, all.clone()), Rect::from_x_y_ranges(right, all)],
-                _ => vec![
-                    Rect::from_x_y_ranges(left.clone(), top.clone()),
-                    Rect::from_x_y_ranges(right.clone(), top),
-                    Rect::from_x_y_ranges(left, bottom.clone()),
-                    Rect::from_x_y_ranges(right, bottom),
-                ],
+            let parts = |all: Rangef, cut: f32, is_cut: bool| {
+                if is_cut { vec![Rangef::new(all.min, cut), Rangef::new(cut, all.max)] } else { vec![all] }
             };
-            parts.into_iter().map(|visible| Pane { picture: area, visible }).collect()
+            let columns = parts(area.x_range(), cut.x, count > 1);
+            let rows = parts(area.y_range(), cut.y, count > 2);
+            let all = rows.iter().flat_map(|row| columns.iter().map(|column| Rect::from_x_y_ranges(*column, *row)));
+            all.map(|visible| Pane { picture: area, visible }).collect()
         }
         Arrangement::Tiles => {
             // Two panes lie along the longer side.

@@ -5,8 +5,8 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Ui, Vec2, pos2, vec2};
 use super::layout::Pane;
 use crate::app::develop::Source;
 use crate::app::state::State;
-use crate::app::theme;
 use crate::app::theme::over_pictures::{GROUND, TEXT, WEAK};
+use crate::app::theme::{self, opaque};
 use crate::render::surfaces::{SurfaceQuantity, Tint, confidence_color, faces_along};
 use crate::scene::camera::Camera;
 
@@ -18,11 +18,6 @@ const SHARE: Vec2 = vec2(0.6, 0.5);
 /// Lines of what is under the pointer.
 const MOST_FACES: usize = 8;
 
-fn color(tint: Tint) -> Color32 {
-    let [r, g, b] = tint.color();
-    Color32::from_rgb(r, g, b)
-}
-
 /// In the lower right corner of `room`, or in the lower left one where the pane's label is in the way.
 pub(super) fn show(ui: &Ui, state: &State, source: &Source, quantity: SurfaceQuantity, room: Rect, at_left: bool) {
     let (Some(painted), Some(report)) = (&source.painted, &state.report) else { return };
@@ -30,16 +25,12 @@ pub(super) fn show(ui: &Ui, state: &State, source: &Source, quantity: SurfaceQua
         return;
     }
     let painter = ui.painter();
-    let place = |size: Vec2| {
-        let left = if at_left { room.left() } else { room.right() - size.x };
-        Rect::from_min_size(pos2(left, room.bottom() - size.y), size)
-    };
     if quantity == SurfaceQuantity::Confidence {
         let least = painted.painting.seen.iter().filter_map(|(tint, _)| match tint {
             Tint::Confidence(percent) => Some(*percent),
             _ => None,
         });
-        paint_scale(painter, place(vec2(210.0f32.min(room.width()), 38.0)), least.min());
+        paint_scale(painter, in_corner(room, vec2(210.0f32.min(room.width()), 38.0), at_left), least.min());
         return;
     }
     let font = egui::TextStyle::Small.resolve(ui.style());
@@ -55,7 +46,8 @@ pub(super) fn show(ui: &Ui, state: &State, source: &Source, quantity: SurfaceQua
         job.wrap = egui::text::TextWrapping::truncate_at_width(width);
         painter.layout_job(job)
     };
-    let mut rows: Vec<_> = tints.iter().map(|tint| (Some(color(*tint)), fit(tint.label(&report.prepared)))).collect();
+    let mut rows: Vec<_> =
+        tints.iter().map(|tint| (Some(opaque(tint.color())), fit(tint.label(&report.prepared)))).collect();
     if all.len() > count {
         rows.push((None, fit(format!("and {} more", all.len() - count))));
     }
@@ -63,7 +55,8 @@ pub(super) fn show(ui: &Ui, state: &State, source: &Source, quantity: SurfaceQua
         rows.push((None, fit("no refractor in sight".to_owned())));
     }
     let widest = rows.iter().map(|(_, galley)| galley.size().x).fold(0.0, f32::max);
-    let frame = place(vec2(widest + SWATCH + 6.0, rows.len() as f32 * ROW) + Vec2::splat(2.0 * PADDING));
+    let size = vec2(widest + SWATCH + 6.0, rows.len() as f32 * ROW) + Vec2::splat(2.0 * PADDING);
+    let frame = in_corner(room, size, at_left);
     painter.rect_filled(frame, 5.0, GROUND);
     for (index, (color, galley)) in rows.into_iter().enumerate() {
         let center = frame.top() + PADDING + (index as f32 + 0.5) * ROW;
@@ -76,16 +69,26 @@ pub(super) fn show(ui: &Ui, state: &State, source: &Source, quantity: SurfaceQua
     }
 }
 
+/// `size` in the lower right corner of `room`, or in the lower left one.
+pub(super) fn in_corner(room: Rect, size: Vec2, at_left: bool) -> Rect {
+    let left = if at_left { room.left() } else { room.right() - size.x };
+    Rect::from_min_size(pos2(left, room.bottom() - size.y), size)
+}
+
+/// A scale of colours, from 0 at the left to 1 at the right.
+pub(super) fn paint_bar(painter: &Painter, bar: Rect, color: impl Fn(f32) -> Color32) {
+    for step in 0..60 {
+        let x = bar.left() + bar.width() * step as f32 / 60.0;
+        let slice = Rect::from_min_size(pos2(x, bar.top()), vec2(bar.width() / 60.0 + 0.5, bar.height()));
+        painter.rect_filled(slice, 0.0, color(step as f32 / 59.0));
+    }
+}
+
 /// From "half of the rays agree" to "all do", with a mark at the least that is in sight.
 fn paint_scale(painter: &Painter, frame: Rect, least: Option<u8>) {
     painter.rect_filled(frame, 5.0, GROUND);
     let bar = Rect::from_min_size(frame.min + vec2(10.0, 9.0), vec2(frame.width() - 20.0, 8.0));
-    for step in 0..60 {
-        let [r, g, b] = confidence_color(step as f32 / 59.0);
-        let x = bar.left() + bar.width() * step as f32 / 60.0;
-        let slice = Rect::from_min_size(pos2(x, bar.top()), vec2(bar.width() / 60.0 + 0.5, bar.height()));
-        painter.rect_filled(slice, 0.0, Color32::from_rgb(r, g, b));
-    }
+    paint_bar(painter, bar, |part| opaque(confidence_color(part)));
     let font = FontId::monospace(10.0);
     let ends = [(bar.left(), Align2::LEFT_TOP, "50 %"), (bar.right(), Align2::RIGHT_TOP, "100 %")];
     for (x, align, text) in ends {
@@ -96,13 +99,8 @@ fn paint_scale(painter: &Painter, frame: Rect, least: Option<u8>) {
         for (width, color) in [(4.0, Color32::BLACK), (2.0, Color32::WHITE)] {
             painter.vline(x, bar.y_range().expand(2.0), egui::Stroke::new(width, color));
         }
-        painter.text(
-            pos2(bar.center().x, bar.bottom() + 3.0),
-            Align2::CENTER_TOP,
-            format!("least {least} %"),
-            font,
-            TEXT,
-        );
+        let below = pos2(bar.center().x, bar.bottom() + 3.0);
+        painter.text(below, Align2::CENTER_TOP, format!("least {least} %"), font, TEXT);
     }
 }
 

@@ -8,6 +8,7 @@ mod overlay;
 mod tools;
 mod values;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use egui::{Color32, Rect, Sense, TextureHandle, TextureOptions, Ui, Vec2};
@@ -15,41 +16,39 @@ use egui::{Color32, Rect, Sense, TextureHandle, TextureOptions, Ui, Vec2};
 use self::layout::{Pane, film_window, panes};
 pub use self::overlay::{content_menu_ui, event_meaning, event_name};
 pub use self::values::pixel_at;
-use super::Shown;
 use super::command::Command;
-use super::develop::{Picture, Source};
+use super::develop::{About, Picture, Source};
 use super::graphics::film_size;
 use super::settings::{Arrangement, DifferenceKind, PaneContent};
 use super::state::State;
 use super::theme::Palette;
 use crate::session::Snapshot;
+use crate::tracking::Mode;
 
 /// The pictures on the graphics card.
 #[derive(Default)]
 pub struct Viewport {
-    shown: Shown<Shot>,
+    shown: BTreeMap<PaneContent, Shot>,
     drag: Option<input::Drag>,
     handles: handles::Handles,
     /// Where the pointer is over a pane, in [0, 1]² of the film.
-    pointer: Option<[f64; 2]>,
+    pub pointer: Option<[f64; 2]>,
 }
 
 /// One picture.
 struct Shot {
     texture: TextureHandle,
-    source: Source,
-    mean_difference: Option<(DifferenceKind, f64)>,
-    flip: Option<Arc<Vec<f32>>>,
+    about: About,
 }
 
 impl Viewport {
     /// Uploads new pictures. Those of epochs before `floor` belong to another scene and are dropped.
-    pub fn upload(&mut self, ctx: &egui::Context, pictures: Shown<Picture>, floor: u64) {
+    pub fn upload(&mut self, ctx: &egui::Context, pictures: BTreeMap<PaneContent, Picture>, floor: u64) {
         for (content, picture) in pictures {
-            if picture.source.epochs().any(|epoch| epoch < floor) {
+            if picture.about.source.epochs().any(|epoch| epoch < floor) {
                 continue;
             }
-            let is_preview = picture.source.is_preview();
+            let is_preview = picture.about.source.is_preview();
             let options = TextureOptions {
                 // Pixels of a finished picture stay pixels when one zooms in; previews are smoothed.
                 magnification: if is_preview { egui::TextureFilter::Linear } else { egui::TextureFilter::Nearest },
@@ -59,14 +58,11 @@ impl Viewport {
             match self.shown.get_mut(&content) {
                 Some(shot) => {
                     shot.texture.set(picture.image, options);
-                    shot.source = picture.source;
-                    shot.mean_difference = picture.mean_difference;
-                    shot.flip = picture.flip;
+                    shot.about = picture.about;
                 }
                 None => {
                     let texture = ctx.load_texture(content.to_string(), picture.image, options);
-                    let Picture { source, mean_difference, flip, .. } = picture;
-                    self.shown.insert(content, Shot { texture, source, mean_difference, flip });
+                    self.shown.insert(content, Shot { texture, about: picture.about });
                 }
             }
         }
@@ -79,33 +75,26 @@ impl Viewport {
 
     /// What the picture of `content` was made from; empty before the first one.
     pub fn source(&self, content: PaneContent) -> Source {
-        self.shown.get(&content).map(|shot| shot.source.clone()).unwrap_or_default()
+        self.shown.get(&content).map(|shot| shot.about.source.clone()).unwrap_or_default()
     }
 
-    /// The films that the picture of `content` was made from; empty before the first one, and for painted surfaces.
-    pub fn films(&self, content: PaneContent) -> Vec<Arc<Snapshot>> {
-        self.source(content).films
-    }
-
-    /// Where the pointer is over a pane, in [0, 1]² of the film.
-    pub fn pointer(&self) -> Option<[f64; 2]> {
-        self.pointer
+    /// The film of a mode in the first picture that was made from one.
+    pub fn film(&self, state: &State, mode: Mode) -> Option<&Arc<Snapshot>> {
+        let shots = state.settings.shown_panes().iter().filter_map(|content| self.shown.get(content));
+        shots.flat_map(|shot| &shot.about.source.films).find(|film| film.mode == mode)
     }
 
     /// How the difference that `content` shows is coloured, and its mean; `None` where there is none of `epoch`.
     pub fn difference(&self, content: PaneContent, epoch: u64) -> Option<(DifferenceKind, f64)> {
         let shot = self.shown.get(&content)?;
-        shot.mean_difference.filter(|_| shot.source.epochs().all(|shown| shown == epoch))
+        shot.about.mean_difference.filter(|_| shot.about.source.epochs().all(|shown| shown == epoch))
     }
 
     /// What is said of the pixel under the pointer in pane `index`, line by line.
     pub fn values(&self, index: usize, state: &State) -> Vec<String> {
         let content = state.settings.panes[index];
         match (self.shown.get(&content), self.pointer) {
-            (Some(shot), Some(point)) => {
-                let flip = shot.flip.as_deref().map(Vec::as_slice);
-                values::lines(content, &shot.source, flip, state.settings.difference, point)
-            }
+            (Some(shot), Some(point)) => values::lines(content, &shot.about, state.settings.difference, point),
             _ => Vec::new(),
         }
     }
@@ -133,7 +122,7 @@ impl Viewport {
         self.shown.retain(|content, shot| {
             // The next reference image takes a while: until then an error is not of this picture.
             let is_stale = matches!(content, PaneContent::Error(_))
-                && (!state.measurement.is_on() || shot.source.epochs().any(|epoch| epoch != state.epoch()));
+                && (!state.measurement.is_on() || shot.about.source.epochs().any(|epoch| epoch != state.epoch()));
             state.settings.shown_panes().contains(content) && !is_stale
         });
 
@@ -145,13 +134,8 @@ impl Viewport {
         }
         self.paint_dividers(ui, state, &panes);
         for (index, pane) in panes.iter().enumerate() {
-            let content = state.settings.panes[index];
-            let shot = overlay::Shot {
-                content,
-                source: &self.source(content),
-                mean_difference: self.shown.get(&content).and_then(|shot| shot.mean_difference),
-            };
-            overlay::pane_ui(ui, state, &shot, index, *pane, commands);
+            let shot = self.shown.get(&state.settings.panes[index]);
+            overlay::pane_ui(ui, state, shot.map_or(&About::default(), |shot| &shot.about), index, *pane, commands);
         }
         if let Some(pos) = response.hover_pos().filter(|_| self.drag.is_none())
             && let Some(index) = panes.iter().position(|pane| pane.visible.contains(pos))
@@ -199,7 +183,7 @@ impl Viewport {
             let palette = Palette::of(ui);
             let is_error = matches!(state.settings.panes[index], PaneContent::Error(_));
             let text = match () {
-                () if !state.has_scene() => "Opening the scene…",
+                () if !state.has_scene => "Opening the scene…",
                 () if state.report.is_none() => "Preparing the scene…",
                 () if is_error && !state.measurement.is_on() => "No reference image: make one in the tab Measure",
                 () if is_error => "Waiting for the reference image…",

@@ -6,31 +6,22 @@ use egui::{Align2, Button, Color32, Painter, Pos2, Rect, Stroke, TextFormat, Ui,
 use super::layout::{Pane, film_window, screen_from_film};
 use super::legend;
 use crate::app::command::Command;
-use crate::app::develop::{Source, difference_color, flip_color};
-use crate::app::files::total_events;
+use crate::app::develop::{About, Source, difference_color, flip_color};
 use crate::app::settings::{Arrangement, DifferenceKind, PaneContent, mode_title};
 use crate::app::state::State;
 use crate::app::theme::over_pictures::{ALERT, GROUND, TEXT, WEAK};
 use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
 use crate::app::widgets::short_count;
 use crate::render::surfaces::SurfaceQuantity;
-use crate::tracking::Mode;
+use crate::tracking::{Events, Mode};
 
 const MARGIN: f32 = 8.0;
-
-/// What a pane shows.
-pub(super) struct Shot<'a> {
-    pub content: PaneContent,
-    pub source: &'a Source,
-    /// As in [`crate::app::develop::Picture`].
-    pub mean_difference: Option<(DifferenceKind, f64)>,
-}
 
 /// A pane's label, with the menu that chooses what it shows, and its legend.
 pub(super) fn pane_ui(
     ui: &mut Ui,
     state: &State,
-    shot: &Shot<'_>,
+    about: &About,
     index: usize,
     pane: Pane,
     commands: &mut Vec<Command>,
@@ -41,20 +32,16 @@ pub(super) fn pane_ui(
     }
     // In a wipe the labels go to the outer corners, where the divider reaches them last.
     let [to_right, to_bottom] = label_corner(state, index);
-    let align = match (to_right, to_bottom) {
-        (false, false) => egui::Layout::top_down(egui::Align::Min),
-        (true, false) => egui::Layout::top_down(egui::Align::Max),
-        (false, true) => egui::Layout::bottom_up(egui::Align::Min),
-        (true, true) => egui::Layout::bottom_up(egui::Align::Max),
-    };
-    let mut child = ui.new_child(UiBuilder::new().max_rect(room).layout(align).id_salt(("label", index)));
+    let align = if to_right { egui::Align::Max } else { egui::Align::Min };
+    let layout = if to_bottom { egui::Layout::bottom_up(align) } else { egui::Layout::top_down(align) };
+    let mut child = ui.new_child(UiBuilder::new().max_rect(room).layout(layout).id_salt(("label", index)));
     child.set_clip_rect(pane.visible.intersect(ui.clip_rect()));
-    label_ui(&mut child, state, shot, index, commands);
+    label_ui(&mut child, state, about, index, commands);
 
-    match shot.content {
+    match state.settings.panes[index] {
         PaneContent::Difference(..) | PaneContent::Error(_) => paint_legend(ui, state, room, to_right && to_bottom),
         PaneContent::Surfaces(quantity) => {
-            legend::show(ui, state, shot.source, quantity, room, to_right && to_bottom);
+            legend::show(ui, state, &about.source, quantity, room, to_right && to_bottom);
         }
         PaneContent::Mode(_) => {}
     }
@@ -66,17 +53,16 @@ pub(super) fn label_corner(state: &State, index: usize) -> [bool; 2] {
     [is_wipe && index % 2 == 1, is_wipe && index >= 2]
 }
 
-fn label_ui(ui: &mut Ui, state: &State, shot: &Shot<'_>, index: usize, commands: &mut Vec<Command>) {
-    let Shot { content, source, mean_difference } = *shot;
+fn label_ui(ui: &mut Ui, state: &State, about: &About, index: usize, commands: &mut Vec<Command>) {
+    let About { source, mean_difference, .. } = about;
+    let content = state.settings.panes[index];
     let films = &source.films[..];
     let job = label_text(ui, source, content);
     let button =
         Button::new(job).fill(GROUND).stroke(Stroke::NONE).corner_radius(5).min_size(vec2(0.0, 24.0)).truncate();
     let name = format!("Pane {}: {content}", index + 1);
     let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
-        if let Some(content) = content_menu_ui(ui, content) {
-            commands.push(Command::SetPaneContent(index, content));
-        }
+        commands.extend(content_menu_ui(ui, content).map(|new| Command::SetPaneContent(index, new)));
     });
     let hint = match content {
         PaneContent::Mode(mode) => mode.about().to_owned(),
@@ -85,15 +71,14 @@ fn label_ui(ui: &mut Ui, state: &State, shot: &Shot<'_>, index: usize, commands:
             format!("The luminance of {a} less that of {b}, at the display's exposure.")
         }
         PaneContent::Error(mode) => {
-            format!(
-                "The luminance of {} less that of the reference image, at the display's exposure.",
-                mode_title(mode)
-            )
+            let mode = mode_title(mode);
+            format!("The luminance of {mode} less that of the reference image, at the display's exposure.")
         }
         PaneContent::Surfaces(quantity) => quantity.about().to_owned(),
     };
     response.accessible_name(name).on_hover_text(format!("{hint}\nClick to show something else in this pane."));
-    let events = total_events(films);
+    let mut events = Events::default();
+    films.iter().for_each(|film| events += film.events);
     if events.total() > 0 && matches!(content, PaneContent::Mode(_)) {
         let (kind, count) = events.named().into_iter().max_by_key(|(_, count)| *count).unwrap_or_default();
         let samples = films.iter().map(|f| f.samples_per_second() * f.seconds).sum::<f64>().max(1.0);
@@ -107,7 +92,7 @@ fn label_ui(ui: &mut Ui, state: &State, shot: &Shot<'_>, index: usize, commands:
             commands.push(Command::ShowTab(crate::app::settings::Tab::Render));
         }
     }
-    if let Some((kind, mean)) = mean_difference {
+    if let Some((kind, mean)) = *mean_difference {
         let text = if mean == 0.0 { "identical".to_owned() } else { format!("mean {mean:.3e}") };
         let text = egui::RichText::new(text).text_style(theme::small_mono_style()).color(WEAK);
         let chip = Button::new(text).fill(GROUND).stroke(Stroke::NONE).corner_radius(5).min_size(Vec2::ZERO).truncate();
@@ -164,6 +149,11 @@ fn label_text(ui: &Ui, source: &Source, content: PaneContent) -> LayoutJob {
 /// The entries that choose what a pane shows.
 pub fn content_menu_ui(ui: &mut Ui, shown: PaneContent) -> Option<PaneContent> {
     let mut chosen = None;
+    let mut entry = |response: egui::Response, content: PaneContent| {
+        if response.clicked() {
+            chosen = Some(content);
+        }
+    };
     let palette = Palette::of(ui);
     for mode in Mode::ALL {
         let content = PaneContent::Mode(mode);
@@ -172,25 +162,19 @@ pub fn content_menu_ui(ui: &mut Ui, shown: PaneContent) -> Option<PaneContent> {
         job.append(DOT, 0.0, TextFormat::simple(body.clone(), palette.mode(mode)));
         job.append(mode_title(mode), 6.0, TextFormat::simple(body, ui.visuals().text_color()));
         let response = ui.add(Button::selectable(shown == content, job).min_size(vec2(130.0, 0.0)));
-        if response.accessible_name(mode_title(mode)).on_hover_text(mode.about()).clicked() {
-            chosen = Some(content);
-        }
+        entry(response.accessible_name(mode_title(mode)).on_hover_text(mode.about()), content);
     }
     ui.separator();
     ui.menu_button("surfaces", |ui| {
         for quantity in SurfaceQuantity::ALL {
             let content = PaneContent::Surfaces(quantity);
             let response = ui.selectable_label(shown == content, quantity.name());
-            if response.on_hover_text(quantity.about()).clicked() {
-                chosen = Some(content);
-            }
+            entry(response.on_hover_text(quantity.about()), content);
         }
     });
     ui.menu_button("difference", |ui| {
         for content in PaneContent::differences() {
-            if ui.selectable_label(shown == content, content.to_string()).clicked() {
-                chosen = Some(content);
-            }
+            entry(ui.selectable_label(shown == content, content.to_string()), content);
         }
     });
     ui.menu_button("error", |ui| {
@@ -199,9 +183,7 @@ pub fn content_menu_ui(ui: &mut Ui, shown: PaneContent) -> Option<PaneContent> {
             let response = ui.selectable_label(shown == content, content.to_string());
             let hint =
                 "Against a reference image, which is made in the background if there is none yet: see the tab Measure.";
-            if response.on_hover_text(hint).clicked() {
-                chosen = Some(content);
-            }
+            entry(response.on_hover_text(hint), content);
         }
     });
     if chosen.is_some() {
@@ -287,23 +269,16 @@ fn paint_legend(ui: &Ui, state: &State, room: Rect, at_left: bool) {
     }
     let painter = ui.painter();
     let size = vec2(BAR.x + 20.0, LEGEND_HEIGHT);
-    let left = if at_left { room.left() } else { room.right() - size.x };
-    let frame = Rect::from_min_size(pos2(left, room.bottom() - size.y), size);
+    let frame = legend::in_corner(room, size, at_left);
     painter.rect_filled(frame, 5.0, GROUND);
     let bar = Rect::from_min_size(frame.min + vec2(10.0, 8.0), BAR);
     let kind = state.settings.difference;
     let is_signed = kind == DifferenceKind::Signed;
-    for step in 0..60 {
-        let part = step as f32 / 59.0;
-        let value = if is_signed { 2.0 * part - 1.0 } else { part };
-        let x = bar.left() + BAR.x * step as f32 / 60.0;
-        let slice = Rect::from_min_size(pos2(x, bar.top()), vec2(BAR.x / 60.0 + 0.5, BAR.y));
-        let color = match kind {
-            DifferenceKind::Flip => flip_color(value),
-            _ => difference_color(value, is_signed),
-        };
-        painter.rect_filled(slice, 0.0, color);
-    }
+    legend::paint_bar(painter, bar, |part| match kind {
+        DifferenceKind::Flip => flip_color(part),
+        DifferenceKind::Signed => difference_color(2.0 * part - 1.0, true),
+        DifferenceKind::Absolute => difference_color(part, false),
+    });
     let end = if kind == DifferenceKind::Flip { 0.0 } else { f64::from(-state.settings.display.exposure) };
     let end = end.exp2();
     let font = egui::FontId::monospace(10.0);
@@ -335,10 +310,8 @@ pub(super) fn area_ui(ui: &Ui, state: &State, area: Rect) {
         let text = format!("{:.0} %   Z: whole picture", state.view.zoom * 100.0);
         let font = theme::small_mono_style().resolve(ui.style());
         let galley = ui.painter().layout_no_wrap(text, font, TEXT);
-        let frame = Rect::from_min_size(
-            pos2(area.left() + MARGIN, area.bottom() - MARGIN - galley.size().y - 8.0),
-            galley.size() + vec2(16.0, 8.0),
-        );
+        let corner = area.left_bottom() + vec2(MARGIN, -MARGIN - galley.size().y - 8.0);
+        let frame = Rect::from_min_size(corner, galley.size() + vec2(16.0, 8.0));
         ui.painter().rect_filled(frame, 5.0, GROUND);
         ui.painter().galley(frame.min + vec2(8.0, 4.0), galley, TEXT);
     }

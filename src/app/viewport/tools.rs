@@ -34,14 +34,12 @@ pub(super) fn show(ui: &mut Ui, state: &State, pane: &Pane, commands: &mut Vec<C
         response.widget_info(|| {
             egui::WidgetInfo::selected(egui::Role::Button, true, is_on, format!("{name} in the picture"))
         });
-        let (keys, what) = match manipulation {
-            Manipulation::Move => (keys::MOVE, "Arrows, squares and a ring to move it"),
-            Manipulation::Rotate => (keys::ROTATE, "Rings to rotate it about its middle"),
-            Manipulation::Scale => {
-                (keys::SCALE, "Knobs to scale it along its own axes; spheres have a ring for all axes")
-            }
+        let what = match manipulation {
+            Manipulation::Move => "Arrows, squares and a ring to move it",
+            Manipulation::Rotate => "Rings to rotate it about its middle",
+            Manipulation::Scale => "Knobs to scale it along its own axes; spheres have a ring for all axes",
         };
-        let keys = ui.ctx().format_shortcut(&keys);
+        let keys = ui.ctx().format_shortcut(&keys::of(manipulation));
         let response = response.on_hover_text(format!(
             "{name} ({keys}): {what}.\nCtrl: in steps. Esc: give a drag up. Click again: no handles."
         ));

@@ -3,7 +3,7 @@
 use egui::{Color32, Painter, Pos2, Rect, Stroke, Ui, Vec2, pos2, vec2};
 
 use super::layout::{Pane, film_window, screen_from_film};
-use crate::app::develop::Source;
+use crate::app::develop::About;
 use crate::app::settings::{DifferenceKind, PaneContent};
 use crate::app::state::State;
 use crate::app::theme;
@@ -20,14 +20,9 @@ pub fn pixel_at(size: [u32; 2], point: [f64; 2]) -> Option<[u32; 2]> {
     (0..2).all(|i| pixel[i] >= 0.0 && pixel[i] < f64::from(size[i])).then(|| pixel.map(|x| x as u32))
 }
 
-/// The lines that say what `source` holds at `point`; none for surfaces, before there is an image, and outside of it.
-pub fn lines(
-    content: PaneContent,
-    source: &Source,
-    flip: Option<&[f32]>,
-    kind: DifferenceKind,
-    point: [f64; 2],
-) -> Vec<String> {
+/// The lines that say what a picture shows at `point`; none for surfaces, before there is an image, and outside of it.
+pub fn lines(content: PaneContent, about: &About, kind: DifferenceKind, point: [f64; 2]) -> Vec<String> {
+    let source = &about.source;
     let Some(film) = source.films.first() else { return Vec::new() };
     let Some([x, y]) = pixel_at(film.size, point) else { return Vec::new() };
     let index = y as usize * film.size[0] as usize + x as usize;
@@ -47,7 +42,7 @@ pub fn lines(
         last += &format!(" ± {}", number(0.5 * (luminance(*a) - luminance(*b)).abs(), false).trim_start());
     }
     if kind == DifferenceKind::Flip
-        && let Some(flip) = flip.and_then(|flip| flip.get(index))
+        && let Some(flip) = about.flip.as_ref().and_then(|flip| flip.get(index))
     {
         last += &format!("  FLIP {flip:.3}");
     }
@@ -105,43 +100,31 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::app::develop::Source;
     use crate::session::{Halves, Snapshot};
-    use crate::tracking::Events;
     use crate::tracking::Mode;
-
-    fn film(mode: Mode, rgb: [[f32; 3]; 4]) -> Arc<Snapshot> {
-        Arc::new(Snapshot {
-            epoch: 1,
-            mode,
-            size: [2, 2],
-            full_size: [2, 2],
-            rgb: rgb.to_vec(),
-            samples: 1,
-            events: Events::default(),
-            seconds: 1.0,
-            is_done: false,
-        })
-    }
 
     #[test]
     fn the_numbers_are_those_of_the_pixel() {
         let black = [0.0; 3];
-        let a = film(Mode::Stack, [black, black, [0.5, 0.25, 0.125], black]);
-        let b = film(Mode::Rectified, [black, black, [0.5, 0.5, 0.5], black]);
+        let a = Snapshot::of(Mode::Stack, [2, 2], vec![black, black, [0.5, 0.25, 0.125], black]);
+        let b = Snapshot::of(Mode::Rectified, [2, 2], vec![black, black, [0.5; 3], black]);
         let below_left = [0.2, 0.7];
-        let source = Source { films: vec![Arc::clone(&a)], ..Source::default() };
-        let texts = lines(PaneContent::Mode(Mode::Stack), &source, None, DifferenceKind::Signed, below_left);
+        let about = |source: Source| About { source, ..About::default() };
+        let source = about(Source { films: vec![Arc::clone(&a)], ..Source::default() });
+        let texts = lines(PaneContent::Mode(Mode::Stack), &source, DifferenceKind::Signed, below_left);
         assert_eq!(texts, ["RGB 0.5000 0.2500 0.1250", "Y   0.2941"]);
-        let pair = Source { films: vec![Arc::clone(&a), b], ..Source::default() };
+        let mut pair = about(Source { films: vec![Arc::clone(&a), b], ..Source::default() });
+        pair.flip = Some(Arc::new(vec![0.0, 0.0, 0.75, 0.0]));
         let content = PaneContent::Difference(Mode::Stack, Mode::Rectified);
-        let texts = lines(content, &pair, Some(&[0.0, 0.0, 0.75, 0.0]), DifferenceKind::Flip, below_left);
+        let texts = lines(content, &pair, DifferenceKind::Flip, below_left);
         assert_eq!(texts, ["ΔRGB 0.0000 −0.2500 −0.3750", "ΔY   −0.2059  FLIP 0.750"]);
         let halves = [vec![black, black, [0.4; 3], black], vec![black, black, [0.6; 3], black]];
         let truth = Halves { size: [2, 2], samples: 1, rgb: halves, mean: vec![black, black, [0.5; 3], black] };
-        let error = Source { films: vec![a], truth: Some(Arc::new(truth)), ..Source::default() };
-        let texts = lines(PaneContent::Error(Mode::Stack), &error, None, DifferenceKind::Signed, below_left);
+        let error = about(Source { films: vec![a], truth: Some(Arc::new(truth)), ..Source::default() });
+        let texts = lines(PaneContent::Error(Mode::Stack), &error, DifferenceKind::Signed, below_left);
         assert_eq!(texts[1], "ΔY   −0.2059 ± 0.1000");
-        assert!(lines(PaneContent::Mode(Mode::Stack), &source, None, DifferenceKind::Signed, [1.0, 0.5]).is_empty());
+        assert!(lines(PaneContent::Mode(Mode::Stack), &source, DifferenceKind::Signed, [1.0, 0.5]).is_empty());
     }
 
     #[test]

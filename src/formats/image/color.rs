@@ -8,17 +8,11 @@ use rayon::prelude::*;
 
 use crate::scene::LoadNote;
 
-/// CIE 1931 (x, y) of three primaries and of the white that equal parts of them make.
+/// CIE 1931 (x, y) of red, green, blue, and the white that equal parts of them make.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Chromaticities {
-    pub red: [f64; 2],
-    pub green: [f64; 2],
-    pub blue: [f64; 2],
-    pub white: [f64; 2],
-}
+pub(super) struct Chromaticities(pub [[f64; 2]; 4]);
 
-pub(super) const REC_709: Chromaticities =
-    Chromaticities { red: [0.64, 0.33], green: [0.30, 0.60], blue: [0.15, 0.06], white: [0.3127, 0.3290] };
+pub(super) const REC_709: Chromaticities = Chromaticities([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.3127, 0.3290]]);
 
 /// Differences below this are rounding in the file.
 const TOLERANCE: f64 = 5e-4;
@@ -30,41 +24,28 @@ const BRADFORD: DMat3 = DMat3::from_cols(
 );
 
 impl Chromaticities {
-    /// From eight numbers: x and y of red, green, blue and white.
-    pub fn new(values: [f64; 8]) -> Self {
-        let [rx, ry, gx, gy, bx, by, wx, wy] = values;
-        Self { red: [rx, ry], green: [gx, gy], blue: [bx, by], white: [wx, wy] }
-    }
-
-    fn points(&self) -> [[f64; 2]; 4] {
-        [self.red, self.green, self.blue, self.white]
-    }
-
     fn is_near(&self, other: &Self) -> bool {
-        let pairs = self.points().into_iter().flatten().zip(other.points().into_iter().flatten());
-        pairs.into_iter().all(|(a, b)| (a - b).abs() <= TOLERANCE)
+        self.0.iter().flatten().zip(other.0.iter().flatten()).all(|(a, b)| (a - b).abs() <= TOLERANCE)
     }
 
     /// The matrix that takes RGB to XYZ, with Y = 1 at white; `None` if these are no primaries.
     fn xyz_from_rgb(&self) -> Option<DMat3> {
-        if self.points().iter().any(|[x, y]| !x.is_finite() || !y.is_finite()) || self.white[1].abs() < 1e-6 {
+        let [red, green, blue, white] = self.0;
+        if self.0.iter().flatten().any(|x| !x.is_finite()) || white[1].abs() < 1e-6 {
             return None;
         }
         // Each primary up to its intensity: (x, y, z), which unlike XYZ / Y exists for y = 0 too, as that of ACES blue nearly is.
         let xyz = |[x, y]: [f64; 2]| DVec3::new(x, y, 1.0 - x - y);
-        let primaries = DMat3::from_cols(xyz(self.red), xyz(self.green), xyz(self.blue));
+        let primaries = DMat3::from_cols(xyz(red), xyz(green), xyz(blue));
         if primaries.determinant().abs() < 1e-9 {
             return None;
         }
-        let intensities = primaries.inverse() * (xyz(self.white) / self.white[1]);
+        let intensities = primaries.inverse() * (xyz(white) / white[1]);
         let matrix = primaries * DMat3::from_diagonal(intensities);
         (matrix.is_finite() && matrix.determinant().abs() > 1e-9).then_some(matrix)
     }
 
-    /// The matrix to Rec. 709; `None` if these are Rec. 709 already.
-    ///
-    /// # Errors
-    /// When no three lights have such chromaticities.
+    /// The matrix to Rec. 709; `None` if these are Rec. 709 already. An error: no three lights have such chromaticities.
     pub fn to_rec_709(self) -> Result<Option<DMat3>, &'static str> {
         const IMPOSSIBLE: &str = "are those of no three lights";
         if self.is_near(&REC_709) {
@@ -104,8 +85,7 @@ pub(super) fn convert(pixels: &mut [[f32; 3]], matrix: DMat3) {
 
 /// Says that colours were converted.
 pub(super) fn note(from: &str) -> LoadNote {
-    let message = format!("its colours were converted from {from} to Rec. 709");
-    LoadNote { kind: "converted_colors", count: 1, first_line: None, message }
+    LoadNote::new("converted_colors", 1, format!("its colours were converted from {from} to Rec. 709"))
 }
 
 #[cfg(test)]
@@ -130,13 +110,13 @@ mod tests {
     #[test]
     fn other_primaries() {
         // ITU-R BT.2087-0, the inverse of its matrix from BT.709 to BT.2020.
-        let rec_2020 = Chromaticities::new([0.708, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.3290]);
+        let rec_2020 = Chromaticities([[0.708, 0.292], [0.170, 0.797], [0.131, 0.046], [0.3127, 0.3290]]);
         let matrix = rec_2020.to_rec_709().unwrap().unwrap();
         assert!(near(matrix.row(0), [1.6605, -0.5876, -0.0728], 2e-4), "{matrix}");
         assert!(near(matrix.row(1), [-0.1246, 1.1329, -0.0083], 2e-4), "{matrix}");
         assert!(near(matrix.row(2), [-0.0182, -0.1006, 1.1187], 2e-4), "{matrix}");
         // ACES2065-1 under D60: published by the Academy, with Bradford adaptation.
-        let aces = Chromaticities::new([0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767]);
+        let aces = Chromaticities([[0.7347, 0.2653], [0.0, 1.0], [0.0001, -0.077], [0.32168, 0.33767]]);
         let matrix = aces.to_rec_709().unwrap().unwrap();
         assert!(near(matrix.row(0), [2.5217, -1.1341, -0.3876], 2e-3), "{matrix}");
         assert!(near(matrix * DVec3::ONE, [1.0; 3], 1e-9), "neutral must stay neutral: {matrix}");
@@ -144,8 +124,8 @@ mod tests {
 
     #[test]
     fn numbers_that_are_no_primaries() {
-        for values in [[0.0; 8], [f64::NAN; 8], [0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3]] {
-            assert!(Chromaticities::new(values).to_rec_709().is_err(), "{values:?}");
+        for value in [0.0, f64::NAN, 0.3] {
+            assert!(Chromaticities([[value; 2]; 4]).to_rec_709().is_err(), "{value}");
         }
     }
 }

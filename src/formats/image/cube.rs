@@ -15,9 +15,6 @@ use crate::scene::environment::EnvironmentImage;
 /// - 6 squares by 1 or 1 by 6 are a **strip** of faces if the picture breaks off where they meet (see [`is_strip`]). Its order and
 ///   orientations differ from program to program, so it is refused.
 /// - Anything else is stretched over the sphere, with a note unless it is twice as wide as high.
-///
-/// # Errors
-/// When the image is a strip.
 pub(super) fn unfold(image: &mut EnvironmentImage) -> Result<(), String> {
     let (width, height) = (image.width, image.height);
     let cross = [&HORIZONTAL, &VERTICAL].into_iter().find(|layout| {
@@ -25,15 +22,11 @@ pub(super) fn unfold(image: &mut EnvironmentImage) -> Result<(), String> {
     });
     if let Some(layout) = cross {
         *image = from_cross(image, layout);
-        image.notes.push(LoadNote {
-            kind: "converted_cross",
-            count: 1,
-            first_line: None,
-            message: format!(
-                "the environment image is a cube map unfolded into a cross, and was converted to latitude–longitude of {}×{} pixels",
-                image.width, image.height
-            ),
-        });
+        let message = format!(
+            "the environment image is a cube map unfolded into a cross, and was converted to latitude–longitude of {}×{} pixels",
+            image.width, image.height
+        );
+        image.notes.push(LoadNote::new("converted_cross", 1, message));
         return Ok(());
     }
     if (width == 6 * height || height == 6 * width) && is_strip(image) {
@@ -43,24 +36,22 @@ pub(super) fn unfold(image: &mut EnvironmentImage) -> Result<(), String> {
         ));
     }
     if width.abs_diff(2 * height) * 100 > height {
-        image.notes.push(LoadNote {
-            kind: "unusual_aspect",
-            count: 1,
-            first_line: None,
-            message: format!(
-                "the environment image has {width}×{height} pixels, but latitude–longitude images are twice as wide as high: it is \
-                 stretched over the whole sphere. A cube map, a mirror ball or a part of a panorama must be converted first"
-            ),
-        });
+        let message = format!(
+            "the environment image has {width}×{height} pixels, but latitude–longitude images are twice as wide as high: it is \
+             stretched over the whole sphere. A cube map, a mirror ball or a part of a panorama must be converted first"
+        );
+        image.notes.push(LoadNote::new("unusual_aspect", 1, message));
     }
     Ok(())
 }
 
-/// A cross: squares in columns and rows, six of them faces.
+/// A cross: squares in columns and rows, six of them faces. All continue one another, around the one that is looked at straight ahead (−z,
+/// the middle of a latitude–longitude image).
 struct Cross {
     columns: usize,
     rows: usize,
-    faces: [Face; 6],
+    /// The one that differs: right of the others, or below them, upside down.
+    behind: Face,
 }
 
 /// A face as seen from the middle of the cube: its pixel at (s, t) in [−1, 1]², to the right and down, lies in the direction
@@ -77,33 +68,23 @@ const fn face(column: usize, row: usize, forward: DVec3, right: DVec3, down: DVe
     Face { column, row, forward, right, down }
 }
 
-/// All faces continue one another, around the one that is looked at straight ahead (−z, the middle of a latitude–longitude image).
-const HORIZONTAL: Cross = Cross {
-    columns: 4,
-    rows: 3,
-    faces: [
-        face(1, 0, DVec3::Y, DVec3::X, DVec3::NEG_Z),
-        face(0, 1, DVec3::NEG_X, DVec3::NEG_Z, DVec3::NEG_Y),
-        face(1, 1, DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y),
-        face(2, 1, DVec3::X, DVec3::Z, DVec3::NEG_Y),
-        face(3, 1, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y),
-        face(1, 2, DVec3::NEG_Y, DVec3::X, DVec3::Z),
-    ],
-};
+/// Where they are in both crosses.
+const FACES: [Face; 5] = [
+    face(1, 0, DVec3::Y, DVec3::X, DVec3::NEG_Z),
+    face(0, 1, DVec3::NEG_X, DVec3::NEG_Z, DVec3::NEG_Y),
+    face(1, 1, DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y),
+    face(2, 1, DVec3::X, DVec3::Z, DVec3::NEG_Y),
+    face(1, 2, DVec3::NEG_Y, DVec3::X, DVec3::Z),
+];
 
-/// The face behind hangs from that below, upside down.
-const VERTICAL: Cross = Cross {
-    columns: 3,
-    rows: 4,
-    faces: [
-        face(1, 0, DVec3::Y, DVec3::X, DVec3::NEG_Z),
-        face(0, 1, DVec3::NEG_X, DVec3::NEG_Z, DVec3::NEG_Y),
-        face(1, 1, DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y),
-        face(2, 1, DVec3::X, DVec3::Z, DVec3::NEG_Y),
-        face(1, 2, DVec3::NEG_Y, DVec3::X, DVec3::Z),
-        face(1, 3, DVec3::Z, DVec3::X, DVec3::Y),
-    ],
-};
+const HORIZONTAL: Cross = Cross { columns: 4, rows: 3, behind: face(3, 1, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y) };
+const VERTICAL: Cross = Cross { columns: 3, rows: 4, behind: face(1, 3, DVec3::Z, DVec3::X, DVec3::Y) };
+
+impl Cross {
+    fn faces(&self) -> impl Iterator<Item = &Face> {
+        FACES.iter().chain([&self.behind])
+    }
+}
 
 /// Whether all of the squares that are no faces have one colour (but for the noise of JPEG, and a sixteenth at their edges, where it is
 /// strongest), while most of the faces have others: at least half of their pixels, in at least five of the six.
@@ -112,7 +93,7 @@ fn is_cross(image: &EnvironmentImage, layout: &Cross) -> bool {
     if side < 2 {
         return false;
     }
-    let is_face = |column, row| layout.faces.iter().any(|face| (face.column, face.row) == (column, row));
+    let is_face = |column, row| layout.faces().any(|face| (face.column, face.row) == (column, row));
     let background = image.pixels[side / 2 * image.width + side / 2];
     let is_background =
         |pixel: [f32; 3]| pixel.iter().zip(background).all(|(a, b)| (a - b).abs() <= 0.002 + 0.04 * b.abs());
@@ -127,7 +108,7 @@ fn is_cross(image: &EnvironmentImage, layout: &Cross) -> bool {
     if squares.clone().any(|(column, row)| !is_face(column, row) && others(column, row, side / 16) > 0) {
         return false;
     }
-    let filled: Vec<usize> = layout.faces.iter().map(|face| others(face.column, face.row, 0)).collect();
+    let filled: Vec<usize> = layout.faces().map(|face| others(face.column, face.row, 0)).collect();
     filled.iter().filter(|count| **count > 0).count() >= 5 && 2 * filled.iter().sum::<usize>() >= 6 * side * side
 }
 
@@ -174,7 +155,7 @@ fn from_cross(image: &EnvironmentImage, layout: &Cross) -> EnvironmentImage {
 fn look_up(image: &EnvironmentImage, layout: &Cross, direction: DVec3) -> [f32; 3] {
     let side = image.width / layout.columns;
     let ahead = |face: &Face| face.forward.dot(direction);
-    let face = layout.faces.iter().max_by(|a, b| ahead(a).total_cmp(&ahead(b))).expect("there are six");
+    let face = layout.faces().max_by(|a, b| ahead(a).total_cmp(&ahead(b))).expect("there are six");
     let place = |axis: DVec3| {
         let x = (0.5 + 0.5 * axis.dot(direction) / ahead(face)) * side as f64 - 0.5;
         let x = x.clamp(0.0, (side - 1) as f64);
@@ -220,8 +201,7 @@ mod tests {
     ];
 
     fn cross(
-        columns: usize,
-        rows: usize,
+        [columns, rows]: [usize; 2],
         back: ((usize, usize), Rule),
         side: usize,
         ground: [f32; 3],
@@ -236,8 +216,8 @@ mod tests {
 
     fn crosses(side: usize, ground: [f32; 3]) -> [EnvironmentImage; 2] {
         [
-            cross(4, 3, ((3, 1), |s, t| DVec3::new(-s, -t, 1.0)), side, ground),
-            cross(3, 4, ((1, 3), |s, t| DVec3::new(s, t, 1.0)), side, ground),
+            cross([4, 3], ((3, 1), |s, t| DVec3::new(-s, -t, 1.0)), side, ground),
+            cross([3, 4], ((1, 3), |s, t| DVec3::new(s, t, 1.0)), side, ground),
         ]
     }
 

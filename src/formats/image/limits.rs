@@ -12,10 +12,7 @@ pub(crate) const MAX_PIXELS: u64 = 1 << 28;
 /// Most bytes of one decompressed block of an OpenEXR file: a tile, or up to 256 rows, with all of its channels.
 const MAX_BLOCK_BYTES: u64 = 1 << 30;
 
-/// How many pixels an image of this size has.
-///
-/// # Errors
-/// When it has none, or too many to be read.
+/// How many pixels an image of this size has; an error where that is none, or too many to be read.
 pub(crate) fn pixel_count(width: u64, height: u64) -> Result<usize, String> {
     match width.checked_mul(height) {
         Some(0) => Err(format!("has no pixels: it is {width}×{height}")),
@@ -28,19 +25,13 @@ pub(crate) fn pixel_count(width: u64, height: u64) -> Result<usize, String> {
 
 /// An image without light. Its memory is not touched before it is written to, so that a file that is cut off does not take the room of a
 /// whole one.
-///
-/// # Errors
-/// When there is not enough memory.
 pub(super) fn black(count: usize) -> Result<Vec<[f32; 3]>, String> {
     let fits = Vec::<[f32; 3]>::new().try_reserve_exact(count);
     fits.map_err(|_| format!("has {count} pixels, for which there is not enough memory: scale it down"))?;
     Ok(vec![[0.0; 3]; count])
 }
 
-/// Tests both windows and the blocks of every part of an OpenEXR file.
-///
-/// # Errors
-/// Says what is too large.
+/// Tests both windows and the blocks of every part of an OpenEXR file; an error says what is too large.
 pub(crate) fn check_exr(headers: &[Header]) -> Result<(), String> {
     for header in headers {
         for size in [header.layer_size, header.shared_attributes.display_window.size] {

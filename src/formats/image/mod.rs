@@ -26,19 +26,14 @@ const FORMATS: &[ImageFormat] = &[
     ImageFormat { endings: &["jpg", "jpeg"], read: bitmap::jpeg },
 ];
 
-/// The format that a file's ending names.
-///
-/// # Errors
-/// Lists the formats that are read.
+/// The format that a file's ending names; an error lists those that are read.
 pub(super) fn format_of(path: &Path) -> Result<&'static ImageFormat, String> {
     by_ending(FORMATS, path)
         .ok_or_else(|| format!("`{}` is no environment image that is read: use {}", path.display(), list(FORMATS)))
 }
 
-/// Decodes an image: EXR and HDR as linear light, PNG and JPEG as sRGB. What had to be replaced or converted is said in its notes.
-///
-/// # Errors
-/// When the file is too large, damaged, cut off, or of a kind that is not read.
+/// Decodes an image: EXR and HDR as linear light, PNG and JPEG as sRGB. What had to be replaced or converted is said in its notes. Files
+/// that are too large, damaged, cut off, or of a kind that is not read are errors.
 pub(super) fn read(bytes: &[u8], format: &ImageFormat) -> Result<EnvironmentImage, String> {
     let mut image = (format.read)(bytes)?;
     repair::repair(&mut image);

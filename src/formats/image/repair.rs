@@ -24,24 +24,16 @@ pub(super) fn repair(image: &mut EnvironmentImage) {
     }
     if broken > 0 {
         replace(image, largest);
-        image.notes.push(LoadNote {
-            kind: "replaced_pixels",
-            count: broken,
-            first_line: None,
-            message: format!(
-                "{broken} {} of the environment image had components that are no finite numbers; each has been replaced by the mean of \
-                 its neighbours",
-                if broken == 1 { "pixel" } else { "pixels" }
-            ),
-        });
+        let pixels = if broken == 1 { "pixel" } else { "pixels" };
+        let message = format!(
+            "{broken} {pixels} of the environment image had components that are no finite numbers; each has been replaced by the mean of \
+             its neighbours"
+        );
+        image.notes.push(LoadNote::new("replaced_pixels", broken, message));
     }
     if clipped > 0 {
-        image.notes.push(LoadNote {
-            kind: "clipped_pixels",
-            count: clipped,
-            first_line: None,
-            message: format!("{clipped} components of the environment image were negative and have been set to 0"),
-        });
+        let message = format!("{clipped} components of the environment image were negative and have been set to 0");
+        image.notes.push(LoadNote::new("clipped_pixels", clipped, message));
     }
 }
 
@@ -89,13 +81,9 @@ fn mean_around(rows: [&[[f32; 3]]; 3], column: usize, channel: usize) -> Option<
 mod tests {
     use super::*;
 
-    fn image(width: usize, values: &[f32]) -> EnvironmentImage {
-        let pixels = values.iter().map(|value| [*value, 1.0, 2.0]).collect();
-        EnvironmentImage { width, height: values.len() / width, pixels, notes: Vec::new() }
-    }
-
     fn repaired(width: usize, values: &[f32]) -> (Vec<f32>, Vec<(&'static str, u64)>) {
-        let mut image = image(width, values);
+        let pixels = values.iter().map(|value| [*value, 1.0, 2.0]).collect();
+        let mut image = EnvironmentImage { width, height: values.len() / width, pixels, notes: Vec::new() };
         repair(&mut image);
         assert!(image.pixels.iter().all(|pixel| pixel[1..] == [1.0, 2.0]));
         let notes = image.notes.iter().map(|note| (note.kind, note.count)).collect();
@@ -106,14 +94,9 @@ mod tests {
     const NAN: f32 = f32::NAN;
 
     #[test]
-    fn what_is_in_order_is_left_alone() {
+    fn negative_components_become_zero_and_nothing_else() {
+        assert_eq!(repaired(2, &[-1.0, 0.5, 3.0, -1e-30]), (vec![0.0, 0.5, 3.0, 0.0], vec![("clipped_pixels", 2)]));
         assert_eq!(repaired(2, &[0.0, 0.5, 1e30, f32::MAX]), (vec![0.0, 0.5, 1e30, f32::MAX], vec![]));
-    }
-
-    #[test]
-    fn negative_components_become_zero() {
-        assert_eq!(repaired(2, &[-1.0, 0.5, 3.0, -1e-30]).0, [0.0, 0.5, 3.0, 0.0]);
-        assert_eq!(repaired(2, &[-1.0, 0.5, 3.0, -1e-30]).1, [("clipped_pixels", 2)]);
     }
 
     #[test]

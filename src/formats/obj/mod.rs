@@ -1,6 +1,5 @@
 //! Wavefront OBJ: positions, normals and faces. Materials, texture coordinates, groups, lines and points are passed over.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::str::SplitAsciiWhitespace;
@@ -40,10 +39,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Polygons, Fault> {
             statement = &joined;
         }
         // Names of groups and materials may be in any encoding.
-        let text = match std::str::from_utf8(statement) {
-            Ok(text) => Cow::Borrowed(text),
-            Err(_) => String::from_utf8_lossy(statement),
-        };
+        let text = String::from_utf8_lossy(statement);
         reader.statement(&text, number).map_err(|message| Fault::at(number, message))?;
     }
     let padding = lines.padding;
@@ -124,13 +120,12 @@ impl Reader {
 
     fn face(&mut self, words: SplitAsciiWhitespace<'_>, line: usize) -> Result<(), String> {
         let faces = &mut self.polygons.faces;
-        let start = faces.corners.len();
+        let (start, count) = (faces.corners.len(), self.polygons.positions.len());
         for word in words {
             let mut parts = word.split('/');
             let position = index(parts.next().unwrap_or_default())?;
-            faces.corners.push(zero_based(position, self.polygons.positions.len()).ok_or_else(|| {
-                format!("index {position} is out of range: there are {} vertices so far", self.polygons.positions.len())
-            })?);
+            let out_of_range = || format!("index {position} is out of range: there are {count} vertices so far");
+            faces.corners.push(zero_based(position, count).ok_or_else(out_of_range)?);
             self.corner_normals.push(match parts.nth(1) {
                 None | Some("") => NO_NORMAL,
                 Some(text) => {
@@ -150,13 +145,10 @@ impl Reader {
 
     /// One vertex for each pair of a position and a normal, if every corner has a normal; else one for each position.
     fn finish(mut self) -> Result<Polygons, Fault> {
-        if let Some((_, vertex, line)) = self.polygons.faces.out_of_range(self.polygons.positions.len()) {
-            let message = format!(
-                "index {} is out of range: there are {} vertices",
-                u64::from(vertex) + 1,
-                self.polygons.positions.len()
-            );
-            return Err(Fault { line, message });
+        let count = self.polygons.positions.len();
+        if let Some((_, vertex, line)) = self.polygons.faces.out_of_range(count) {
+            let index = u64::from(vertex) + 1;
+            return Err(Fault { line, message: format!("index {index} is out of range: there are {count} vertices") });
         }
         if !self.has_all_normals() {
             return Ok(self.polygons);

@@ -126,19 +126,16 @@ impl Header {
                     };
                     elements.push(Element { name: name.into(), count, properties: Vec::new() });
                 }
-                ["property", "list", length, kind, name] => {
-                    let property =
-                        Property { name: name.into(), kind: Scalar::named(kind), length: Some(Scalar::named(length)) };
-                    add(property, &mut elements, number, &line)?;
-                    let of_unknown = [length, kind].into_iter().find(|name| Scalar::named(name) == Scalar::Other);
+                ["property", "list", _, kind, name] | ["property", kind, name] => {
+                    let length = (words.len() == 5).then_some(words[2]);
+                    let Some(element) = elements.last_mut() else {
+                        return bad(format!("{} stands before any element", shown(line.as_bytes())));
+                    };
+                    let (kind_name, kind, length_kind) = (kind, Scalar::named(kind), length.map(Scalar::named));
+                    element.properties.push(Property { name: name.into(), kind, length: length_kind });
+                    let mut types = length.into_iter().chain([kind_name]);
+                    let of_unknown = types.find(|name| Scalar::named(name) == Scalar::Other);
                     unknown_type = unknown_type.or(of_unknown.map(|name| (number, shown(name.as_bytes()))));
-                }
-                ["property", kind, name] => {
-                    let property = Property { name: name.into(), kind: Scalar::named(kind), length: None };
-                    if property.kind == Scalar::Other && unknown_type.is_none() {
-                        unknown_type = Some((number, shown(kind.as_bytes())));
-                    }
-                    add(property, &mut elements, number, &line)?;
                 }
                 ["end_header", ..] => {
                     let Some(encoding) = encoding else { return bad("the header names no `format`".into()) };
@@ -161,12 +158,4 @@ impl Header {
         }
         unreachable!("the loop ends by returning")
     }
-}
-
-fn add(property: Property, elements: &mut [Element], number: usize, line: &str) -> Result<(), Fault> {
-    let Some(element) = elements.last_mut() else {
-        return Err(Fault::at(number, format!("{} stands before any element", shown(line.as_bytes()))));
-    };
-    element.properties.push(property);
-    Ok(())
 }

@@ -27,7 +27,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Polygons, Fault> {
 }
 
 /// What a property is to us.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 enum Role {
     Position(usize),
     Normal(usize),
@@ -53,14 +53,12 @@ fn role(element: &Element, property: &Property) -> Role {
 fn read_elements(header: &Header, mut rows: impl Rows, polygons: &mut Polygons) -> Result<(), Fault> {
     for element in &header.elements {
         let plan: Vec<(Role, &Property)> = element.properties.iter().map(|p| (role(element, p), p)).collect();
-        let has = |wanted: fn(&Role) -> Option<usize>| {
-            (0..3).all(|axis| plan.iter().any(|(role, _)| wanted(role) == Some(axis)))
-        };
+        let has = |wanted: fn(usize) -> Role| (0..3).all(|axis| plan.iter().any(|(role, _)| *role == wanted(axis)));
         let is_vertex = element.name == "vertex";
-        if is_vertex && !has(|role| if let Role::Position(axis) = role { Some(*axis) } else { None }) {
+        if is_vertex && !has(Role::Position) {
             return Err(Fault::new("the element `vertex` lacks x, y or z"));
         }
-        let has_normals = is_vertex && has(|role| if let Role::Normal(axis) = role { Some(*axis) } else { None });
+        let has_normals = is_vertex && has(Role::Normal);
         let has_corners = plan.iter().any(|(role, _)| matches!(role, Role::Corners | Role::Strips));
         if matches!(element.name.as_str(), "face" | "tristrips") && !has_corners {
             return Err(Fault::new(format!("the element `{}` lacks `vertex_indices`", element.name)));
@@ -91,13 +89,9 @@ fn read_elements(header: &Header, mut rows: impl Rows, polygons: &mut Polygons) 
                         read_strips(&mut rows, length, property.kind, row, &mut polygons.strips)?;
                     }
                     (_, Some(length)) => {
-                        let length = rows.next(length)?;
-                        let Some(length) = whole(length, rows.most_values()) else {
-                            return Err(rows.fault(format!("a list of {length} values cannot be: the file is damaged")));
-                        };
-                        for _ in 0..length {
-                            rows.skip(property.kind)?;
-                        }
+                        let fault = |n| format!("a list of {n} values cannot be: the file is damaged");
+                        let length = list_length(&mut rows, length, fault)?;
+                        (0..length).try_for_each(|_| rows.skip(property.kind))?;
                     }
                     _ => rows.skip(property.kind)?,
                 }
@@ -142,27 +136,19 @@ fn read_face(
     row: u64,
     faces: &mut CornerLists,
 ) -> Result<(), Fault> {
-    let length = rows.next(length)?;
-    let Some(length) = whole(length, rows.most_values()) else {
-        return Err(
-            rows.fault(format!("face {row} has {length} corners, must have 3 or more (that fit into the file)"))
-        );
-    };
+    let fault = |n| format!("face {row} has {n} corners, must have 3 or more (that fit into the file)");
+    let length = list_length(rows, length, fault)?;
     if length > MAX_CORNERS {
         return Err(rows.fault(format!("face {row}: {}", too_many_corners(length))));
     }
-    if length < 3 {
-        for _ in 0..length {
+    for _ in 0..length {
+        if length < 3 {
             rows.skip(kind)?;
+            continue;
         }
-    } else {
-        for _ in 0..length {
-            let number = rows.next(kind)?;
-            faces.corners.push(
-                vertex(number)
-                    .ok_or_else(|| rows.fault(format!("face {row} names vertex {number}, which is out of range")))?,
-            );
-        }
+        let number = rows.next(kind)?;
+        let out_of_range = || rows.fault(format!("face {row} names vertex {number}, which is out of range"));
+        faces.corners.push(vertex(number).ok_or_else(out_of_range)?);
     }
     faces.close(rows.line());
     Ok(())
@@ -176,21 +162,15 @@ fn read_strips(
     row: u64,
     strips: &mut CornerLists,
 ) -> Result<(), Fault> {
-    let length = rows.next(length)?;
-    let Some(length) = whole(length, rows.most_values()) else {
-        return Err(
-            rows.fault(format!("the list of strips {row} has {length} corners, which do not fit into the file"))
-        );
-    };
-    for _ in 0..length {
+    let fault = |n| format!("the list of strips {row} has {n} corners, which do not fit into the file");
+    for _ in 0..list_length(rows, length, fault)? {
         let number = rows.next(kind)?;
         match vertex(number) {
             Some(vertex) => strips.corners.push(vertex),
             None if number == -1.0 => close_strip(strips, rows.line()),
             None => {
-                return Err(
-                    rows.fault(format!("the list of strips {row} names vertex {number}, which is out of range"))
-                );
+                let message = format!("the list of strips {row} names vertex {number}, which is out of range");
+                return Err(rows.fault(message));
             }
         }
     }
@@ -204,12 +184,14 @@ fn close_strip(strips: &mut CornerLists, line: Option<usize>) {
     }
 }
 
+/// The length of a list, if it is one and so many values can follow.
+fn list_length(rows: &mut impl Rows, kind: Scalar, fault: impl Fn(f64) -> String) -> Result<usize, Fault> {
+    let number = rows.next(kind)?;
+    let is_length = number >= 0.0 && number.fract() == 0.0 && number <= rows.most_values() as f64;
+    if is_length { Ok(number as usize) } else { Err(rows.fault(fault(number))) }
+}
+
 /// The index of a vertex, if it is one.
 fn vertex(number: f64) -> Option<u32> {
     (number >= 0.0 && number < f64::from(u32::MAX) && number.fract() == 0.0).then_some(number as u32)
-}
-
-/// A count, if it is one and not beyond `most`.
-fn whole(number: f64, most: usize) -> Option<usize> {
-    (number >= 0.0 && number.fract() == 0.0 && number <= most as f64).then_some(number as usize)
 }

@@ -235,17 +235,9 @@ fn as_binary(text: &str, is_big: bool) -> Vec<u8> {
     let mut put = |kind: Scalar| {
         let number: f64 = words.next().unwrap().parse().unwrap();
         let mut raw = match kind {
-            Scalar::I8 => (number as i8).to_le_bytes().to_vec(),
-            Scalar::U8 => (number as u8).to_le_bytes().to_vec(),
-            Scalar::I16 => (number as i16).to_le_bytes().to_vec(),
-            Scalar::U16 => (number as u16).to_le_bytes().to_vec(),
-            Scalar::I32 => (number as i32).to_le_bytes().to_vec(),
-            Scalar::U32 => (number as u32).to_le_bytes().to_vec(),
-            Scalar::I64 => (number as i64).to_le_bytes().to_vec(),
-            Scalar::U64 => (number as u64).to_le_bytes().to_vec(),
             Scalar::F32 => (number as f32).to_le_bytes().to_vec(),
             Scalar::F64 => number.to_le_bytes().to_vec(),
-            Scalar::Other => panic!("no type"),
+            _ => (number as i64).to_le_bytes()[..kind.bytes()].to_vec(),
         };
         if is_big {
             raw.reverse();

@@ -54,7 +54,6 @@ pub(super) fn ior(node: &Node<'_>) -> Result<Ior, SceneError> {
     if IOR_RANGE.contains(&n) {
         Ok(model)
     } else {
-        Err(node
-            .error(format!("the formula gives an IOR of {n} at 587.56 nm, must be greater than 0 (from 1e-6 to 1e6)")))
+        Err(node.error(format!("the formula gives an IOR of {n} at 587.56 nm, must be {}", LIMITS.must)))
     }
 }

@@ -20,11 +20,7 @@ pub(super) struct Text<'a> {
 impl Text<'_> {
     /// 1-based line and column, in characters, of a byte.
     pub fn line_column(&self, byte: usize) -> (usize, usize) {
-        let mut end = byte.min(self.text.len());
-        while !self.text.is_char_boundary(end) {
-            end -= 1;
-        }
-        let before = &self.text[..end];
+        let before = &self.text[..self.text.floor_char_boundary(byte)];
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
         // A byte-order mark is no character of the first line.
         let line = before[line_start..].trim_start_matches('\u{feff}');

@@ -10,19 +10,16 @@ use toml_edit::Document;
 
 use super::node::{Node, Table, Text};
 use super::reader::{Context, read_list, read_table};
-use crate::formats::encoding::Utf16;
+use crate::formats::encoding::utf16;
 use crate::formats::files::Files;
 use crate::scene::SceneError;
 use crate::scene::description::{CameraDescription, Description, Environment, Kind, Object, Source, WorldMedium};
 use crate::scene::fields::Visitor;
 use crate::scene::tables::{blank_medium, medium_fields};
 
-/// A scene from the bytes of its file.
-///
-/// # Errors
-/// As [`parse`], and when it is no text in UTF-8.
+/// A scene from the bytes of its file, which must be text in UTF-8.
 pub fn read(bytes: &[u8], path: &Path, files: &dyn Files) -> Result<Description, SceneError> {
-    if Utf16::of(bytes).is_some() {
+    if utf16(bytes).is_some() {
         return Err(SceneError::in_file(path, "is text in UTF-16: scene files are TOML in UTF-8, so save it in that"));
     }
     let text = str::from_utf8(bytes).map_err(|error| {

@@ -88,10 +88,7 @@ impl<'a> Context<'a> {
     }
 }
 
-/// Reads one table into what `fields` goes through.
-///
-/// # Errors
-/// Where the table has unknown keys, then where `fields` meets the first fault.
+/// Reads one table into what `fields` goes through. Errors are first where it has unknown keys, then where `fields` meets the first fault.
 pub(super) fn read_table(
     table: Table<'_>,
     kind: &'static str,

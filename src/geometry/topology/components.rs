@@ -9,7 +9,8 @@ pub(super) struct Components {
     /// Faces that must be turned over so that all of a component look the same way; empty if there are none. In each component it is
     /// the lesser area that is turned.
     pub turned: Vec<bool>,
-    /// By component: whether no way of turning faces makes them all agree, as on a Möbius strip; nothing is turned there.
+    /// By component: whether no way of turning faces makes them all agree, as on a Möbius strip; nothing is turned there, and some neighbours
+    /// still run the same way along their edge.
     pub one_sided: Vec<bool>,
 }
 
@@ -67,11 +68,6 @@ pub(super) fn components(faces: &[[u32; 3]], edges: &Edges, area: impl Fn(usize)
 }
 
 impl Components {
-    /// Whether some neighbours in a component may still run the same way along their edge.
-    pub fn is_doubtful(&self, component: u32) -> bool {
-        self.one_sided[component as usize]
-    }
-
     /// Of the two ways in which the faces of a component agree, the one that turns the lesser area.
     fn settle(&mut self, members: &[u32], is_one_sided: bool, area: impl Fn(usize) -> f64) {
         let (mut kept_area, mut turned_area) = (0.0, 0.0);

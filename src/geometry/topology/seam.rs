@@ -1,12 +1,11 @@
 //! Seams: where a surface was cut open and its two rims written a few roundings apart, as generators do at the angle 2π and exporters at the
 //! borders of texture coordinates.
 //!
-//! Only free edges are joined, those along which more faces run one way than the other, and only with one that runs the other way between the same
-//! two places. So two
-//! closed surfaces are never drawn together, however near they are, and a hole stays a hole. Besides, edges of no length but rounding, as around
-//! the pole of a sphere whose last row is computed vertex by vertex, become points. How far apart the same place may lie follows
-//! from the mesh: a few roundings of its coordinates, then a few roundings of single precision at its size, but always little beside
-//! the faces that meet there.
+//! Only free edges are joined, those along which more faces run one way than the other, and only with one that runs the other way between
+//! the same two places. So two closed surfaces are never drawn together, however near they are, and a hole stays a hole. Besides, edges of
+//! no length but rounding, as around the pole of a sphere whose last row is computed vertex by vertex, become points. How far apart the
+//! same place may lie follows from the mesh: a few roundings of its coordinates, then a few roundings of single precision at its size, but
+//! always little beside the faces that meet there.
 
 use std::collections::{HashMap, HashSet};
 
@@ -16,6 +15,7 @@ use rayon::prelude::*;
 use super::NONE;
 use super::connect::Edges;
 use crate::geometry::hierarchy::Extent;
+use crate::geometry::sets::Sets;
 
 /// Vertices farther apart than this share of the longest edge of the faces around them are different places.
 const SHARE_OF_FACES: f64 = 1.0 / 16.0;
@@ -46,8 +46,8 @@ pub(super) fn reaches(positions: &[DVec3], extent: Extent) -> Vec<f64> {
     reaches
 }
 
-/// Vertices that are the same place, as pairs of a vertex and the one that stands for it: the ends of edges no longer than `rounding`.
-pub(super) fn short_edges(faces: &[[u32; 3]], positions: &[DVec3], rounding: f64) -> Vec<(u32, u32)> {
+/// Which vertices are the same place, the ends of edges no longer than `rounding`: what stands for each. `None` where there are no such edges.
+pub(super) fn short_edges(faces: &[[u32; 3]], positions: &[DVec3], rounding: f64) -> Option<Vec<u32>> {
     let is_short = |a: DVec3, b: DVec3| (a - b).abs().max_element() <= rounding;
     let short: Vec<[u32; 3]> = (faces.par_iter().copied())
         .filter(|face| {
@@ -55,7 +55,10 @@ pub(super) fn short_edges(faces: &[[u32; 3]], positions: &[DVec3], rounding: f64
             is_short(a, b) || is_short(b, c) || is_short(c, a)
         })
         .collect();
-    let mut joined = Joined::default();
+    if short.is_empty() {
+        return None;
+    }
+    let mut joined = Sets::new(positions.len());
     for face in short {
         for k in 0..3 {
             let (a, b) = (face[k], face[(k + 1) % 3]);
@@ -64,7 +67,7 @@ pub(super) fn short_edges(faces: &[[u32; 3]], positions: &[DVec3], rounding: f64
             }
         }
     }
-    joined.pairs()
+    joined.joined()
 }
 
 /// One side of an edge whose faces do not cancel.
@@ -74,18 +77,18 @@ struct FreeEdge {
     to: u32,
 }
 
-/// Vertices that are the same place, as pairs of a vertex and the one that stands for it: the endpoints of free edges that lie on each other within
-/// `reach`, and of free edges that are no longer than it. Empty where there are none.
-pub(super) fn joints(faces: &[[u32; 3]], edges: &Edges, positions: &[DVec3], reach: f64) -> Vec<(u32, u32)> {
+/// Which vertices are the same place, the endpoints of free edges that lie on each other within `reach`, and of free edges that are no longer
+/// than it: what stands for each. `None` where there are none.
+pub(super) fn joints(faces: &[[u32; 3]], edges: &Edges, positions: &[DVec3], reach: f64) -> Option<Vec<u32>> {
     let (free, scales) = free_edges(faces, edges, positions);
     if free.is_empty() {
-        return Vec::new();
+        return None;
     }
-    let places = Places::new(&free, &scales, positions, reach);
-    let mut joined = Joined::default();
+    let places = places(&free, &scales, positions, reach);
+    let mut joined = Sets::new(positions.len());
     let mut sides: Vec<(u32, u32, bool, FreeEdge)> = Vec::with_capacity(free.len());
     for edge in free {
-        let (from, to) = (places.of(edge.from), places.of(edge.to));
+        let (from, to) = (places[&edge.from], places[&edge.to]);
         if from == to {
             joined.join(edge.from, edge.to);
         } else {
@@ -105,7 +108,7 @@ pub(super) fn joints(faces: &[[u32; 3]], edges: &Edges, positions: &[DVec3], rea
             joined.join(high, other_high);
         }
     }
-    joined.pairs()
+    joined.joined()
 }
 
 /// The vertices of a free edge at the lower and at the higher of its places.
@@ -149,80 +152,36 @@ fn balanced_crowds(faces: &[[u32; 3]], edges: &Edges) -> HashSet<u32> {
         .collect()
 }
 
-/// Which vertices of free edges lie at one place.
-struct Places {
-    /// The vertex that stands for each one's place.
-    of_vertex: HashMap<u32, u32>,
-}
-
-impl Places {
-    fn new(free: &[FreeEdge], scales: &HashMap<u32, f64>, positions: &[DVec3], reach: f64) -> Self {
-        let mut vertices: Vec<u32> = free.iter().flat_map(|edge| [edge.from, edge.to]).collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        let cell_of = |p: DVec3| (p / reach).floor().to_array().map(|x| x as i64);
-        let mut standing: HashMap<[i64; 3], Vec<u32>> = HashMap::with_capacity(vertices.len());
-        let mut of_vertex = HashMap::with_capacity(vertices.len());
-        for vertex in vertices {
-            let position = positions[vertex as usize];
-            let own_reach = |v: u32| reach.min(SHARE_OF_FACES * scales[&v]);
-            let cell = cell_of(position);
-            let mut nearest: Option<(f64, u32)> = None;
-            for shift in 0..27 {
-                let near =
-                    std::array::from_fn(|axis| cell[axis].saturating_add(shift / 3_i64.pow(axis as u32) % 3 - 1));
-                for &other in standing.get(&near).into_iter().flatten().take(MOST_COMPARED) {
-                    let distance = position.distance(positions[other as usize]);
-                    let is_near = distance <= own_reach(vertex).min(own_reach(other));
-                    if is_near && nearest.is_none_or(|(least, _)| distance < least) {
-                        nearest = Some((distance, other));
-                    }
+/// The vertex that stands for the place of each vertex of a free edge.
+fn places(free: &[FreeEdge], scales: &HashMap<u32, f64>, positions: &[DVec3], reach: f64) -> HashMap<u32, u32> {
+    let mut vertices: Vec<u32> = free.iter().flat_map(|edge| [edge.from, edge.to]).collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let cell_of = |p: DVec3| (p / reach).floor().to_array().map(|x| x as i64);
+    let mut standing: HashMap<[i64; 3], Vec<u32>> = HashMap::with_capacity(vertices.len());
+    let mut of_vertex = HashMap::with_capacity(vertices.len());
+    for vertex in vertices {
+        let position = positions[vertex as usize];
+        let own_reach = |v: u32| reach.min(SHARE_OF_FACES * scales[&v]);
+        let cell = cell_of(position);
+        let mut nearest: Option<(f64, u32)> = None;
+        for shift in 0..27 {
+            let near = std::array::from_fn(|axis| cell[axis].saturating_add(shift / 3_i64.pow(axis as u32) % 3 - 1));
+            for &other in standing.get(&near).into_iter().flatten().take(MOST_COMPARED) {
+                let distance = position.distance(positions[other as usize]);
+                let is_near = distance <= own_reach(vertex).min(own_reach(other));
+                if is_near && nearest.is_none_or(|(least, _)| distance < least) {
+                    nearest = Some((distance, other));
                 }
             }
-            let stands = nearest.map_or(vertex, |(_, other)| other);
-            if stands == vertex {
-                standing.entry(cell).or_default().push(vertex);
-            }
-            of_vertex.insert(vertex, stands);
         }
-        Self { of_vertex }
-    }
-
-    fn of(&self, vertex: u32) -> u32 {
-        self.of_vertex.get(&vertex).copied().unwrap_or(vertex)
-    }
-}
-
-/// Disjoint sets of vertices, each of which its lowest stands for.
-#[derive(Default)]
-struct Joined {
-    parents: HashMap<u32, u32>,
-}
-
-impl Joined {
-    fn find(&mut self, vertex: u32) -> u32 {
-        let mut root = vertex;
-        while let Some(&parent) = self.parents.get(&root) {
-            root = parent;
+        let stands = nearest.map_or(vertex, |(_, other)| other);
+        if stands == vertex {
+            standing.entry(cell).or_default().push(vertex);
         }
-        if root != vertex {
-            self.parents.insert(vertex, root);
-        }
-        root
+        of_vertex.insert(vertex, stands);
     }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.find(a), self.find(b));
-        if a != b {
-            self.parents.insert(a.max(b), a.min(b));
-        }
-    }
-
-    fn pairs(mut self) -> Vec<(u32, u32)> {
-        let mut vertices: Vec<u32> = self.parents.keys().copied().collect();
-        vertices.sort_unstable();
-        vertices.into_iter().map(|vertex| (vertex, self.find(vertex))).collect()
-    }
+    of_vertex
 }
 
 #[cfg(test)]
@@ -241,23 +200,23 @@ mod tests {
         (faces.collect(), positions)
     }
 
-    fn joints_of(gap: f64, reach: f64) -> Vec<(u32, u32)> {
+    fn joints_of(gap: f64, reach: f64) -> Option<Vec<u32>> {
         let (faces, positions) = ring(gap);
         joints(&faces, &connect(&faces, positions.len()), &positions, reach)
     }
 
     #[test]
     fn rims_within_reach_are_joined_and_others_not() {
-        assert_eq!(joints_of(1e-9, 1e-8), [(6, 0), (7, 1)]);
-        assert_eq!(joints_of(1e-9, 1e-10), []);
-        assert_eq!(joints_of(0.3, 1.0), [], "a gap as wide as a face is a gap");
+        assert_eq!(joints_of(1e-9, 1e-8), Some(vec![0, 1, 2, 3, 4, 5, 0, 1]));
+        assert_eq!(joints_of(1e-9, 1e-10), None);
+        assert_eq!(joints_of(0.3, 1.0), None, "a gap as wide as a face is a gap");
     }
 
     #[test]
     fn edges_of_no_length_become_points() {
         let positions = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1e-16, 0.0), DVec3::Y, DVec3::new(1.0, 1e-9, 0.0)];
-        assert_eq!(short_edges(&[[0, 1, 2], [0, 2, 3]], &positions, 1e-15), [(2, 1)]);
-        assert_eq!(short_edges(&[[0, 1, 4]], &positions, 1e-15), []);
+        assert_eq!(short_edges(&[[0, 1, 2], [0, 2, 3]], &positions, 1e-15), Some(vec![0, 1, 1, 3, 4]));
+        assert_eq!(short_edges(&[[0, 1, 4]], &positions, 1e-15), None);
     }
 
     #[test]
@@ -266,7 +225,7 @@ mod tests {
         faces.extend(faces.clone().iter().map(|face| face.map(|v| v + 8)));
         positions.extend(positions.clone().iter().map(|p| p + DVec3::splat(1e-12)));
         let edges = connect(&faces, positions.len());
-        assert_eq!(joints(&faces, &edges, &positions, 1e-9), []);
+        assert_eq!(joints(&faces, &edges, &positions, 1e-9), None);
     }
 
     #[test]

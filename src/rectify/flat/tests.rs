@@ -7,7 +7,7 @@ use crate::formats::{self, builtin};
 use crate::rectify::InterfaceTable;
 use crate::rectify::asked::answer_anew;
 use crate::rectify::random::Random;
-use crate::rectify::subjects::{is_refractor, primitives_of, subjects};
+use crate::rectify::subjects::{primitives_of, subjects};
 use crate::scene::compile::compile;
 
 /// Two boxes that share a part of a face, an opaque plate on a part of another face, a ball that crosses both boxes and a lamp that crosses one.
@@ -51,32 +51,23 @@ fn built_in(name: &str) -> Scene {
     compile(&formats::open(name).unwrap(), None).unwrap()
 }
 
+/// Asserts that a record consists of these words, in this order, and of nothing else.
+macro_rules! assert_words {
+    ($record:ty: $($field:ident),*) => {
+        let offsets = [$(offset_of!($record, $field)),*];
+        assert!(offsets.iter().enumerate().all(|(word, offset)| *offset == 4 * word), "{offsets:?}");
+        assert_eq!((size_of::<$record>(), align_of::<$record>()), (4 * offsets.len(), 4));
+    };
+}
+
 #[test]
 fn records_are_words_without_padding() {
-    assert_eq!((size_of::<FaceRecord>(), align_of::<FaceRecord>()), (8, 4));
-    assert_eq!([offset_of!(FaceRecord, root), offset_of!(FaceRecord, group)], [0, 4]);
-    assert_eq!((size_of::<NodeRecord>(), align_of::<NodeRecord>()), (8, 4));
-    assert_eq!([offset_of!(NodeRecord, kind), offset_of!(NodeRecord, index)], [0, 4]);
-    assert_eq!((size_of::<AskedRecord>(), align_of::<AskedRecord>()), (20, 4));
-    let offsets = [
-        offset_of!(AskedRecord, first_answer),
-        offset_of!(AskedRecord, first_member),
-        offset_of!(AskedRecord, member_count),
-        offset_of!(AskedRecord, first_opaque),
-        offset_of!(AskedRecord, opaque_count),
-    ];
-    assert_eq!(offsets, [0, 4, 8, 12, 16]);
-    assert_eq!((size_of::<MemberRecord>(), align_of::<MemberRecord>()), (12, 4));
-    let offsets = [
-        offset_of!(MemberRecord, refractor),
-        offset_of!(MemberRecord, first_coincident),
-        offset_of!(MemberRecord, coincident_count),
-    ];
-    assert_eq!(offsets, [0, 4, 8]);
-    assert_eq!((size_of::<CoincidentRecord>(), align_of::<CoincidentRecord>()), (8, 4));
-    assert_eq!([offset_of!(CoincidentRecord, primitive), offset_of!(CoincidentRecord, is_same)], [0, 4]);
-    assert_eq!((size_of::<Answer>(), align_of::<Answer>()), (8, 4));
-    assert_eq!([offset_of!(Answer, outside), offset_of!(Answer, inside)], [0, 4]);
+    assert_words!(FaceRecord: root, group);
+    assert_words!(NodeRecord: kind, index);
+    assert_words!(AskedRecord: first_answer, first_member, member_count, first_opaque, opaque_count);
+    assert_words!(MemberRecord: refractor, first_coincident, coincident_count);
+    assert_words!(CoincidentRecord: primitive, is_same);
+    assert_words!(Answer: outside, inside);
     let memberships = [Membership::Out, Membership::In, Membership::InnerOnly, Membership::OuterOnly];
     assert_eq!(memberships.map(|membership| membership as u32), [0, 1, 2, 3]);
 }
@@ -147,7 +138,7 @@ fn every_index_is_in_range() {
         assert_eq!(unlisted, layout.unlisted as usize, "{name}");
         assert_eq!(unlisted > 0, name == "shells", "{name}");
         for member in &layout.members {
-            assert!(is_refractor(&scene, ObjectId(member.refractor)), "{name}");
+            assert!(scene.is_refractor(ObjectId(member.refractor)), "{name}");
             assert!((member.first_coincident + member.coincident_count) as usize <= layout.coincident.len(), "{name}");
         }
         assert!(layout.coincident.iter().all(|c| c.primitive < primitives && c.is_same <= 1), "{name}");

@@ -8,7 +8,7 @@ use glam::DVec3;
 use crate::geometry::{Mesh, Ray, uniform_direction};
 use crate::measure::statistics::{self, variance};
 use crate::optics::{Ior, Medium};
-use crate::render::{Cpu, Film, ImageSettings, RenderTask, Renderer};
+use crate::render::{Film, ImageSettings, RenderTask};
 use crate::scene::SceneError;
 use crate::scene::camera::Camera;
 use crate::scene::description::{
@@ -169,7 +169,7 @@ pub fn render(
     let mut film = Film::new(size.0, size.1);
     let task = RenderTask { prepared: scene, camera: &camera, settings: &settings };
     // Never cancelled: these films take a fraction of a second.
-    Cpu.pass(&task, &mut film, samples, &AtomicBool::new(false));
+    task.pass(&mut film, samples, &AtomicBool::new(false));
     Ok(film)
 }
 

@@ -62,25 +62,18 @@ pub enum Paint {
     },
 }
 
-/// The roles without what they hold, in the order of object ids.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
-    Refractor,
-    Solid,
-    Light,
+named! {
+    /// The roles without what they hold, in the order of object ids. Their names stand in scene files too.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum Kind {
+        Refractor = "refractor",
+        Solid = "solid",
+        Light = "light",
+    }
 }
 
 impl Kind {
     pub const ALL: [Self; 3] = [Self::Refractor, Self::Solid, Self::Light];
-
-    /// What such an object is called, in scene files too.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Refractor => "refractor",
-            Self::Solid => "solid",
-            Self::Light => "light",
-        }
-    }
 }
 
 impl Role {
@@ -192,7 +185,6 @@ impl Objects {
         self.retain(|object| object.kind() != kind);
     }
 
-    /// The objects of one role.
     pub fn of(&self, kind: Kind) -> &[Object] {
         &self.0[self.range(kind)]
     }
@@ -210,7 +202,6 @@ impl Objects {
         self.iter_mut().filter_map(Object::refractor_mut)
     }
 
-    /// The object of that name.
     pub fn find(&self, name: &str) -> Option<&Object> {
         self.iter().find(|object| object.name == name)
     }
@@ -231,24 +222,6 @@ impl Deref for Objects {
 impl DerefMut for Objects {
     fn deref_mut(&mut self) -> &mut [Object] {
         &mut self.0
-    }
-}
-
-impl<'a> IntoIterator for &'a Objects {
-    type Item = &'a Object;
-    type IntoIter = std::slice::Iter<'a, Object>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.0.iter()
-    }
-}
-
-impl<'a> IntoIterator for &'a mut Objects {
-    type Item = &'a mut Object;
-    type IntoIter = std::slice::IterMut<'a, Object>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.0.iter_mut()
     }
 }
 

@@ -30,12 +30,6 @@ impl Transform {
     }
 }
 
-impl Default for Transform {
-    fn default() -> Self {
-        Self::IDENTITY
-    }
-}
-
 /// The surface of an object, in object space.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {

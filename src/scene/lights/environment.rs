@@ -31,8 +31,42 @@ pub struct ImageLight {
     scale: f64,
     /// Running sums of the weights of each row's texels, each row from 0 to 1.
     columns: Vec<f32>,
+    guide: Guide,
     /// Running sums of the rows' weights, from 0 to 1.
     rows: Vec<f64>,
+}
+
+/// Where in a row the search for a column begins: one cut for some columns each, so that a search touches few of the row's numbers (Chen and
+/// Asau 1974, *On Generating Random Variates from an Empirical Distribution*).
+#[derive(Debug)]
+struct Guide {
+    /// A power of two, so that its multiples are exact.
+    cuts_per_row: usize,
+    /// For each row, and each k from 0 to `cuts_per_row`, the first column whose running sum is above k / `cuts_per_row`.
+    cuts: Vec<u32>,
+}
+
+impl Guide {
+    const COLUMNS_PER_CUT: usize = 8;
+
+    fn new(columns: &[f32], width: usize) -> Self {
+        let cuts_per_row = (width / Self::COLUMNS_PER_CUT).next_power_of_two();
+        let cut = |sums: &[f32], k: usize| {
+            let share = k as f64 / cuts_per_row as f64;
+            sums.partition_point(|&sum| f64::from(sum) <= share) as u32
+        };
+        let of_row = |sums| (0..=cuts_per_row).map(move |k| cut(sums, k));
+        Self { cuts_per_row, cuts: columns.par_chunks(width).flat_map_iter(of_row).collect() }
+    }
+
+    /// The first column of `row`, which has these running sums, whose sum is above `u` in [0, 1); their number where there is none.
+    #[inline]
+    fn find(&self, row: usize, sums: &[f32], u: f64) -> usize {
+        let cuts = &self.cuts[row * (self.cuts_per_row + 1)..][..=self.cuts_per_row];
+        let k = (u * self.cuts_per_row as f64) as usize;
+        let (first, last) = (cuts[k] as usize, cuts[k + 1] as usize);
+        first + sums[first..last].partition_point(|&sum| f64::from(sum) <= u)
+    }
 }
 
 impl EnvironmentLight {
@@ -149,7 +183,8 @@ impl ImageLight {
             return None;
         }
         rows.iter_mut().for_each(|r| *r /= total);
-        Some(Self { image, rotation: rotation.sin_cos(), scale, columns, rows })
+        let guide = Guide::new(&columns, width);
+        Some(Self { image, rotation: rotation.sin_cos(), scale, columns, guide, rows })
     }
 
     /// (u, v) of a direction in scene coordinates.
@@ -206,7 +241,7 @@ impl ImageLight {
         let row = self.rows.partition_point(|&sum| sum <= u[1]).min(height - 1);
         let row_before = if row > 0 { self.rows[row - 1] } else { 0.0 };
         let sums = &self.columns[row * width..][..width];
-        let column = sums.partition_point(|&sum| f64::from(sum) <= u[0]).min(width - 1);
+        let column = self.guide.find(row, sums, u[0]).min(width - 1);
         let before = if column > 0 { f64::from(sums[column - 1]) } else { 0.0 };
         // Where inside the texel: what is left of the random numbers.
         let dx = ((u[0] - before) / (f64::from(sums[column]) - before)).clamp(0.0, 1.0);
@@ -250,6 +285,33 @@ mod tests {
         let pixels = (0..32).map(|i| if i == 11 { [50.0, 40.0, 30.0] } else { [0.1 * (i % 5) as f32; 3] }).collect();
         let image = EnvironmentImage { width: 8, height: 4, pixels, notes: Vec::new() };
         ImageLight::new(Arc::new(image), rotation_degrees.to_radians(), 2.0).unwrap()
+    }
+
+    /// Also where a row is black, and where a few columns have all of its light.
+    #[test]
+    fn the_guide_finds_what_a_search_of_the_row_finds() {
+        for width in [1, 2, 7, 64, 100] {
+            let row = |weight: fn(usize) -> f32| {
+                let weights: Vec<f32> = (0..width).map(weight).collect();
+                let total: f32 = weights.iter().sum::<f32>().max(f32::MIN_POSITIVE);
+                weights
+                    .iter()
+                    .scan(0.0, move |sum, weight| {
+                        *sum += weight / total;
+                        Some(*sum)
+                    })
+                    .collect::<Vec<f32>>()
+            };
+            let rows = [row(|_| 1.0), row(|_| 0.0), row(|i| if i == 5 { 1e6 } else { 1.0 }), row(|i| (i % 3) as f32)];
+            let guide = Guide::new(&rows.concat(), width);
+            for (number, sums) in rows.iter().enumerate() {
+                let edges = sums.iter().map(|sum| f64::from(*sum)).flat_map(|u| [u, u.next_down(), u.next_up()]);
+                for u in (0..1000).map(|i| f64::from(i) / 1000.0).chain(edges).filter(|u| (0.0..1.0).contains(u)) {
+                    let expected = sums.partition_point(|&sum| f64::from(sum) <= u);
+                    assert_eq!(guide.find(number, sums, u), expected, "{width} {number} {u}");
+                }
+            }
+        }
     }
 
     #[test]

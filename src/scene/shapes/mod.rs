@@ -81,12 +81,10 @@ fn quad(center: DVec3, edge_u: DVec3, edge_v: DVec3) -> Mesh {
     let (u, v) = (edge_u * 0.5, edge_v * 0.5);
     // Scaled first: the product of two tiny edges would lose its digits.
     let normal = edge_u.normalize().cross(edge_v.normalize()).normalize();
-    let mut triangles = Vec::with_capacity(2);
-    push_quad(&mut triangles, [0, 1, 2, 3]);
     Mesh {
         positions: vec![center - u - v, center + u - v, center + u + v, center - u + v],
         normals: vec![normal; 4],
-        triangles,
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
     }
 }
 
@@ -153,6 +151,13 @@ mod tests {
         assert!((volume / exact - 1.0).abs() <= relative, "volume {volume}, exact {exact}");
     }
 
+    /// Asserts all three, of a volume that is known to a few roundings.
+    fn assert_solid(mesh: &Mesh, volume: f64, least_cosine: f64) {
+        assert_closed(mesh);
+        assert_volume(mesh, volume, 1e-12);
+        assert_normals_look_outward(mesh, least_cosine);
+    }
+
     /// Volume of a regular n-gon prism over that of its cylinder.
     fn polygon_share(n: u32) -> f64 {
         let angle = 2.0 * PI / f64::from(n);
@@ -184,9 +189,7 @@ mod tests {
     fn a_box() {
         let mesh = mesh(&Shape::Box { min: DVec3::new(-1.0, 0.0, 2.0), max: DVec3::new(1.0, 0.5, 5.0) });
         assert_eq!((mesh.triangles.len(), mesh.positions.len()), (12, 24));
-        assert_closed(&mesh);
-        assert_volume(&mesh, 3.0, 1e-15);
-        assert_normals_look_outward(&mesh, 0.999_999);
+        assert_solid(&mesh, 3.0, 0.999_999);
     }
 
     #[test]
@@ -194,10 +197,8 @@ mod tests {
         let shape = Shape::Cylinder { center: DVec3::new(1.0, 2.0, 3.0), radius: 0.5, height: 2.0, segments: 24 };
         let mesh = mesh(&shape);
         assert_eq!(mesh.triangles.len(), 4 * 24);
-        assert_closed(&mesh);
-        assert_volume(&mesh, PI * 0.25 * 2.0 * polygon_share(24), 1e-12);
         // The rim is a crease: caps face along y, the wall across it.
-        assert_normals_look_outward(&mesh, (PI / 24.0).cos() - 1e-9);
+        assert_solid(&mesh, PI * 0.25 * 2.0 * polygon_share(24), (PI / 24.0).cos() - 1e-9);
         assert!(mesh.normals.iter().all(|n| n.y == 0.0 || n.y.abs() == 1.0));
         // The first vertex of the wall stands at angle 0, on +x; the next is turned towards +z.
         assert!(mesh.positions.contains(&DVec3::new(1.5, 1.0, 3.0)));
@@ -209,9 +210,7 @@ mod tests {
         let shape = Shape::Torus { center: DVec3::Y, major: 2.0, minor: 0.5, segments: 96, rings: 48 };
         let mesh = mesh(&shape);
         assert_eq!((mesh.triangles.len(), mesh.positions.len()), (2 * 96 * 48, 96 * 48));
-        assert_closed(&mesh);
-        assert_volume(&mesh, 2.0 * PI * PI * 2.0 * 0.25 * polygon_share(96) * polygon_share(48), 1e-12);
-        assert_normals_look_outward(&mesh, 0.99);
+        assert_solid(&mesh, 2.0 * PI * PI * 2.0 * 0.25 * polygon_share(96) * polygon_share(48), 0.99);
     }
 
     #[test]
@@ -220,10 +219,7 @@ mod tests {
         let tumbler = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 3.0], [0.9, 3.0], [0.9, 0.2], [0.0, 0.2]];
         let exact = PI * (3.0 - 0.81 * 2.8) * polygon_share(64);
         for profile in [tumbler.clone(), tumbler.into_iter().rev().collect()] {
-            let mesh = mesh(&Shape::Lathe { profile, segments: 64 });
-            assert_closed(&mesh);
-            assert_volume(&mesh, exact, 1e-12);
-            assert_normals_look_outward(&mesh, 0.99);
+            assert_solid(&mesh(&Shape::Lathe { profile, segments: 64 }), exact, 0.99);
         }
     }
 
@@ -233,21 +229,17 @@ mod tests {
         let profile = vec![[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]];
         let ring = mesh(&Shape::Lathe { profile: profile.clone(), segments: 40 });
         assert_eq!(ring.triangles.len(), 2 * 4 * 40);
-        assert_closed(&ring);
-        assert_volume(&ring, PI * 3.0 * polygon_share(40), 1e-12);
+        assert_solid(&ring, PI * 3.0 * polygon_share(40), 0.99);
         // A repeated first point changes nothing.
         let repeated = profile.iter().chain(&profile[..1]).copied().collect();
         assert_eq!(mesh(&Shape::Lathe { profile: repeated, segments: 40 }), ring);
         // A cone: one end on the axis, joined by the last point.
         let cone = mesh(&Shape::Lathe { profile: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 2.0]], segments: 40 });
         assert_eq!(cone.triangles.len(), 80);
-        assert_closed(&cone);
-        assert_volume(&cone, PI * 2.0 / 3.0 * polygon_share(40), 1e-12);
-        assert_normals_look_outward(&cone, 0.99);
+        assert_solid(&cone, PI * 2.0 / 3.0 * polygon_share(40), 0.99);
         // One end on the axis: the last point joins the first, here as the slanted side.
         let funnel = mesh(&Shape::Lathe { profile: vec![[0.0, 0.0], [1.0, 1.0], [1.0, 0.0]], segments: 40 });
-        assert_closed(&funnel);
-        assert_volume(&funnel, PI * 2.0 / 3.0 * polygon_share(40), 1e-12);
+        assert_solid(&funnel, PI * 2.0 / 3.0 * polygon_share(40), 0.99);
     }
 
     #[test]

@@ -65,18 +65,15 @@ pub(super) fn pieces_cross(a: [DVec2; 2], b: [DVec2; 2], is_joint: bool) -> bool
         let (u, v) = (a[1] - a[0], b[1] - b[0]);
         return turn(a[0], a[1], b[1]) == 0.0 && u.dot(v) < 0.0;
     }
-    let boxes_apart = |axis: usize| {
-        let (low_a, high_a) = (a[0][axis].min(a[1][axis]), a[0][axis].max(a[1][axis]));
-        let (low_b, high_b) = (b[0][axis].min(b[1][axis]), b[0][axis].max(b[1][axis]));
-        high_a < low_b || high_b < low_a
-    };
-    if boxes_apart(0) || boxes_apart(1) {
+    let bounds = |p: [DVec2; 2]| (p[0].min(p[1]), p[0].max(p[1]));
+    let ((low_a, high_a), (low_b, high_b)) = (bounds(a), bounds(b));
+    if (high_a.cmplt(low_b) | high_b.cmplt(low_a)).any() {
         return false;
     }
-    let sides = |p: [DVec2; 2], q: [DVec2; 2]| turn(p[0], p[1], q[0]).signum() * turn(p[0], p[1], q[1]).signum();
     // Touching counts: a turn of 0 has its end on the other's line, and the boxes above already overlap.
     let is_apart = |p: [DVec2; 2], q: [DVec2; 2]| {
-        turn(p[0], p[1], q[0]) != 0.0 && turn(p[0], p[1], q[1]) != 0.0 && sides(p, q) > 0.0
+        let turns = q.map(|end| turn(p[0], p[1], end));
+        turns.iter().all(|turn| *turn > 0.0) || turns.iter().all(|turn| *turn < 0.0)
     };
     !is_apart(a, b) && !is_apart(b, a)
 }

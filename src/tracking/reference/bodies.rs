@@ -158,7 +158,7 @@ impl Bodies {
     /// Every body that may contain what lies that near to a point.
     fn for_each_near<'a>(&'a self, point: DVec3, margin: f64, mut visit: impl FnMut(&'a Body)) {
         self.tree.walk(
-            |bounds| bounds.contains(point, margin),
+            |_, bounds| bounds.contains(point, margin),
             |item| visit(&self.bodies[self.tree_bodies[self.tree.order[item] as usize] as usize]),
         );
         self.sheets.iter().for_each(|&sheet| visit(&self.bodies[sheet as usize]));
@@ -179,20 +179,14 @@ impl Bodies {
             Form::Solid { winding, has_holes, .. } => {
                 let sides = winding.beside(place, allowed);
                 let is_doubtful = |number: f64| *has_holes && (number - 0.5).abs() < DOUBTFUL;
-                Inside {
-                    front: sides.front > 0.5,
-                    back: sides.back > 0.5,
-                    is_doubtful: is_doubtful(sides.front) || is_doubtful(sides.back),
-                }
+                let (front, back) = (sides.front > 0.5, sides.back > 0.5);
+                Inside { front, back, is_doubtful: is_doubtful(sides.front) || is_doubtful(sides.back) }
             }
             Form::Sheet { winding, .. } => {
                 let sides = winding.beside(place, allowed);
                 if sides.front != sides.back {
-                    return Inside {
-                        front: sides.front > sides.back,
-                        back: sides.back > sides.front,
-                        is_doubtful: false,
-                    };
+                    let (front, back) = (sides.front > sides.back, sides.back > sides.front);
+                    return Inside { front, back, is_doubtful: false };
                 }
                 let (is_inside, is_doubtful) = sheet::contains(scene, winding, place.point);
                 Inside { front: is_inside, back: is_inside, is_doubtful }
@@ -224,7 +218,7 @@ impl Bodies {
         let mut is_stood_for = false;
         geometry.for_each_near_box(place.point - margin, place.point + margin, None, |other| {
             let object = ObjectId(geometry.object_of(other));
-            let is_opaque = !matches!(scene.object(object).surface, Surface::Refractor { .. });
+            let is_opaque = !scene.is_refractor(object);
             if is_stood_for || other == primitive || !(is_opaque || other < primitive) {
                 return;
             }
@@ -325,11 +319,7 @@ impl Body {
 
     /// Whether it, not `other`, fills what both contain: by priority, then the smaller volume, then the later.
     fn is_above(&self, other: &Self, scene: &Scene) -> bool {
-        let priority = |body: &Self| match scene.object(body.object).surface {
-            Surface::Refractor { priority, .. } => priority,
-            _ => i32::MIN,
-        };
-        let (own, others) = (priority(self), priority(other));
+        let (own, others) = (scene.priority(self.object), scene.priority(other.object));
         if own != others {
             return own > others;
         }

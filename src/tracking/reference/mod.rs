@@ -45,9 +45,6 @@ impl<'a> TrackingMode<'a> for Reference<'a> {
 impl Tracker for Reference<'_> {
     type State = ();
 
-    #[inline]
-    fn start(&self, (): &mut ()) {}
-
     fn sides(&self, (): &(), crossing: &Crossing, events: &mut Events) -> Option<Sides> {
         let primitive = crossing.point.primitive;
         let place = self.bodies.place(&self.scene.geometry, &crossing.point);
@@ -56,13 +53,8 @@ impl Tracker for Reference<'_> {
         }
         let beside = self.bodies.beside(self.scene, &place, primitive);
         events.ambiguous += u64::from(beside.is_doubtful);
-        let (front, back) = (beside.front, beside.back);
-        let (from, to) = if crossing.is_entering { (front, back) } else { (back, front) };
-        Some(Sides { from, to })
+        Some(crossing.sides(beside.front, beside.back))
     }
-
-    #[inline]
-    fn transmit(&self, (): &mut (), _: &Crossing) {}
 
     fn can_skip(&self) -> bool {
         true

@@ -344,26 +344,18 @@ struct Body {
     area: f64,
     /// > 0 where it looks outward; 0 where it encloses nothing.
     volume: f64,
-    min: DVec3,
-    max: DVec3,
-    /// One of its triangles.
-    face: usize,
+    bounds: Bounds,
 }
 
 fn measured(triangles: &[[DVec3; 3]], parts: &[u32], count: usize, faces: &[Face], is_turned: &[bool]) -> Vec<Body> {
-    let mut bodies =
-        vec![Body { area: 0.0, volume: 0.0, min: DVec3::INFINITY, max: DVec3::NEG_INFINITY, face: 0 }; count];
-    for (index, (corners, &part)) in triangles.iter().zip(parts).enumerate() {
+    let mut bodies = vec![Body { area: 0.0, volume: 0.0, bounds: Bounds::EMPTY }; count];
+    for (corners, &part) in triangles.iter().zip(parts) {
         let body = &mut bodies[part as usize];
-        body.face = index;
         body.area += (corners[1] - corners[0]).cross(corners[2] - corners[0]).length() / 2.0;
-        for p in corners {
-            (body.min, body.max) = (body.min.min(*p), body.max.max(*p));
-        }
+        body.bounds = body.bounds.union(Bounds::of(*corners));
     }
     // Volumes about the middle of all, so that a far mesh keeps its digits.
-    let min = bodies.iter().fold(DVec3::INFINITY, |m, b| m.min(b.min));
-    let max = bodies.iter().fold(DVec3::NEG_INFINITY, |m, b| m.max(b.max));
+    let Bounds { min, max } = bodies.iter().fold(Bounds::EMPTY, |all, body| all.union(body.bounds));
     let middle = (min + max) / 2.0;
     for (corners, &part) in triangles.iter().zip(parts) {
         let [a, b, c] = corners.map(|p| p - middle);
@@ -420,13 +412,12 @@ fn judged(bodies: &[Body], triangles: &[[DVec3; 3]], parts: &[u32]) -> Vec<bool>
         by_part[first..last].iter().map(|&(_, face)| triangles[face as usize]).collect::<Vec<_>>()
     };
     // The parts whose boxes lie in that of each.
-    let bounds = |part: usize| Bounds { min: bodies[part].min, max: bodies[part].max };
-    let boxes: Vec<Bounds> = order.iter().map(|&part| bounds(part)).collect();
+    let boxes: Vec<Bounds> = order.iter().map(|&part| bodies[part].bounds).collect();
     let tree = Tree::build(&boxes);
     let mut candidates: Vec<Vec<usize>> = vec![Vec::new(); order.len()];
     for (place, &inner) in order.iter().enumerate() {
         tree.walk(
-            |all| all.has(&boxes[place]),
+            |_, all| all.has(&boxes[place]),
             |found| {
                 let outer = tree.order[found] as usize;
                 if outer < place && boxes[outer].has(&boxes[place]) {

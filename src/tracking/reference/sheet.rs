@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::winding::Winding;
 use crate::geometry::Ray;
-use crate::scene::{ObjectId, Scene, Surface};
+use crate::scene::{ObjectId, Scene};
 
 /// Rays, evenly spread over the sphere.
 const RAYS: u32 = 32;
@@ -16,11 +16,11 @@ const CLEAR_SHARE: f64 = 0.75;
 pub(super) fn contains(scene: &Scene, sheet: &Winding, point: DVec3) -> (bool, bool) {
     let (mut inside, mut asked) = (0, 0);
     for direction in (0..RAYS).map(direction) {
-        let Some((t, from_behind)) = sheet.first_met(point, direction, 0.0) else { continue };
+        let Some((t, from_behind)) = sheet.first_met(point, direction) else { continue };
         let mut is_hidden = false;
         scene.geometry.for_each_hit(&Ray::new(point, direction), |hit| {
             let object = ObjectId(scene.geometry.object_of(hit.primitive));
-            is_hidden |= hit.t < t && !matches!(scene.object(object).surface, Surface::Refractor { .. });
+            is_hidden |= hit.t < t && !scene.is_refractor(object);
         });
         if !is_hidden {
             asked += 1;

@@ -6,6 +6,7 @@
 //! faces that lie at the point, in the plane that is asked about, are told apart from the rest: their share on either side follows
 //! from which way they look, however rounding has placed them.
 
+use std::cell::Cell;
 use std::f64::consts::PI;
 
 use glam::{DMat3, DVec2, DVec3};
@@ -123,8 +124,6 @@ pub(super) struct WindingSides {
     /// On the side that the place's normal points to, and on the other.
     pub front: f64,
     pub back: f64,
-    /// Whether a face lies there.
-    pub is_on_surface: bool,
 }
 
 impl Winding {
@@ -165,64 +164,50 @@ impl Winding {
     /// The winding numbers on both sides of a place; how far off faces may lie there depends on their part.
     pub fn beside(&self, place: &PointInPlane, allowed: impl Fn(u32) -> Allowed) -> WindingSides {
         let mut facing = 0;
-        let mut is_on_surface = false;
         let rest = self.sum(place.point, |corners, part| match place.is_covered_by(corners, allowed(part)) {
             Some(looks_along) => {
-                is_on_surface = true;
                 facing += if looks_along { 1 } else { -1 };
                 0.0
             }
             None => solid_angle(corners.map(|p| p - place.point)),
         });
         let half = 0.5 * f64::from(facing);
-        WindingSides { front: rest - half, back: rest + half, is_on_surface }
+        WindingSides { front: rest - half, back: rest + half }
     }
 
     #[inline]
     fn sum(&self, point: DVec3, mut of_triangle: impl FnMut(&[DVec3; 3], u32) -> f64) -> f64 {
-        let mut sum = 0.0;
-        let mut open = [0_u32; 64];
-        let mut count = usize::from(!self.groups.is_empty());
-        while count > 0 {
-            count -= 1;
-            let index = open[count] as usize;
-            let group = &self.groups[index];
+        let sum = Cell::new(0.0);
+        let is_near = |node: usize, _: &Bounds| {
+            let group = &self.groups[node];
             let r = group.center - point;
             let distance_squared = r.length_squared();
-            if distance_squared > group.far_squared {
-                sum += group.seen_along(r, distance_squared);
-                continue;
+            let is_far = distance_squared > group.far_squared;
+            if is_far {
+                sum.set(sum.get() + group.seen_along(r, distance_squared));
             }
-            match self.tree.nodes[index].below {
-                Below::Nodes(second) => {
-                    (open[count], open[count + 1]) = (second, index as u32 + 1);
-                    count += 2;
-                }
-                Below::Items { first, count } => {
-                    for item in first as usize..(first + count) as usize {
-                        sum += of_triangle(&self.triangles[item], self.parts[item]);
-                    }
-                }
-            }
-        }
-        sum / (4.0 * PI)
+            !is_far
+        };
+        let add = |item: usize| sum.set(sum.get() + of_triangle(&self.triangles[item], self.parts[item]));
+        self.tree.walk(is_near, add);
+        sum.get() / (4.0 * PI)
     }
 
-    /// Distance to the first face that a ray meets, beyond `least`, and whether from behind.
-    pub fn first_met(&self, origin: DVec3, direction: DVec3, least: f64) -> Option<(f64, bool)> {
+    /// Distance to the first face that a ray meets, and whether from behind.
+    pub fn first_met(&self, origin: DVec3, direction: DVec3) -> Option<(f64, bool)> {
         let inverse = direction.recip();
-        let nearest = std::cell::Cell::new(f64::INFINITY);
+        let nearest = Cell::new(f64::INFINITY);
         let mut is_from_behind = false;
-        let is_met = |bounds: &Bounds| {
+        let is_met = |_: usize, bounds: &Bounds| {
             let (a, b) = ((bounds.min - origin) * inverse, (bounds.max - origin) * inverse);
             // A NaN, of a ray in the plane of a side, is no bound.
-            let enter = a.min(b).to_array().into_iter().fold(least, f64::max);
+            let enter = a.min(b).to_array().into_iter().fold(0.0, f64::max);
             let leave = a.max(b).to_array().into_iter().fold(nearest.get(), f64::min);
             enter <= leave * (1.0 + 1e-12)
         };
         self.tree.walk(is_met, |place| {
             if let Some((t, from_behind)) = meet(origin, direction, &self.triangles[place])
-                && t > least
+                && t > 0.0
                 && t < nearest.get()
             {
                 nearest.set(t);
@@ -343,7 +328,6 @@ mod tests {
                     let point = corners[0].lerp(corners[1], share).lerp(corners[2], 0.4) + normal * off;
                     let allowed = |_| Allowed { length: 0.1, is_of_one_surface: true };
                     let sides = tree.beside(&PointInPlane::new(point, normal, DVec3::ZERO), allowed);
-                    assert!(sides.is_on_surface);
                     assert!(sides.front.abs() < 0.01 && (sides.back - 1.0).abs() < 0.01, "{sides:?}");
                     // Asked about by another surface, which looks the other way.
                     let allowed = |_| Allowed { length: 0.1, is_of_one_surface: false };
@@ -383,11 +367,11 @@ mod tests {
         for k in 0..50 {
             let t = f64::from(k);
             let direction = DVec3::new(t.sin(), (1.3 * t).cos(), (0.7 * t).sin() + 0.1).normalize();
-            let (t, from_behind) = tree.first_met(DVec3::ZERO, direction, 0.0).unwrap();
+            let (t, from_behind) = tree.first_met(DVec3::ZERO, direction).unwrap();
             assert!(from_behind && (0.99..=1.0).contains(&t));
-            let (t, from_behind) = tree.first_met(direction * -3.0, direction, 0.0).unwrap();
+            let (t, from_behind) = tree.first_met(direction * -3.0, direction).unwrap();
             assert!(!from_behind && (2.0..2.01).contains(&t));
-            assert_eq!(tree.first_met(direction * 3.0, direction, 0.0), None);
+            assert_eq!(tree.first_met(direction * 3.0, direction), None);
         }
     }
 }

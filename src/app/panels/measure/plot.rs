@@ -16,27 +16,21 @@ use crate::tracking::Mode;
 /// Width over height.
 const ASPECT: f32 = 1.25;
 
-/// A mode's marker, as a character.
-pub fn mark(mode: Mode) -> &'static str {
-    match mode {
-        Mode::Naive => "●",
-        Mode::Stack => "■",
-        Mode::Priority => "◆",
-        Mode::RectifiedObject => "+",
-        Mode::Rectified => "×",
-        Mode::Reference => "*",
-    }
-}
+/// Markers, as characters and in the plot, and lines of the modes in their order; the last are for modes to come.
+const LOOKS: [(&str, MarkerShape, LineStyle); 8] = [
+    ("●", MarkerShape::Circle, LineStyle::Dashed { length: 8.0 }),
+    ("■", MarkerShape::Square, LineStyle::Dashed { length: 4.0 }),
+    ("◆", MarkerShape::Diamond, LineStyle::Dotted { spacing: 5.0 }),
+    ("+", MarkerShape::Plus, LineStyle::Dashed { length: 12.0 }),
+    ("×", MarkerShape::Cross, LineStyle::Solid),
+    ("*", MarkerShape::Asterisk, LineStyle::Dotted { spacing: 8.0 }),
+    ("▲", MarkerShape::Up, LineStyle::Dashed { length: 6.0 }),
+    ("▼", MarkerShape::Down, LineStyle::Dotted { spacing: 3.0 }),
+];
 
-fn look(mode: Mode) -> (MarkerShape, LineStyle) {
-    match mode {
-        Mode::Naive => (MarkerShape::Circle, LineStyle::Dashed { length: 8.0 }),
-        Mode::Stack => (MarkerShape::Square, LineStyle::Dashed { length: 4.0 }),
-        Mode::Priority => (MarkerShape::Diamond, LineStyle::Dotted { spacing: 5.0 }),
-        Mode::RectifiedObject => (MarkerShape::Plus, LineStyle::Dashed { length: 12.0 }),
-        Mode::Rectified => (MarkerShape::Cross, LineStyle::Solid),
-        Mode::Reference => (MarkerShape::Asterisk, LineStyle::Dotted { spacing: 8.0 }),
-    }
+/// The look of a mode.
+pub fn look(mode: Mode) -> (&'static str, MarkerShape, LineStyle) {
+    LOOKS[mode as usize % LOOKS.len()]
 }
 
 /// The points of a curve that a logarithm has, as powers of ten.
@@ -103,14 +97,12 @@ pub fn show(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
             for (mode, curve) in curves {
                 let points = logarithms(curve, state);
                 let color = palette.mode(*mode);
-                let (shape, style) = look(*mode);
+                let (_, shape, style) = look(*mode);
                 let name = mode_title(*mode);
                 if let (Some(bias), [first, .., last]) = (curve.trend(metric).bias, &points[..]) {
                     let level = vec![[first[0], bias.log10()], [last[0], bias.log10()]];
-                    let line = Line::new(format!("bias of {name}"), PlotPoints::from(level));
-                    plot.line(
-                        line.color(color.gamma_multiply(0.7)).style(LineStyle::Dotted { spacing: 4.0 }).width(1.0),
-                    );
+                    let line = Line::new(format!("bias of {name}"), PlotPoints::from(level)).width(1.0);
+                    plot.line(line.color(color.gamma_multiply(0.7)).style(LineStyle::Dotted { spacing: 4.0 }));
                 }
                 plot.line(Line::new(name, PlotPoints::from(points.clone())).color(color).style(style).width(1.5));
                 plot.points(Points::new(name, PlotPoints::from(points)).color(color).shape(shape).radius(3.5));
@@ -169,7 +161,7 @@ mod tests {
             "{values:?}"
         );
         for (index, a) in Mode::ALL.into_iter().enumerate() {
-            assert!(Mode::ALL[index + 1..].iter().all(|b| look(a).0 != look(*b).0 && mark(a) != mark(*b)));
+            assert!(Mode::ALL[index + 1..].iter().all(|b| look(a).0 != look(*b).0 && look(a).1 != look(*b).1));
         }
     }
 }

@@ -37,9 +37,6 @@ enum Role {
 }
 
 /// Reads the largest level of `layer`. `rest` stands after the headers.
-///
-/// # Errors
-/// When the file is cut off or damaged.
 pub(super) fn read(
     meta: &MetaData,
     layer: &Layer,
@@ -70,7 +67,7 @@ pub(super) fn read(
             batch.push((section, chunk));
         }
         let is_last = index + 1 == chunks;
-        if is_last || batch.len() * part.most_block_bytes() >= BATCH_BYTES {
+        if is_last || batch.len() * part.header.max_block_byte_size() >= BATCH_BYTES {
             let blocks: Vec<_> =
                 batch.par_drain(..).map(|(section, chunk)| (section, part.decompress(chunk, section))).collect();
             for (section, bytes) in blocks {
@@ -79,10 +76,9 @@ pub(super) fn read(
         }
     }
     if missing > 0 {
-        Err(format!("is damaged: {missing} of its {} blocks are missing", has_come.len()))
-    } else {
-        Ok(())
+        return Err(format!("is damaged: {missing} of its {} blocks are missing", has_come.len()));
     }
+    Ok(())
 }
 
 /// The part that is read.
@@ -143,10 +139,6 @@ impl<'a> Part<'a> {
             rows: compute_block_count(header.layer_size.1, block_height),
             is_subsampled,
         })
-    }
-
-    fn most_block_bytes(&self) -> usize {
-        self.header.max_block_byte_size()
     }
 
     /// The number of a block and where it lies in the data window; `None` for those of smaller levels.

@@ -23,10 +23,7 @@ pub(super) struct Chroma {
     sampling: usize,
 }
 
-/// Planes for the chroma of a layer; `None` if it has none.
-///
-/// # Errors
-/// When it is sampled in a way that is not read.
+/// Planes for the chroma of a layer; `None` if it has none, an error if it is sampled in a way that is not read.
 pub(super) fn planes(header: &Header, layer: &Layer) -> Result<Option<Chroma>, String> {
     let Colors::LuminanceChroma { ry, by, .. } = layer.colors else { return Ok(None) };
     let sampling = match [ry, by].map(|index| header.channels.list[index].sampling) {

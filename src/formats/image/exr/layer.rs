@@ -36,10 +36,7 @@ type Group = BTreeMap<String, usize>;
 
 impl Layer {
     /// The first with colours: those with plain names (`R`) before those of named layers (`diffuse.R`), RGB before others. Says so when
-    /// there are several.
-    ///
-    /// # Errors
-    /// When no part holds a picture.
+    /// there are several. An error: no part holds a picture.
     pub fn choose(headers: &[Header]) -> Result<(Self, Option<LoadNote>), String> {
         let mut layers: Vec<(bool, Self)> = Vec::new();
         for (part, header) in headers.iter().enumerate() {
@@ -61,36 +58,19 @@ impl Layer {
         layers.sort_by_key(|(is_named, layer)| (*is_named, !matches!(layer.colors, Colors::Rgb(_))));
         let mut layers = layers.into_iter().map(|(_, layer)| layer);
         let Some(chosen) = layers.next() else {
-            let names: Vec<String> = headers
-                .iter()
-                .flat_map(|header| &header.channels.list)
-                .map(|channel| channel.name.to_string())
-                .collect();
+            let channels = headers.iter().flat_map(|header| &header.channels.list);
+            let names: Vec<String> = channels.map(|channel| channel.name.to_string()).collect();
             return Err(format!(
                 "has no picture: it needs channels R, G and B, or Y (with or without RY and BY), or X, Y and Z, but has {}",
                 shown(names.iter().map(String::as_str))
             ));
         };
         let others: Vec<Self> = layers.collect();
-        let note = (!others.is_empty()).then(|| LoadNote {
-            kind: "chosen_layer",
-            count: others.len() as u64,
-            first_line: None,
-            message: format!(
-                "the file holds several pictures: read {}, passed over {}",
-                chosen.label(),
-                shown(others.iter().map(Self::label_or_name))
-            ),
-        });
+        let read = if chosen.name.is_empty() { "the one without a name".into() } else { shown([&*chosen.name]) };
+        let rest = shown(others.iter().map(|other| if other.name.is_empty() { "(no name)" } else { &other.name }));
+        let message = format!("the file holds several pictures: read {read}, passed over {rest}");
+        let note = (!others.is_empty()).then(|| LoadNote::new("chosen_layer", others.len() as u64, message));
         Ok((chosen, note))
-    }
-
-    fn label(&self) -> String {
-        if self.name.is_empty() { "the one without a name".into() } else { shown([self.name.as_str()]) }
-    }
-
-    fn label_or_name(&self) -> &str {
-        if self.name.is_empty() { "(no name)" } else { &self.name }
     }
 }
 

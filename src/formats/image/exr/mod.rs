@@ -21,8 +21,6 @@ use super::limits::{self, black, pixel_count};
 use crate::scene::LoadNote;
 use crate::scene::environment::EnvironmentImage;
 
-/// # Errors
-/// When the file is too large, damaged, cut off, or of a kind that is not read.
 pub(super) fn read(bytes: &[u8]) -> Result<EnvironmentImage, String> {
     let mut rest = Cursor::new(bytes);
     let meta = MetaData::read_from_buffered(&mut rest, false).map_err(decoding)?;
@@ -48,8 +46,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<EnvironmentImage, String> {
     let Samples { windows, mut pixels, chroma } = samples;
 
     let chromaticities = header.shared_attributes.chromaticities.map(|c| {
-        let points = [c.red, c.green, c.blue, c.white].map(|point| [f64::from(point.0), f64::from(point.1)]);
-        Chromaticities { red: points[0], green: points[1], blue: points[2], white: points[3] }
+        Chromaticities([c.red, c.green, c.blue, c.white].map(|point| [f64::from(point.0), f64::from(point.1)]))
     });
     match (&layer.colors, chroma) {
         (Colors::Luminance(_), _) => pixels.iter_mut().for_each(|pixel| *pixel = [pixel[1]; 3]),
@@ -66,7 +63,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<EnvironmentImage, String> {
         (_, Some(Ok(Some(matrix)))) => Some((matrix, "its chromaticities")),
         (_, Some(Err(fault))) => {
             let message = format!("its chromaticities {fault} and were ignored: it was read as Rec. 709");
-            notes.push(LoadNote { kind: "ignored_header", count: 1, first_line: None, message });
+            notes.push(LoadNote::new("ignored_header", 1, message));
             None
         }
     };
@@ -140,12 +137,8 @@ impl Windows {
             (0, _) => format!("{cropped} pixels outside it were cropped"),
             _ => format!("{empty} pixels have no data and are black, and {cropped} outside it were cropped"),
         };
-        Some(LoadNote {
-            kind: "data_window",
-            count: (empty + cropped) as u64,
-            first_line: None,
-            message: format!("the data of the environment image do not fill its display window: {what}"),
-        })
+        let message = format!("the data of the environment image do not fill its display window: {what}");
+        Some(LoadNote::new("data_window", (empty + cropped) as u64, message))
     }
 }
 

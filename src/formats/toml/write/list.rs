@@ -45,20 +45,17 @@ fn sync_inline(array: &mut Array, old: &[Fields], new: &[Fields], sources: &[Opt
     let prefix = prefix.map(|prefix| prefix[prefix.rfind('\n').unwrap_or(0)..].to_owned());
     let mut values = Vec::with_capacity(new.len());
     for (n, source) in new.iter().zip(sources) {
-        let found = source.and_then(|j| tables[j].take().map(|value| (value, &old[j])));
-        let (mut value, o) = match found {
-            Some((value, o)) => (value, Some(o)),
-            None => {
-                let mut value = Value::InlineTable(InlineTable::new());
-                if let Some(prefix) = &prefix {
-                    value.decor_mut().set_prefix(prefix.as_str());
-                }
-                (value, None)
+        let found = source.and_then(|j| Some((tables[j].take()?, &old[j][..])));
+        let (mut value, o) = found.unwrap_or_else(|| {
+            let mut value = Value::InlineTable(InlineTable::new());
+            if let Some(prefix) = &prefix {
+                value.decor_mut().set_prefix(prefix.as_str());
             }
-        };
+            (value, &[])
+        });
         if let Some(table) = value.as_inline_table_mut() {
             let keys = table.len();
-            update(table, o.map_or(&[], |o| o), n);
+            update(table, o, n);
             if table.len() != keys {
                 table.fmt();
             }
@@ -113,14 +110,10 @@ fn sync_tables(root: &mut Table, key: &str, old: &[Fields], new: &[Fields], sour
         };
         array.push(table);
     }
-    match (array.is_empty(), root.get_mut(key)) {
-        (true, _) => {
-            root.remove(key);
-        }
-        (false, Some(item)) => *item = Item::ArrayOfTables(array),
-        (false, None) => {
-            root.insert(key, Item::ArrayOfTables(array));
-        }
+    match root.get_mut(key) {
+        _ if array.is_empty() => _ = root.remove(key),
+        Some(item) => *item = Item::ArrayOfTables(array),
+        None => _ = root.insert(key, Item::ArrayOfTables(array)),
     }
 }
 

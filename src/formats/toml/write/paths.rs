@@ -37,7 +37,7 @@ pub(super) fn relocate(description: &mut Description, target: &Path) -> Result<(
         }
         Ok(())
     };
-    for object in &mut description.objects {
+    for object in description.objects.iter_mut() {
         if let Shape::Mesh { path, .. } = &mut object.shape {
             moved(path)?;
         }

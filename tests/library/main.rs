@@ -1,0 +1,36 @@
+//! The library, asked through what it offers others. One binary, so that the tests are linked once and share what they compute.
+
+mod common;
+
+mod advice;
+mod agreement;
+mod bad_input;
+mod camera;
+mod closed_forms;
+mod crowds;
+mod edits;
+mod environment_files;
+mod example;
+mod experiment;
+mod export;
+mod extremes;
+mod families;
+mod geometry;
+mod layering;
+mod loaders;
+mod measure;
+mod moved_scenes;
+mod optics;
+mod priority;
+mod properties;
+mod random_meshes;
+mod readme;
+mod rectification;
+mod reference;
+mod report;
+mod seams;
+mod smooth_normals;
+mod stability;
+mod topology;
+mod transport;
+mod variance;
