@@ -44,7 +44,7 @@ type Variances = [f64; 3];
 fn variances(truth: &Truth, mode: &[&Image], against: &[&Image]) -> (Variances, Vec<Variances>) {
     let minus = |(a, b): (&[f32; 3], &[f32; 3])| std::array::from_fn(|c| a[c] - b[c]);
     let apart: Vec<Image> = mode.iter().zip(against).map(|(a, b)| a.iter().zip(*b).map(minus).collect()).collect();
-    // Taken about 0, a difference that is the same in all runs has a variance of exactly 0.
+    // Taken about 0, where images are equal the variance of their difference is exactly 0.
     let about_zero = |pixel: &TruePixel| TruePixel { mean: [0.0; 3], half_gap: [0.0; 3], ..*pixel };
     let about_zero: Vec<TruePixel> = truth.pixels.iter().map(about_zero).collect();
     let apart: Vec<&Image> = apart.iter().collect();
