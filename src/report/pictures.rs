@@ -14,8 +14,6 @@ use crate::render::{Display, Film, ImageSettings};
 use crate::scene::camera::Camera;
 use crate::tracking::{Events, Mode, Prepared};
 
-/// The modes that are held against `rectified`.
-const OTHERS: [Mode; 4] = [Mode::Naive, Mode::Stack, Mode::Priority, Mode::RectifiedObject];
 /// The colour scale ends where at most this share of the pixels goes beyond it.
 const BEYOND_SCALE: f64 = 0.01;
 /// Pictures nearer to each other than this, in relMSE, differ by roundings alone.
@@ -94,7 +92,9 @@ pub fn make(
     plan: &PicturePlan,
     progress: &Progress<'_>,
 ) -> Result<Option<Pictures>, ExportError> {
-    let modes: Vec<Mode> = std::iter::once(Mode::Rectified).chain(OTHERS).collect();
+    // The others are held against it.
+    let others = Mode::ALL.into_iter().filter(|mode| *mode < Mode::Rectified);
+    let modes: Vec<Mode> = std::iter::once(Mode::Rectified).chain(others).collect();
     let Some(plan) = &affordable(prepared, camera, plan, modes.len(), progress) else { return Ok(None) };
     let Some(films) = render(prepared, camera, plan, &modes, progress) else { return Ok(None) };
     let pictures: Vec<Picture> = films.iter().map(Picture::from).collect();

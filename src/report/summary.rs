@@ -131,7 +131,7 @@ fn shipped(report: &Report) -> Option<Finding> {
 fn wrong_modes(report: &Report) -> Option<Finding> {
     let mut parts = Vec::new();
     let mut any = false;
-    for mode in [Mode::Naive, Mode::Stack, Mode::Priority, Mode::RectifiedObject] {
+    for mode in Mode::ALL.into_iter().filter(|mode| *mode < Mode::Rectified) {
         let own = |(scene, found)| {
             let own = plain(found, mode)?;
             // What gives the same images has the same bias.

@@ -39,6 +39,13 @@ macro_rules! modes {
                 }
             }
 
+            /// Whether it looks up what rectification found, whose time then counts as the mode's own.
+            pub fn is_rectified(self) -> bool {
+                match self {
+                    $(Self::$mode => <$tracker as TrackingMode<'_>>::IS_RECTIFIED,)*
+                }
+            }
+
             /// All names, for help and errors.
             pub fn list() -> String {
                 Self::ALL.map(Self::name).join(", ")

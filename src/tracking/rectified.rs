@@ -18,6 +18,7 @@ impl<'a> TrackingMode<'a> for Rectified<'a> {
     const NAME: &'static str = "rectified";
     const ABOUT: &'static str =
         "Looks up what rectification found outside each refractor: no state per path, right wherever it starts.";
+    const IS_RECTIFIED: bool = true;
 
     fn of(prepared: &'a Prepared) -> Self {
         Self { scene: &prepared.scene, table: &prepared.table }

@@ -15,6 +15,7 @@ pub struct RectifiedObject {
 impl<'a> TrackingMode<'a> for RectifiedObject {
     const NAME: &'static str = "rectified-object";
     const ABOUT: &'static str = "Looks up one exterior per object: no state per path, wrong where an object has different surroundings in different places.";
+    const IS_RECTIFIED: bool = true;
 
     fn of(prepared: &'a Prepared) -> Self {
         Self { outsides: prepared.table.object_table(&prepared.scene).outsides(&prepared.scene) }

@@ -83,6 +83,8 @@ pub trait TrackingMode<'a>: Tracker + Sized {
     const NAME: &'static str;
     /// One sentence for tooltips and help.
     const ABOUT: &'static str;
+    /// Whether it looks up what rectification found, whose time then counts as the mode's own.
+    const IS_RECTIFIED: bool = false;
 
     /// The tracker for a scene.
     fn of(prepared: &'a Prepared) -> Self;

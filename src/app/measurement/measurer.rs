@@ -30,7 +30,7 @@ pub struct Plan {
 impl Plan {
     /// Time to be counted with a mode beside its film's, where it looks up what rectification found.
     fn more_seconds(&self, mode: Mode) -> f64 {
-        if matches!(mode, Mode::Rectified | Mode::RectifiedObject) { self.rectification_seconds } else { 0.0 }
+        if mode.is_rectified() { self.rectification_seconds } else { 0.0 }
     }
 }
 

@@ -42,9 +42,6 @@ use crate::tracking::{Mode, Prepared};
 /// A mode is called biased beyond this many standard deviations; by chance, one in thirty thousand is.
 pub const BIAS_SIGNIFICANCE: f64 = 4.0;
 
-/// Modes that are measured, in the order in which they are rendered: a later one that gives the same images as an earlier one is not
-/// rendered with every seed.
-const MODES: [Mode; 5] = [Mode::Rectified, Mode::RectifiedObject, Mode::Priority, Mode::Stack, Mode::Naive];
 /// Fraction of the whole time that the references take, about.
 const SHARE_OF_REFERENCES: f64 = 0.4;
 
@@ -92,7 +89,9 @@ pub fn scene_errors(
 
 /// Every mode with independent samples, and the shipped technique.
 fn variants() -> impl Iterator<Item = (Mode, Technique)> {
-    let independent = MODES.into_iter().map(|mode| (mode, Technique::independent()));
+    // A later one that gives the same images as an earlier one is not rendered with every seed.
+    let measured = Mode::ALL.into_iter().rev().filter(|mode| *mode != Mode::Reference);
+    let independent = measured.map(|mode| (mode, Technique::independent()));
     independent.chain([(Mode::Rectified, Technique::shipped())])
 }
 
@@ -164,8 +163,7 @@ fn find(measured: &[Measured], mode: Mode) -> Option<&Measured> {
 fn run_all(maker: &Maker<'_>, progress: Progress<'_>) -> Result<Option<Vec<Measured>>, ExportError> {
     let seeds = &maker.plan.seeds;
     let new = |(mode, technique)| {
-        let is_rectified = matches!(mode, Mode::Rectified | Mode::RectifiedObject);
-        let secs_before = if is_rectified { maker.prepared.seconds.rectify } else { 0.0 };
+        let secs_before = if mode.is_rectified() { maker.prepared.seconds.rectify } else { 0.0 };
         Measured { mode, technique, equal_to: None, secs_before, runs: Vec::with_capacity(seeds.len()) }
     };
     let mut measured: Vec<Measured> = variants().map(new).collect();
