@@ -162,7 +162,7 @@ fn find(measured: &[Measured], mode: Mode) -> Option<&Measured> {
 /// Seed by seed, all modes in turn, so that what disturbs the machine disturbs all of them. `None` where cancelled.
 fn run_all(maker: &Maker<'_>, progress: Progress<'_>) -> Result<Option<Vec<Measured>>, ExportError> {
     let seeds = &maker.plan.seeds;
-    let new = |(mode, technique)| {
+    let new = |(mode, technique): (Mode, Technique)| {
         let secs_before = if mode.is_rectified() { maker.prepared.seconds.rectify } else { 0.0 };
         Measured { mode, technique, equal_to: None, secs_before, runs: Vec::with_capacity(seeds.len()) }
     };
