@@ -124,14 +124,14 @@ impl<T: Tracker> TrackedScene<'_, T> {
             }
             // Events are counted along camera paths only.
             let here = Traveller { state: &*shadow, medium, ..*traveller };
-            match self.interaction(&ray, &hit, &here, &mut Events::default()) {
+            match self.interaction(&ray, Some(&hit), &here, &mut Events::default()) {
                 Interaction::Grazes { ray: behind } => ray = behind,
                 Interaction::Passes { ray: behind, crossing, sides } => {
                     medium = sides.map_or(medium, |sides| sides.to);
                     self.tracker.transmit(shadow, &crossing);
                     ray = behind;
                 }
-                Interaction::Emits { .. } | Interaction::Scatters(_) => return None,
+                Interaction::Escapes { .. } | Interaction::Emits { .. } | Interaction::Scatters(_) => return None,
             }
         }
     }

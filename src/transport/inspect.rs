@@ -123,14 +123,14 @@ impl WithTracker for Inspection<'_> {
         // Masked faces are shown too, as skipped.
         while let Some(hit) = scene.geometry.closest(&ray) {
             let traveller = Traveller { state: &state, medium, segment, wavelengths: Wavelengths::Rgb };
-            let interaction = tracked.interaction(&ray, &hit, &traveller, &mut path.events);
+            let interaction = tracked.interaction(&ray, Some(&hit), &traveller, &mut path.events);
             if let Interaction::Grazes { ray: behind } = interaction {
                 ray = behind;
                 continue;
             }
             let mut vertex = self.vertex_at(&ray, &hit);
             let next = match interaction {
-                Interaction::Emits { .. } | Interaction::Grazes { .. } => {
+                Interaction::Escapes { .. } | Interaction::Grazes { .. } | Interaction::Emits { .. } => {
                     vertex.event = VertexEvent::Emit;
                     None
                 }

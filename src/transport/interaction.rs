@@ -44,8 +44,10 @@ pub struct Traveller<'a, S> {
 /// What a ray meets first.
 #[derive(Debug)]
 pub enum Interaction {
-    /// A light, from its outward side if `is_front`; there the path ends.
-    Emits { light: ObjectId, radiance: Spectrum, is_front: bool },
+    /// Nothing, and the ray leaves the scene: light of the environment.
+    Escapes { radiance: Spectrum },
+    /// A light, whose outward side is met if `hit` is in front; there the path ends.
+    Emits { light: ObjectId, radiance: Spectrum, hit: Hit },
     /// A refractor's surface that does not bend light, or that the tracker skips. `ray` goes on behind it.
     Passes { ray: Ray, crossing: Crossing, sides: Option<Sides> },
     /// An edge at which rounding shows hits that are no crossings. `ray` goes on behind them, and the tracker must not hear of them.
@@ -67,20 +69,23 @@ pub struct Vertex {
 }
 
 impl<T: Tracker> TrackedScene<'_, T> {
-    /// Works out what `hit` of `ray` is, and counts in `events` a crossing that leaves another medium than the path's.
+    /// Works out what `ray` meets, given what it hits first, and counts in `events` a crossing that leaves another medium than the path's.
     #[inline]
     pub fn interaction(
         &self,
         ray: &Ray,
-        hit: &Hit,
+        hit: Option<&Hit>,
         traveller: &Traveller<'_, T::State>,
         events: &mut Events,
     ) -> Interaction {
         let scene = self.scene;
+        let Some(hit) = hit else {
+            return Interaction::Escapes { radiance: scene.environment.radiance(ray.direction) };
+        };
         let object = ObjectId(scene.geometry.object_of(hit.primitive));
         let (scattering, point, smooth, crossing) = match scene.object(object).surface {
             Surface::Light { radiance } => {
-                return Interaction::Emits { light: object, radiance, is_front: hit.is_front };
+                return Interaction::Emits { light: object, radiance, hit: *hit };
             }
             Surface::Refractor { smooth, .. } => {
                 events.crossings += 1;

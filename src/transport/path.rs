@@ -225,17 +225,16 @@ impl<T: Tracker> PathTracer<'_, T> {
     ) -> Option<Ray> {
         let tracked = &self.tracked;
         path.beta *= tracked.transmittance(path.medium, ray, hit.map_or(f64::INFINITY, |hit| hit.t));
-        let Some(hit) = hit else {
-            let weight = path.last.map_or(1.0, |l| power_heuristic(l.pdf, tracked.environment_pdf(ray.direction)));
-            let radiance = tracked.scene.environment.radiance(ray.direction);
-            path.radiance += path.beta * radiance * (path.radiance_scale * weight);
-            return None;
-        };
         let vertex = match tracked.interaction(ray, hit, &path.traveller(), events) {
-            Interaction::Emits { light, radiance, is_front } => {
-                if is_front {
+            Interaction::Escapes { radiance } => {
+                let weight = path.last.map_or(1.0, |l| power_heuristic(l.pdf, tracked.environment_pdf(ray.direction)));
+                path.radiance += path.beta * radiance * (path.radiance_scale * weight);
+                return None;
+            }
+            Interaction::Emits { light, radiance, hit } => {
+                if hit.is_front {
                     let weight = path.last.map_or(1.0, |l| {
-                        let point = tracked.scene.geometry.surface(ray, hit);
+                        let point = tracked.scene.geometry.surface(ray, &hit);
                         power_heuristic(l.pdf, tracked.emitter_pdf(l.position, ray.direction, light, &point))
                     });
                     path.radiance += path.beta * radiance * (path.radiance_scale * weight);
