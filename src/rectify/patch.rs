@@ -31,7 +31,7 @@ impl PatchKind {
 /// A part of a refractor's surface with the same surroundings everywhere, or the faces of it that the same refractors cross.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Patch {
-    /// The refractor; in [`InterfaceTable::lights`] the light.
+    /// The refractor; in [`super::InterfaceTable::lights`] the light.
     pub refractor: ObjectId,
     /// Index among the refractor's patches.
     pub index: u32,

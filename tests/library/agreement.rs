@@ -243,7 +243,7 @@ fn check(make: fn(&mut Numbers) -> Description) -> usize {
             total.coincident += found.coincident;
             total.faults.extend(found.faults.into_iter().map(|fault| format!("seed {seed}: {fault}")));
         }
-        if seed % PLANTED_ONE_IN as u64 == 0 {
+        if seed.is_multiple_of(PLANTED_ONE_IN as u64) {
             total.of_wrong_mode = survey(&scene, &truth, Mode::RectifiedObject, &rays).faults.len();
             let truth = truth.with_top(|a, b| !is_above(a, b));
             total.of_wrong_rule = survey(&scene, &truth, Mode::Rectified, &rays).faults.len();
