@@ -701,7 +701,7 @@ fn many_objects() {
     );
     let distinct: std::collections::HashSet<_> =
         scene.objects.iter().filter_map(|o| o.topology.as_ref().map(Arc::as_ptr)).collect();
-    assert_eq!(distinct.len(), 6_667, "objects of one mesh share its topology");
+    assert_eq!(distinct.len(), 6_668, "objects of one mesh share its topology");
     assert!(scene.objects.iter().all(|o| o.enclosure == Enclosure::Closed && o.volume < 0.2));
 }
 
