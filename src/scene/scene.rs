@@ -96,8 +96,9 @@ impl Albedo {
             Self::Color(color) => *color,
             Self::Checker { a, b, origin, u_axis, v_axis } => {
                 let p = position - *origin;
-                let squares = p.dot(*u_axis).floor() + p.dot(*v_axis).floor();
-                if squares.rem_euclid(2.0) == 0.0 { *a } else { *b }
+                // Half of an even number is whole.
+                let half = 0.5 * (p.dot(*u_axis).floor() + p.dot(*v_axis).floor());
+                if half.floor() == half { *a } else { *b }
             }
         }
     }

