@@ -158,7 +158,7 @@ impl Bodies {
     /// Every body that may contain what lies that near to a point.
     fn for_each_near<'a>(&'a self, point: DVec3, margin: f64, mut visit: impl FnMut(&'a Body)) {
         self.tree.walk(
-            |_, bounds| bounds.contains(point, margin),
+            |bounds| bounds.contains(point, margin),
             |item| visit(&self.bodies[self.tree_bodies[self.tree.order[item] as usize] as usize]),
         );
         self.sheets.iter().for_each(|&sheet| visit(&self.bodies[sheet as usize]));

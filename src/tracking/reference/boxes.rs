@@ -91,16 +91,16 @@ impl Tree {
         self.split(boxes, first + half, last);
     }
 
-    /// Calls `visit` with the place in [`Tree::order`] of every item in a leaf whose nodes all pass `may_matter`, by number and box.
+    /// Calls `visit` with the place in [`Tree::order`] of every item in a leaf whose nodes all pass `may_matter`.
     #[inline]
-    pub fn walk(&self, may_matter: impl Fn(usize, &Bounds) -> bool, mut visit: impl FnMut(usize)) {
+    pub fn walk(&self, may_matter: impl Fn(&Bounds) -> bool, mut visit: impl FnMut(usize)) {
         let mut open = [0_u32; 64];
         let mut count = usize::from(!self.nodes.is_empty());
         while count > 0 {
             count -= 1;
             let index = open[count];
             let node = &self.nodes[index as usize];
-            if !may_matter(index as usize, &node.bounds) {
+            if !may_matter(&node.bounds) {
                 continue;
             }
             match node.below {
@@ -131,7 +131,7 @@ mod tests {
                 let point = place(i) + 1.0;
                 let mut found = Vec::new();
                 tree.walk(
-                    |_, b| b.contains(point, 0.0),
+                    |b| b.contains(point, 0.0),
                     |place| {
                         let item = tree.order[place];
                         if boxes[item as usize].contains(point, 0.0) {

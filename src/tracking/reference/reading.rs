@@ -417,7 +417,7 @@ fn judged(bodies: &[Body], triangles: &[[DVec3; 3]], parts: &[u32]) -> Vec<bool>
     let mut candidates: Vec<Vec<usize>> = vec![Vec::new(); order.len()];
     for (place, &inner) in order.iter().enumerate() {
         tree.walk(
-            |_, all| all.has(&boxes[place]),
+            |all| all.has(&boxes[place]),
             |found| {
                 let outer = tree.order[found] as usize;
                 if outer < place && boxes[outer].has(&boxes[place]) {

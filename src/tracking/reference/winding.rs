@@ -175,22 +175,35 @@ impl Winding {
         WindingSides { front: rest - half, back: rest + half }
     }
 
+    /// The sum in a register: through [`Tree::walk`], whose two closures would share it, it took 6 % longer.
     #[inline]
     fn sum(&self, point: DVec3, mut of_triangle: impl FnMut(&[DVec3; 3], u32) -> f64) -> f64 {
-        let sum = Cell::new(0.0);
-        let is_near = |node: usize, _: &Bounds| {
-            let group = &self.groups[node];
+        let mut sum = 0.0;
+        let mut open = [0_u32; 64];
+        let mut count = usize::from(!self.groups.is_empty());
+        while count > 0 {
+            count -= 1;
+            let index = open[count] as usize;
+            let group = &self.groups[index];
             let r = group.center - point;
             let distance_squared = r.length_squared();
-            let is_far = distance_squared > group.far_squared;
-            if is_far {
-                sum.set(sum.get() + group.seen_along(r, distance_squared));
+            if distance_squared > group.far_squared {
+                sum += group.seen_along(r, distance_squared);
+                continue;
             }
-            !is_far
-        };
-        let add = |item: usize| sum.set(sum.get() + of_triangle(&self.triangles[item], self.parts[item]));
-        self.tree.walk(is_near, add);
-        sum.get() / (4.0 * PI)
+            match self.tree.nodes[index].below {
+                Below::Nodes(second) => {
+                    (open[count], open[count + 1]) = (second, index as u32 + 1);
+                    count += 2;
+                }
+                Below::Items { first, count } => {
+                    for item in first as usize..(first + count) as usize {
+                        sum += of_triangle(&self.triangles[item], self.parts[item]);
+                    }
+                }
+            }
+        }
+        sum / (4.0 * PI)
     }
 
     /// Distance to the first face that a ray meets, and whether from behind.
@@ -198,7 +211,7 @@ impl Winding {
         let inverse = direction.recip();
         let nearest = Cell::new(f64::INFINITY);
         let mut is_from_behind = false;
-        let is_met = |_: usize, bounds: &Bounds| {
+        let is_met = |bounds: &Bounds| {
             let (a, b) = ((bounds.min - origin) * inverse, (bounds.max - origin) * inverse);
             // A NaN, of a ray in the plane of a side, is no bound.
             let enter = a.min(b).to_array().into_iter().fold(0.0, f64::max);
