@@ -47,7 +47,7 @@ struct Guide {
 }
 
 impl Guide {
-    const COLUMNS_PER_CUT: usize = 8;
+    const COLUMNS_PER_CUT: usize = 16;
 
     fn new(columns: &[f32], width: usize) -> Self {
         let cuts_per_row = (width / Self::COLUMNS_PER_CUT).next_power_of_two();
