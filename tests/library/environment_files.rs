@@ -487,7 +487,9 @@ fn decode(ending: &str, bytes: &[u8]) -> Result<EnvironmentImage, String> {
 fn survives(ending: &str, bytes: &[u8]) {
     if let Ok(image) = decode(ending, bytes) {
         assert_eq!(image.pixels.len(), image.width * image.height);
-        assert!(image.pixels.iter().flatten().all(|x| x.is_finite() && *x >= 0.0));
+        // Damage can make an image of millions of pixels: many components are compared at once.
+        let are_fine = |some: &[f32]| some.iter().fold(true, |fine, x| fine & (*x >= 0.0) & (*x <= f32::MAX));
+        assert!(image.pixels.as_flattened().chunks(4096).all(are_fine));
     }
 }
 

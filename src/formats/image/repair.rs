@@ -7,6 +7,11 @@ use crate::scene::environment::EnvironmentImage;
 /// image wraps around sideways). Where no neighbour is finite, an infinite component gets the largest finite value of its channel, and one
 /// that is no number 0. Both are counted.
 pub(super) fn repair(image: &mut EnvironmentImage) {
+    // Most images are fine, and many components are compared at once.
+    let are_fine = |some: &[f32]| some.iter().fold(true, |fine, x| fine & (*x >= 0.0) & (*x <= f32::MAX));
+    if image.pixels.as_flattened().chunks(4096).all(are_fine) {
+        return;
+    }
     let (mut clipped, mut broken) = (0, 0);
     let mut largest = [0.0_f32; 3];
     for pixel in &mut image.pixels {
