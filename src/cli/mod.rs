@@ -111,7 +111,7 @@ pub fn main(open_window: impl FnOnce(&WindowArguments) -> Result<(), WindowError
     }
 }
 
-/// So many threads, or one for each core.
+/// A pool of that many threads; by default one per core.
 fn pool(threads: Option<u32>) -> Result<rayon::ThreadPool, Failure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0) as usize).build();
     pool.map_err(|error| Failure::Failed(anyhow::Error::new(error).context("the threads cannot be started")))

@@ -223,7 +223,7 @@ mod tests {
     fn interfaces_are_those_of_the_wavelength() {
         let flint = Ior::Catalog(catalog::find("sf11").unwrap());
         let mut media = vec![medium("world", Ior::Constant(1.0)), medium("sf11", flint.clone())];
-        // So many that their pairs are not kept.
+        // Of 100 media the pairs are not kept.
         for count in [2, 100] {
             media.resize(count, medium("more", Ior::Constant(1.5)));
             let interfaces = Interfaces::new(&media);

@@ -135,9 +135,9 @@ impl<T: Tracker> TrackedScene<'_, T> {
         (crossing, sides)
     }
 
-    /// At an edge or a corner a ray may meet several faces in one place. A crossing there that does not leave the medium that the path is in
-    /// is none if the path has just come from that surface in that place, or if the next one does leave that medium, in the same place,
-    /// and the two undo each other: the ray grazes the edge, and rounding shows the leaving first. Then gives the ray behind them.
+    /// At an edge or a corner a ray may meet several faces in one place, and rounding can report the exit before the entry. Such a hit, which
+    /// does not leave the medium that the path is in, is skipped in two cases: the path has just met the same surface in the same place, or
+    /// the next hit in that place leaves that medium and cancels this one. Then gives the ray behind what is skipped.
     #[cold]
     fn behind_edge(&self, ray: &Ray, hit: &Hit, traveller: &Traveller<'_, T::State>, sides: Sides) -> Option<Ray> {
         let (geometry, medium) = (&self.scene.geometry, traveller.medium);

@@ -116,7 +116,7 @@ impl<S: Default> Default for Batch<S> {
 }
 
 impl<S: Default> Batch<S> {
-    /// So many paths are enough for beams to form and to hide the time that memory takes; more bring little.
+    /// Paths in a batch: enough for beams to form and to hide the time that memory takes; more bring little.
     pub const SIZE: usize = 256;
 
     pub fn is_full(&self) -> bool {

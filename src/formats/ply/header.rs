@@ -146,7 +146,7 @@ impl Header {
                         _ => Ok((Self { encoding, elements, lines: number }, rest)),
                     };
                 }
-                // Of these, none may be missed; and what begins with no letter is no word of a header but its end passed by.
+                // None of these may be missed; and what begins with no letter is no word of a header but its end passed by.
                 ["format" | "element" | "property", ..] => {
                     return bad(format!("{} is no header line that is known", shown(line.as_bytes())));
                 }

@@ -14,7 +14,7 @@ pub(super) fn update(table: &mut dyn TableLike, old: &[Entry], new: &[Entry]) {
             continue;
         }
         if *is_default && matches!(value, Plain::Flag(_)) {
-            // Only said of what is not so: an object that is shown again loses the key.
+            // Written only when false: an object that is shown again loses the key.
             table.remove(key);
             continue;
         }
