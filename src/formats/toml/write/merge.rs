@@ -14,7 +14,7 @@ pub(super) fn update(table: &mut dyn TableLike, old: &[Entry], new: &[Entry]) {
             continue;
         }
         if *is_default && matches!(value, Plain::Flag(_)) {
-            // Written only when false: an object that is shown again loses the key.
+            // A flag is written only where it is not as by default: an object that is shown again loses the key.
             table.remove(key);
             continue;
         }
