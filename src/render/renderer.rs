@@ -33,7 +33,7 @@ pub trait Renderer: Sync {
 
 /// What a renderer cannot do.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{what} cannot be rendered by the backend {}; {instead}", format!("{backend:?}").to_lowercase())]
+#[error("{what} cannot be rendered by the backend {}; {instead}", backend.name())]
 pub struct Unsupported {
     pub what: String,
     pub backend: Backend,

@@ -6,21 +6,25 @@ use serde::{Deserialize, Serialize};
 use crate::tracking::Mode;
 use crate::transport::sampler::Sequence;
 
-/// What computes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Backend {
-    #[default]
-    Cpu,
+named! {
+    /// What computes.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Backend {
+        #[default]
+        Cpu = "cpu",
+    }
 }
 
-/// How light is transported.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Estimator {
-    /// Paths from the camera.
-    #[default]
-    Path,
+named! {
+    /// How light is transported.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Estimator {
+        /// Paths from the camera.
+        #[default]
+        Path = "path",
+    }
 }
 
 /// How one image is rendered. Two images of one scene, camera and size that have equal settings have equal samples.
@@ -66,13 +70,13 @@ impl ImageSettings {
         let Self { mode, backend, estimator, seed, max_depth, leave_out, splits, sampler, sample_environment } = *self;
         [
             ("the mode", mode.to_string()),
-            ("the backend", format!("{backend:?}").to_lowercase()),
-            ("the estimator", format!("{estimator:?}").to_lowercase()),
+            ("the backend", backend.name().to_owned()),
+            ("the estimator", estimator.name().to_owned()),
             ("the seed", seed.to_string()),
             ("--max-depth", max_depth.map_or("none".into(), |depth| depth.to_string())),
             ("--leave-out", on_or_off(leave_out)),
             ("--splits", splits.to_string()),
-            ("--sampler", format!("{sampler:?}").to_lowercase()),
+            ("--sampler", sampler.name().to_owned()),
             ("--sample-environment", on_or_off(sample_environment)),
         ]
     }

@@ -130,6 +130,7 @@ impl WithTracker for Inspection<'_> {
             }
             let mut vertex = self.vertex_at(&ray, &hit);
             let next = match interaction {
+                // Of these three only a light is left here.
                 Interaction::Escapes { .. } | Interaction::Grazes { .. } | Interaction::Emits { .. } => {
                     vertex.event = VertexEvent::Emit;
                     None

@@ -4,14 +4,16 @@
 //! Every number is a pure function of (seed, pixel, sample, dimension). Within a pixel and dimension the first n samples are
 //! well distributed for every n.
 
-/// Where numbers come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Sequence {
-    /// Sobol points: the samples of a pixel are spread evenly.
-    Sobol,
-    /// Hashes, each for itself.
-    Independent,
+named! {
+    /// Where numbers come from.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Sequence {
+        /// Sobol points: the samples of a pixel are spread evenly.
+        Sobol = "sobol",
+        /// Hashes, each for itself.
+        Independent = "independent",
+    }
 }
 
 /// The numbers of one sample of one pixel.
