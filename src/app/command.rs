@@ -3,13 +3,14 @@
 
 use std::path::PathBuf;
 
+use super::edit::{Edit, MediumEdit, ObjectEdit};
 use super::measurement::{ErrorAxis, ErrorMetric};
 use super::objects::Manipulation;
 use super::settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Tab, Theme};
 use crate::check::Spot;
 use crate::optics::Ior;
 use crate::render::ToneCurve;
-use crate::scene::description::{CameraDescription, Transform};
+use crate::scene::description::CameraDescription;
 use crate::session::GroundTruthDemand;
 use crate::transport::inspect::Follow;
 
@@ -45,21 +46,12 @@ pub enum ExportKind {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
     // The scene. Undoable.
-    SetIor(MediumRef, Ior),
-    SetAbsorption(MediumRef, [f64; 3]),
-    /// Of a refractor, by name.
-    SetPriority(String, i32),
-    /// Hides an object or shows it, by name.
-    SetVisible(String, bool),
-    /// An object's transform, by name, and what about it is new.
-    SetTransform(String, Manipulation, Transform),
-    /// A drag in the picture begins: what comes until its end is undone as one.
+    Edit(Edit),
+    /// A drag begins: what comes until its end is undone as one.
     BeginDrag,
-    /// [`Self::SetTransform`] as part of a drag; nothing once the drag has been given up.
-    Drag(String, Manipulation, Transform),
+    /// [`Self::Edit`] as part of a drag; nothing once the drag has been given up.
+    Drag(Edit),
     EndDrag,
-    /// Makes the present view the scene's own.
-    KeepView,
     Undo,
     Redo,
 
@@ -159,4 +151,16 @@ pub enum Command {
     Escape,
     /// A key that means nothing now.
     Nothing,
+}
+
+impl Command {
+    /// Another IOR for a medium.
+    pub fn set_ior(medium: MediumRef, ior: Ior) -> Self {
+        Self::Edit(Edit::Medium(medium, MediumEdit::Ior(ior)))
+    }
+
+    /// A change to the object of that name.
+    pub fn object(name: impl Into<String>, edit: ObjectEdit) -> Self {
+        Self::Edit(Edit::Object(name.into(), edit))
+    }
 }

@@ -3,41 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::command::MediumRef;
-use super::objects::Manipulation;
-use crate::optics::Ior;
+use super::edit::EditKey;
 use crate::scene::Description;
 
 /// Edits that can be undone.
 const MAX_UNDO: usize = 200;
 /// Edits of one value follow each other within this many seconds to count as one.
 const MERGE_SECONDS: f64 = 0.8;
-
-/// What an edit changes: successive edits of the same thing are undone together.
-#[derive(Debug, Clone, PartialEq)]
-pub enum EditKey {
-    Ior(MediumRef),
-    Absorption(MediumRef),
-    /// Of an object, by name.
-    Priority(String),
-    Visibility(String),
-    Transform(String, Manipulation),
-    Camera,
-}
-
-impl EditKey {
-    /// What "Undo" says that it undoes.
-    pub fn label(&self) -> String {
-        match self {
-            Self::Ior(medium) => format!("IOR of {}", medium.name()),
-            Self::Absorption(medium) => format!("absorption of {}", medium.name()),
-            Self::Priority(object) => format!("priority of {object}"),
-            Self::Visibility(object) => format!("hiding or showing {object}"),
-            Self::Transform(object, manipulation) => format!("{} {object}", manipulation.doing()),
-            Self::Camera => "scene camera".to_owned(),
-        }
-    }
-}
 
 /// A description with a number of its own, so that "unsaved" needs no comparison of whole scenes.
 #[derive(Debug, Clone)]
@@ -108,8 +80,9 @@ impl Document {
         let old = std::mem::replace(&mut self.current, version);
         // In a drag every edit after the first continues, however slow.
         let in_gesture = self.before_gesture.as_ref().is_some_and(|before| before.current.revision != old.revision);
+        let is_same = |last: &EditKey| key.continues(last) || (in_gesture && *last == key);
         let continues = (now_secs - self.last_edit_secs < MERGE_SECONDS || in_gesture)
-            && self.undo.last().is_some_and(|(last, _)| *last == key)
+            && self.undo.last().is_some_and(|(last, _)| is_same(last))
             && self.redo.is_empty();
         if !continues {
             self.undo.push((key, old));
@@ -144,11 +117,11 @@ impl Document {
         true
     }
 
-    pub fn undo_label(&self) -> Option<String> {
+    pub fn undo_label(&self) -> Option<&str> {
         self.undo.last().map(|(key, _)| key.label())
     }
 
-    pub fn redo_label(&self) -> Option<String> {
+    pub fn redo_label(&self) -> Option<&str> {
         self.redo.last().map(|(key, _)| key.label())
     }
 
@@ -169,45 +142,18 @@ impl Document {
     }
 }
 
-pub fn ior_of<'a>(description: &'a Description, medium: &MediumRef) -> Option<&'a Ior> {
-    match medium {
-        MediumRef::World => Some(&description.world.ior),
-        MediumRef::Named(name) => description.medium(name).map(|m| &m.ior),
-    }
-}
-
-/// The scene with another IOR for one medium; `None` if it has no such medium.
-pub fn with_ior(description: &Description, medium: &MediumRef, ior: Ior) -> Option<Description> {
-    let mut edited = description.clone();
-    *optics_of(&mut edited, medium)?.0 = ior;
-    Some(edited)
-}
-
-/// The scene with another absorption for one medium; `None` if it has no such medium.
-pub fn with_absorption(description: &Description, medium: &MediumRef, absorption: [f64; 3]) -> Option<Description> {
-    let mut edited = description.clone();
-    *optics_of(&mut edited, medium)?.1 = absorption;
-    Some(edited)
-}
-
-fn optics_of<'a>(description: &'a mut Description, medium: &MediumRef) -> Option<(&'a mut Ior, &'a mut [f64; 3])> {
-    match medium {
-        MediumRef::World => Some((&mut description.world.ior, &mut description.world.absorption)),
-        MediumRef::Named(name) => {
-            let medium = description.media.iter_mut().find(|m| m.name == *name)?;
-            Some((&mut medium.ior, &mut medium.absorption))
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::command::MediumRef;
+    use crate::app::edit::{Edit, MediumEdit};
     use crate::app::opening::no_scene;
+    use crate::optics::Ior;
 
     fn set(document: &mut Document, now_secs: f64, ior: f64) {
-        let edited = with_ior(document.description(), &MediumRef::World, Ior::Constant(ior)).unwrap();
-        document.edit(EditKey::Ior(MediumRef::World), now_secs, edited);
+        let edit = Edit::Medium(MediumRef::World, MediumEdit::Ior(Ior::Constant(ior)));
+        let edited = edit.apply(document.description()).unwrap().unwrap();
+        document.edit(edit.key(), now_secs, edited);
     }
 
     fn ior(document: &Document) -> f64 {
@@ -275,10 +221,5 @@ mod tests {
         assert!(Arc::ptr_eq(document.description(), &before));
         assert!(document.redo() && document.redo() && !document.redo());
         assert_eq!(ior(&document), 1.4);
-    }
-
-    #[test]
-    fn an_unknown_medium_is_no_edit() {
-        assert!(with_ior(&no_scene(), &MediumRef::Named("soup".into()), Ior::Constant(1.1)).is_none());
     }
 }

@@ -3,6 +3,7 @@
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::command::{Command, ExportKind};
+use super::edit::ObjectEdit;
 use super::objects::Manipulation;
 use super::settings::{Arrangement, Tab};
 use super::state::State;
@@ -159,7 +160,9 @@ fn handles(state: &State, manipulation: Manipulation) -> Command {
 }
 
 fn hide(state: &State) -> Command {
-    state.selected_object().map_or(Command::Nothing, |o| Command::SetVisible(o.name.clone(), !o.visible))
+    state
+        .selected_object()
+        .map_or(Command::Nothing, |o| Command::object(o.name.clone(), ObjectEdit::Visible(!o.visible)))
 }
 
 fn frame(state: &State) -> Command {

@@ -8,6 +8,7 @@ mod background;
 mod command;
 mod develop;
 mod document;
+mod edit;
 mod files;
 mod graphics;
 mod keys;
@@ -29,6 +30,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub use command::{Command, ExportKind, MediumRef};
+pub use edit::{Edit, EditKey, MediumEdit, ObjectEdit};
 pub use launch::{Launch, RunError, Screenshot, run};
 pub use measurement::{Curve, ErrorAxis, ErrorMetric, Measurement, Measurements, Point, Trend};
 pub use objects::Manipulation;

@@ -7,7 +7,6 @@ use glam::{DMat3, DQuat, DVec3, EulerRot};
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::Mesh;
-use crate::scene::Description;
 use crate::scene::description::{Object, Shape, Transform};
 
 /// What a drag in the picture, or a row of typed numbers, changes.
@@ -38,12 +37,6 @@ impl Manipulation {
             Self::Scale => "scaling",
         }
     }
-}
-
-/// The scene with an object edited, if there is one of that name and `edit` says that it changed something.
-pub fn with(description: &Description, name: &str, edit: impl FnOnce(&mut Object) -> bool) -> Option<Description> {
-    let mut edited = description.clone();
-    edit(edited.objects.find_mut(name)?).then_some(edited)
 }
 
 /// Whether the value was another.

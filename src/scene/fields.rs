@@ -86,6 +86,35 @@ pub const POSITIVE: Limits = Limits { must: "greater than 0", is_fine: |x| x > 0
 /// Shares, such as an albedo.
 pub const SHARE: Limits = Limits { must: "between 0 and 1", is_fine: |x| (0.0..=1.0).contains(&x) };
 
+/// Indices of refraction.
+pub const IOR: Limits =
+    Limits { must: "greater than 0 (from 1e-6 to 1e6)", is_fine: |n| crate::optics::ior::IOR_RANGE.contains(&n) };
+
+impl Limits {
+    /// # Errors
+    /// When the number is not finite, or not as it must be. `name` is that of the value, in backticks where it is a key.
+    pub fn require(&self, name: &str, number: f64) -> Result<(), String> {
+        if !number.is_finite() {
+            Err(format!("{name} is {number}, must be finite"))
+        } else if !(self.is_fine)(number) {
+            Err(format!("{name} is {number}, must be {}", self.must))
+        } else {
+            Ok(())
+        }
+    }
+
+    /// [`Self::require`] of an index of refraction that a formula gives.
+    ///
+    /// # Errors
+    /// When the index is not as it must be.
+    pub fn require_of_formula(&self, n: f64) -> Result<(), String> {
+        match (self.is_fine)(n) {
+            true => Ok(()),
+            false => Err(format!("the formula gives an IOR of {n} at 587.56 nm, must be {}", self.must)),
+        }
+    }
+}
+
 /// What a field can hold, other than names, files and tables.
 pub trait Value: PartialEq {
     fn slot(&mut self, limits: Limits) -> Slot<'_>;

@@ -15,6 +15,7 @@ mod scene;
 pub mod shapes;
 mod survey;
 pub mod tables;
+pub mod validate;
 
 pub use description::Description;
 pub use error::{Fault, SceneError};

@@ -8,7 +8,9 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use glam::DVec3;
-use iorect::app::{App, Arrangement, Command, ExportKind, Manipulation, PaneContent, Preset, Settings, Tab, Theme};
+use iorect::app::{
+    App, Arrangement, Command, Edit, ExportKind, Manipulation, ObjectEdit, PaneContent, Preset, Settings, Tab, Theme,
+};
 use iorect::render::surfaces::SurfaceQuantity;
 use iorect::scene::camera::Camera;
 use iorect::scene::description::{Shape, Transform};
@@ -149,7 +151,7 @@ fn drop_file(harness: &mut Harness<'_, App>, path: PathBuf) {
 fn an_impossible_ior_is_refused_in_words() {
     let mut harness = window("nested-spheres");
     let medium = iorect::app::MediumRef::Named("glass".into());
-    apply(&mut harness, Command::SetIor(medium, iorect::optics::Ior::Constant(-1.0)));
+    apply(&mut harness, Command::set_ior(medium, iorect::optics::Ior::Constant(-1.0)));
     assert!(harness.state().state().notices.iter().any(|notice| notice.text.contains("greater than 0")));
     assert!(ior(&harness, "glass") > 1.0 && !harness.state().state().document.is_dirty());
 }
@@ -665,7 +667,10 @@ fn a_ball_dragged_through_the_surface_of_water_stays_right() {
     ];
     for (y, is_halfway) in steps {
         let transform = Transform { translate: DVec3::Y * y, ..Transform::IDENTITY };
-        apply(&mut harness, Command::Drag("ball".into(), Manipulation::Move, transform));
+        apply(
+            &mut harness,
+            Command::Drag(Edit::Object("ball".into(), ObjectEdit::Transform(Manipulation::Move, transform))),
+        );
         let modes = [Mode::RectifiedObject, Mode::Rectified, Mode::Reference];
         until(&mut harness, "the dragged ball is shown", |app| {
             modes

@@ -116,7 +116,7 @@ fn an_edit_drops_the_errors_and_a_pane_does_not() {
     until(&mut harness, "it goes on", |app| truth_samples(app) > samples);
     let halves = harness.state().state().measurement.truth.as_ref().and_then(|truth| truth.halves.clone()).unwrap();
     let ior = Ior::Constant(1.2);
-    apply(&mut harness, Command::SetIor(MediumRef::World, ior));
+    apply(&mut harness, Command::set_ior(MediumRef::World, ior));
     until(&mut harness, "that it begins anew is said", |app| app.state().measurement.has_begun_anew);
     assert!(harness.query_by_label_contains("begins anew").is_some());
     until(&mut harness, "there are errors again", |app| points(app, Mode::Naive) >= 1);

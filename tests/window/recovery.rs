@@ -58,7 +58,7 @@ impl Desk {
 }
 
 fn set_ior(harness: &mut Harness<'_, App>, ior: f64) {
-    apply(harness, Command::SetIor(MediumRef::Named("glass".into()), Ior::Constant(ior)));
+    apply(harness, Command::set_ior(MediumRef::Named("glass".into()), Ior::Constant(ior)));
 }
 
 fn ior(app: &App) -> f64 {
@@ -139,7 +139,7 @@ fn instances_that_run_keep_their_edits_apart() {
     assert_eq!(third.state().state().left_behind.len(), 1);
     // Restored over edits: asked about first.
     third.get_by_label_contains("Edits of “Nested spheres”");
-    apply(&mut third, Command::SetIor(MediumRef::World, Ior::Constant(1.1)));
+    apply(&mut third, Command::set_ior(MediumRef::World, Ior::Constant(1.1)));
     third.get_by_label("Restore").click();
     third.run_steps(3);
     assert!(third.state().state().document.path.is_none());
@@ -211,7 +211,7 @@ fn an_edit_during_opening_is_not_lost() {
     let mut harness = window("nested-spheres");
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(&ctx, Command::Open("plain-glass".into()));
-    let edit = Command::SetIor(MediumRef::Named("glass".into()), Ior::Constant(1.61));
+    let edit = Command::set_ior(MediumRef::Named("glass".into()), Ior::Constant(1.61));
     harness.state_mut().apply(&ctx, edit);
     until(&mut harness, "the other scene has come", |app| app.state().opening().is_none());
     assert_eq!(ior(harness.state()), 1.61);

@@ -3,7 +3,7 @@
 use egui::{Button, DragValue, Rect, RichText, Slider, SliderClamping, Ui, UiBuilder, vec2};
 
 use crate::app::command::{Command, MediumRef};
-use crate::app::document::ior_of;
+use crate::app::edit::{Edit, MediumEdit, ior_of};
 use crate::app::theme::Palette;
 use crate::app::widgets::{note, number_ui, row_ui};
 use crate::optics::{Ior, catalog};
@@ -45,14 +45,14 @@ pub fn ior_ui(
     // Four decimals tell catalogue media apart; what was typed is kept in full.
     let typed = DragValue::new(&mut value).speed(0.001).range(1e-3..=1e3).min_decimals(3).max_decimals(4);
     if number_ui(ui, VALUE_WIDTH, typed, &label, &tip) && value != ior {
-        commands.push(Command::SetIor(medium.clone(), Ior::Constant(value)));
+        commands.push(Command::set_ior(medium.clone(), Ior::Constant(value)));
     }
     let mut value = ior;
     // A small knob leaves more of the rail to drag on.
     ui.spacing_mut().interact_size.y = 16.0;
     let slider = Slider::new(&mut value, SLIDER).show_value(false).clamping(SliderClamping::Never).step_by(0.001);
     if ui.add(slider).accessible_name(&label).on_hover_text(&tip).changed() && value != ior {
-        commands.push(Command::SetIor(medium.clone(), Ior::Constant(value)));
+        commands.push(Command::set_ior(medium.clone(), Ior::Constant(value)));
     }
 }
 
@@ -82,7 +82,7 @@ pub fn details_ui(ui: &mut Ui, description: &Description, medium: &MediumRef, co
                         .min_size(vec2(170.0, 0.0));
                     let response = ui.add(button).accessible_name(entry.label).on_hover_text(entry.source);
                     if response.clicked() {
-                        commands.push(Command::SetIor(medium.clone(), Ior::Catalog(entry)));
+                        commands.push(Command::set_ior(medium.clone(), Ior::Catalog(entry)));
                     }
                 }
             },
@@ -103,7 +103,7 @@ pub fn details_ui(ui: &mut Ui, description: &Description, medium: &MediumRef, co
             is_changed |= number_ui(ui, width, drag, label, format!("{about}\nThis one is {color}."));
         }
         if is_changed && edited != absorption {
-            commands.push(Command::SetAbsorption(medium.clone(), edited));
+            commands.push(Command::Edit(Edit::Medium(medium.clone(), MediumEdit::Absorption(edited))));
         }
     });
     let users: Vec<&str> = match medium {

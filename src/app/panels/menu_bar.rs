@@ -4,6 +4,7 @@ use egui::text::LayoutJob;
 use egui::{Align, Atom, Button, KeyboardShortcut, Layout, MenuBar, Response, RichText, TextFormat, TextStyle, Ui};
 
 use crate::app::command::{Command, ExportKind};
+use crate::app::edit::{Edit, ObjectEdit};
 use crate::app::keys;
 use crate::app::objects::Manipulation;
 use crate::app::settings::{Arrangement, InterfaceScale, MAX_PANES, Preset, Tab, Theme};
@@ -153,7 +154,7 @@ fn edit_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let name = selected.map(|object| object.name.clone()).unwrap_or_default();
     let visible = selected.is_none_or(|object| object.visible);
     let verb = if visible { "Hide" } else { "Show" };
-    let hide = Command::SetVisible(name.clone(), !visible);
+    let hide = Command::object(name.clone(), ObjectEdit::Visible(!visible));
     item_enabled(ui, selected.is_some(), &format!("{verb} {name}"), Some(keys::HIDE), commands, hide);
 }
 
@@ -181,7 +182,7 @@ fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     item_enabled(ui, selected.is_some(), "Camera to the selected object", Some(keys::FRAME), commands, to_selected);
     let has_earlier = !state.earlier_views.is_empty();
     item_enabled(ui, has_earlier, "Earlier view", Some(keys::EARLIER_VIEW), commands, Command::EarlierView);
-    item(ui, "Make this view the scene's own", None, commands, Command::KeepView);
+    item(ui, "Make this view the scene's own", None, commands, Command::Edit(Edit::Camera(state.view.camera)));
     item(ui, "Whole picture", Some(keys::RESET_ZOOM), commands, Command::SetZoom(1.0, [0.5; 2]));
     ui.separator();
     choice(ui, settings.show_scene_panel, "Scene panel", Some(keys::SCENE_PANEL), commands, Command::ToggleScenePanel);

@@ -4,6 +4,7 @@ use egui::{DragValue, Ui};
 use glam::DVec3;
 
 use crate::app::command::Command;
+use crate::app::edit::ObjectEdit;
 use crate::app::objects::{self, Manipulation};
 use crate::app::widgets::{note, number_ui, row_ui};
 use crate::scene::description::{Object, Shape, Transform};
@@ -19,7 +20,7 @@ pub fn show(ui: &mut Ui, object: &Object, commands: &mut Vec<Command>) {
         let mut visible = object.visible;
         let label = format!("Show {name}");
         if ui.checkbox(&mut visible, "").accessible_name(label).on_hover_text(about).changed() {
-            commands.push(Command::SetVisible(name.to_owned(), visible));
+            commands.push(Command::object(name.to_owned(), ObjectEdit::Visible(visible)));
         }
         if !object.visible {
             ui.label(note(ui, "hidden"));
@@ -32,7 +33,7 @@ pub fn show(ui: &mut Ui, object: &Object, commands: &mut Vec<Command>) {
             let mut edited = priority;
             let drag = DragValue::new(&mut edited).speed(0.05);
             if number_ui(ui, 64.0, drag, format!("Priority of {name}"), about) && edited != priority {
-                commands.push(Command::SetPriority(name.to_owned(), edited));
+                commands.push(Command::object(name.to_owned(), ObjectEdit::Priority(edited)));
             }
             ui.label(note(ui, "higher wins"));
         });
@@ -47,7 +48,7 @@ fn transform_ui(ui: &mut Ui, object: &Object, commands: &mut Vec<Command>) {
     let (min, max) = objects::bounds(shape);
     let size = ((max - min) * transform.scale).length();
     let mut set = |manipulation, transform: Transform| {
-        commands.push(Command::SetTransform(name.to_owned(), manipulation, transform));
+        commands.push(Command::object(name.to_owned(), ObjectEdit::Transform(manipulation, transform)));
     };
     let about = "Translation in scene units; it comes after scale and rotation.";
     let field = Field { about, label: &format!("Move {name}"), speed: 0.004 * size.max(1e-9), suffix: "" };

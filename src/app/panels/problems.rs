@@ -3,6 +3,7 @@
 use egui::{Align, CursorIcon, Label, Layout, RichText, ScrollArea, Sense, Ui};
 
 use crate::app::command::Command;
+use crate::app::edit::ObjectEdit;
 use crate::app::state::State;
 use crate::app::theme::{ADVICE_MARK, ERROR_MARK, Palette, WARNING_MARK};
 use crate::app::widgets::{button_ui, note};
@@ -96,7 +97,7 @@ fn fix(problem: &Problem, state: &State) -> Option<(String, Command)> {
     let tip = format!(
         "Sets the priority of {winner} to {priority}: it wins over {other}, as it does now without being told."
     );
-    Some((tip, Command::SetPriority(winner.to_owned(), priority)))
+    Some((tip, Command::object(winner.to_owned(), ObjectEdit::Priority(priority))))
 }
 
 /// One problem, on one line or, `is_full`, on as many as it needs. `more` adds buttons at the right.

@@ -7,6 +7,7 @@ use egui::{
 
 use super::{medium, object};
 use crate::app::command::{Command, MediumRef};
+use crate::app::edit::ObjectEdit;
 use crate::app::state::{State, medium_of};
 use crate::app::theme::{Palette, WARNING_MARK, opaque};
 use crate::app::widgets::{fact_ui, note, section_first_ui, section_ui, swatch_ui};
@@ -222,7 +223,7 @@ fn row_menu_ui(response: &Response, name: &str, visible: bool, commands: &mut Ve
             ui.close();
         }
         if ui.button(if visible { "Hide" } else { "Show" }).clicked() {
-            commands.push(Command::SetVisible(name.to_owned(), !visible));
+            commands.push(Command::object(name.to_owned(), ObjectEdit::Visible(!visible)));
             ui.close();
         }
     });

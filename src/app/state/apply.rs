@@ -2,54 +2,18 @@
 
 use super::{MAX_ZOOM, State, Windows};
 use crate::app::command::Command;
-use crate::app::document::{EditKey, with_absorption, with_ior};
-use crate::app::objects::{self, Manipulation, replaced};
+use crate::app::edit::Edit;
 use crate::app::settings::{MAX_PANES, PaneContent, Settings};
-use crate::scene::Description;
-use crate::scene::description::{Object, Transform};
 use crate::session::GroundTruthDemand;
 
 impl State {
     /// Applies a command; commands that need files or the window itself are not for here. `now_secs` is a steady clock.
     pub fn apply(&mut self, command: Command, now_secs: f64) {
         match command {
-            Command::SetIor(medium, ior) => {
-                let n = ior.ior();
-                if crate::optics::ior::IOR_RANGE.contains(&n) {
-                    let edited = with_ior(self.document.description(), &medium, ior);
-                    self.edit(EditKey::Ior(medium), now_secs, edited);
-                } else {
-                    self.notify_error(format!(
-                        "An index of refraction must be greater than 0 (from 1e-6 to 1e6), not {n}."
-                    ));
-                }
-            }
-            Command::SetAbsorption(medium, absorption) => {
-                if absorption.iter().all(|x| x.is_finite() && *x >= 0.0) {
-                    let edited = with_absorption(self.document.description(), &medium, absorption);
-                    self.edit(EditKey::Absorption(medium), now_secs, edited);
-                }
-            }
-            Command::SetPriority(object, priority) => {
-                let set = |o: &mut Object| o.refractor_mut().is_some_and(|r| replaced(&mut r.priority, priority));
-                self.edit_object(object, EditKey::Priority, now_secs, set);
-            }
-            Command::SetVisible(object, visible) => {
-                self.edit_object(object, EditKey::Visibility, now_secs, |o| replaced(&mut o.visible, visible));
-            }
-            Command::SetTransform(object, manipulation, transform) => {
-                self.set_transform(object, manipulation, transform, now_secs);
-            }
+            Command::Edit(edit) => self.edit(&edit, now_secs),
             Command::BeginDrag => self.document.begin_gesture(),
-            Command::Drag(object, manipulation, transform) if self.document.has_gesture() => {
-                self.set_transform(object, manipulation, transform, now_secs);
-            }
+            Command::Drag(edit) if self.document.has_gesture() => self.edit(&edit, now_secs),
             Command::EndDrag => self.document.end_gesture(),
-            Command::KeepView => {
-                let mut edited = Description::clone(self.document.description());
-                edited.camera = self.view.camera;
-                self.edit(EditKey::Camera, now_secs, Some(edited));
-            }
             Command::Undo => {
                 if self.document.cancel_gesture() || self.document.undo() {
                     self.invalidate();
@@ -145,7 +109,7 @@ impl State {
             Command::Escape => self.escape(),
             Command::SetPaneContent(..)
             | Command::SetExposure(_)
-            | Command::Drag(..)
+            | Command::Drag(_)
             | Command::Nothing
             | Command::StepInterfaceScale(_)
             | Command::AskOpen
@@ -166,10 +130,14 @@ impl State {
         }
     }
 
-    fn edit(&mut self, key: EditKey, now_secs: f64, edited: Option<Description>) {
-        if let Some(edited) = edited {
-            self.document.edit(key, now_secs, edited);
-            self.invalidate();
+    fn edit(&mut self, edit: &Edit, now_secs: f64) {
+        match edit.apply(self.document.description()) {
+            Ok(None) => {}
+            Ok(Some(edited)) => {
+                self.document.edit(edit.key(), now_secs, edited);
+                self.invalidate();
+            }
+            Err(why) => self.notify_error(why),
         }
     }
 
@@ -189,27 +157,6 @@ impl State {
     fn demand_ground_truth(&mut self, demand: GroundTruthDemand) {
         self.measurement.demand = demand;
         self.has_news = true;
-    }
-
-    fn set_transform(&mut self, object: String, manipulation: Manipulation, transform: Transform, now_secs: f64) {
-        let Some(known) = self.document.description().objects.find(&object) else { return };
-        if let Err(fault) = transform.validate(&known.shape) {
-            self.notify_error(fault.to_string());
-            return;
-        }
-        let key = |object| EditKey::Transform(object, manipulation);
-        self.edit_object(object, key, now_secs, |o| replaced(&mut o.transform, transform));
-    }
-
-    fn edit_object(
-        &mut self,
-        name: String,
-        key: impl FnOnce(String) -> EditKey,
-        now_secs: f64,
-        edit: impl FnOnce(&mut Object) -> bool,
-    ) {
-        let edited = objects::with(self.document.description(), &name, edit);
-        self.edit(key(name), now_secs, edited);
     }
 
     fn escape(&mut self) {

@@ -13,6 +13,7 @@ use transform_gizmo::{
 
 use super::layout::{Pane, film_from_screen, film_window, screen_from_film};
 use crate::app::command::Command;
+use crate::app::edit::{Edit, ObjectEdit};
 use crate::app::objects::{self, Manipulation};
 use crate::app::state::State;
 use crate::scene::camera::Camera;
@@ -197,7 +198,10 @@ impl Handles {
             && let Some((result, _)) = self.gizmo.update(interaction(pos, true, false, true), &[target])
         {
             let transform = grip.transform(result);
-            commands.push(Command::Drag(grip.object.clone(), grip.manipulation, transform));
+            commands.push(Command::Drag(Edit::Object(
+                grip.object.clone(),
+                ObjectEdit::Transform(grip.manipulation, transform),
+            )));
         }
         starts
     }

@@ -2,12 +2,9 @@
 
 use super::node::Node;
 use crate::formats::suggest::suggestion;
-use crate::optics::ior::IOR_RANGE;
 use crate::optics::{Ior, catalog};
 use crate::scene::SceneError;
-use crate::scene::fields::Limits;
-
-const LIMITS: Limits = Limits { must: "greater than 0 (from 1e-6 to 1e6)", is_fine: |n| IOR_RANGE.contains(&n) };
+use crate::scene::fields::IOR;
 
 /// A number, or a table with one of the formulas.
 pub(super) fn ior(node: &Node<'_>) -> Result<Ior, SceneError> {
@@ -21,7 +18,7 @@ pub(super) fn ior(node: &Node<'_>) -> Result<Ior, SceneError> {
                 FORMS.join(", ")
             )));
         }
-        return node.number_within(LIMITS).map(Ior::Constant);
+        return node.number_within(IOR).map(Ior::Constant);
     }
     let table = node.table()?;
     table.only(&FORMS)?;
@@ -50,10 +47,6 @@ pub(super) fn ior(node: &Node<'_>) -> Result<Ior, SceneError> {
         }
         _ => return Err(node.error(format!("{} must have exactly one of {}", node.name, FORMS.join(", ")))),
     };
-    let n = model.ior();
-    if IOR_RANGE.contains(&n) {
-        Ok(model)
-    } else {
-        Err(node.error(format!("the formula gives an IOR of {n} at 587.56 nm, must be {}", LIMITS.must)))
-    }
+    IOR.require_of_formula(model.ior()).map_err(|message| node.error(message))?;
+    Ok(model)
 }

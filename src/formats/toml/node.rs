@@ -8,7 +8,7 @@ use toml_edit::{Item, TableLike, Value};
 
 use crate::formats::suggest::suggestion;
 use crate::scene::SceneError;
-use crate::scene::fields::Limits;
+use crate::scene::fields::{ANY, Limits};
 
 /// The text of a scene file.
 #[derive(Debug, Clone, Copy)]
@@ -146,20 +146,14 @@ impl<'a> Node<'a> {
             Some(Value::Integer(x)) => *x.value() as f64,
             _ => return Err(self.wrong_type("a number")),
         };
-        if number.is_finite() {
-            Ok(number)
-        } else {
-            Err(self.error(format!("{} is {number}, must be finite", self.name)))
-        }
+        ANY.require(&self.name, number).map_err(|message| self.error(message))?;
+        Ok(number)
     }
 
     pub fn number_within(&self, limits: Limits) -> Result<f64, SceneError> {
         let number = self.number()?;
-        if (limits.is_fine)(number) {
-            Ok(number)
-        } else {
-            Err(self.error(format!("{} is {number}, must be {}", self.name, limits.must)))
-        }
+        limits.require(&self.name, number).map_err(|message| self.error(message))?;
+        Ok(number)
     }
 
     /// A whole number in a range.
@@ -252,12 +246,10 @@ impl<'a> Node<'a> {
     /// As many numbers as N, each within limits.
     pub fn numbers_within<const N: usize>(&self, limits: Limits) -> Result<[f64; N], SceneError> {
         let numbers = self.numbers()?;
-        match numbers.iter().position(|&x| !(limits.is_fine)(x)) {
-            None => Ok(numbers),
-            Some(i) => {
-                let (number, must) = (numbers[i], limits.must);
-                Err(self.error(format!("element {} of {} is {number}, must be {must}", i + 1, self.name)))
-            }
+        for (&number, i) in numbers.iter().zip(1..) {
+            let name = format!("element {i} of {}", self.name);
+            limits.require(&name, number).map_err(|message| self.error(message))?;
         }
+        Ok(numbers)
     }
 }

@@ -13,7 +13,7 @@ use crate::geometry::Mesh;
 use crate::optics::{Medium, catalog, medium};
 use crate::scene::environment::EnvironmentImage;
 use crate::scene::fields::{Field, Slot, Visitor};
-use crate::scene::{Fault, LoadNote, SceneError};
+use crate::scene::{Fault, LoadNote, SceneError, validate};
 
 /// What the tables of a scene have to do with each other and with files.
 pub(super) struct Context<'a> {
@@ -171,14 +171,11 @@ impl Reader<'_, '_, '_> {
     /// Later errors call the table by its name.
     fn name(&mut self, node: &Node<'_>) -> Result<String, SceneError> {
         let (name, kind) = (node.words()?, self.kind);
-        if matches!(name, medium::WORLD | medium::VACUUM) {
-            return Err(node.error(format!("`{name}` is a reserved name; call the {kind} something else")));
+        if let Some(message) = validate::reserved_name(name, kind) {
+            return Err(node.error(message));
         }
         if let Some(other) = self.context.names.insert(name.to_owned(), kind) {
-            return Err(node.error(match kind {
-                "medium" => format!("there are two media called `{name}`; names must be unique"),
-                _ => format!("there is already a {other} called `{name}`; names of objects must be unique"),
-            }));
+            return Err(node.error(validate::duplicate_name(name, kind, other)));
         }
         self.named = self.table.clone().renamed(format!("{kind} `{name}`"));
         Ok(name.to_owned())

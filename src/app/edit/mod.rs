@@ -1,0 +1,86 @@
+//! Everything that can be changed about a scene, as data. [`Edit::apply`] is the only place that changes a description, and holds it to
+//! what readers of scene files demand: whatever comes out can be saved and read again.
+
+mod media;
+mod objects;
+
+pub use self::media::{MediumEdit, ior_of};
+pub use self::objects::ObjectEdit;
+use super::command::MediumRef;
+use super::objects::replaced;
+use crate::scene::description::{CameraDescription, Environment};
+use crate::scene::{Description, Fault, validate};
+
+/// A change to a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Edit {
+    /// Of one object, by name.
+    Object(String, ObjectEdit),
+    Medium(MediumRef, MediumEdit),
+    /// The scene's own camera.
+    Camera(CameraDescription),
+    Environment(Environment),
+}
+
+/// What an edit changes, in words that follow "Undo": successive edits of the same thing are undone together.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EditKey {
+    label: String,
+    merges: bool,
+}
+
+impl EditKey {
+    /// Of a change that may come in many small steps, such as the drag of a slider.
+    pub fn continuous(label: impl Into<String>) -> Self {
+        Self { label: label.into(), merges: true }
+    }
+
+    /// Of a change that is undone on its own.
+    pub fn single(label: impl Into<String>) -> Self {
+        Self { label: label.into(), merges: false }
+    }
+
+    pub fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// Whether an edit of `self` goes on with what an edit of `last` began.
+    pub fn continues(&self, last: &Self) -> bool {
+        self.merges && self == last
+    }
+}
+
+impl Edit {
+    pub fn key(&self) -> EditKey {
+        match self {
+            Self::Object(name, edit) => edit.key(name),
+            Self::Medium(medium, edit) => edit.key(medium),
+            Self::Camera(_) => EditKey::continuous("scene camera"),
+            Self::Environment(_) => EditKey::continuous("environment"),
+        }
+    }
+
+    /// The edited scene; `None` where nothing changes, such as for an object that is not there.
+    ///
+    /// # Errors
+    /// Why a file that says this would be refused.
+    pub fn apply(&self, description: &Description) -> Result<Option<Description>, String> {
+        let mut edited = description.clone();
+        let is_changed = match self {
+            Self::Object(name, edit) => edit.apply(name, &mut edited),
+            Self::Medium(medium, edit) => edit.apply(medium, &mut edited),
+            Self::Camera(camera) => {
+                let is_changed = replaced(&mut edited.camera, *camera);
+                validate::table(&edited, "camera", |v| { *camera }.fields(v)).map(|()| is_changed)
+            }
+            Self::Environment(environment) => {
+                let is_changed = replaced(&mut edited.environment, environment.clone());
+                validate::table(&edited, "environment", |v| environment.clone().fields(v)).map(|()| is_changed)
+            }
+        };
+        match is_changed {
+            Ok(is_changed) => Ok(is_changed.then_some(edited)),
+            Err(Fault { message, .. }) => Err(message),
+        }
+    }
+}
