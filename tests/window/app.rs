@@ -379,7 +379,7 @@ fn a_handle_moves_an_object_in_one_undoable_step_and_elsewhere_one_orbits() {
     assert!((there - (middle + by)).length() < 2.5, "{there:?} for {:?}", middle + by);
     assert_eq!(harness.state().state().view.camera, camera, "the camera stands still");
     drop_here(&mut harness, arrow + by);
-    assert_eq!(harness.state().state().document.undo_label().as_deref(), Some("moving water ball"));
+    assert_eq!(harness.state().state().document.undo_label(), Some("moving water ball"));
     until(&mut harness, "the moved scene is prepared", move |app| {
         app.state().report.as_ref().is_some_and(|r| r.prepared.description.objects.refractors()[1].transform == moved)
     });
