@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 #[cfg(feature = "window")]
-use iorect::app::{self, Arrangement, Launch, RunError, Screenshot, Settings, Tab, Theme};
+use iorect::app::{self, Arrangement, Launch, RunError, Screenshot, Settings, SidePanel, Tab, Theme};
 use iorect::cli::{self, WindowArguments, WindowError};
 
 fn main() -> ExitCode {
@@ -46,6 +46,7 @@ fn settings_for(shot: &WindowArguments) -> Settings {
             Some("measure") => Tab::Measure,
             _ => Tab::Render,
         },
+        narrow_panel: if shot.tab.is_some() { SidePanel::Render } else { defaults.narrow_panel },
         ..defaults
     }
 }

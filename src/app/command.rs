@@ -146,6 +146,7 @@ pub enum Command {
     ShowGallery(bool),
     ShowShortcuts(bool),
     ShowAbout(bool),
+    ShowMessages(bool),
     DismissNotice(u64),
     /// Closes whatever is on top.
     Escape,

@@ -5,8 +5,8 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 use super::command::{Command, ExportKind};
 use super::edit::ObjectEdit;
 use super::objects::Manipulation;
-use super::settings::{Arrangement, Tab};
-use super::state::State;
+use super::settings::{Arrangement, MAX_PANES, Tab};
+use super::state::{State, Windows};
 
 pub struct Shortcut {
     pub keys: KeyboardShortcut,
@@ -51,6 +51,7 @@ pub const FRAME: KeyboardShortcut = key(NONE, Key::F);
 pub const EARLIER_VIEW: KeyboardShortcut = key(NONE, Key::Backspace);
 pub const VALUES: KeyboardShortcut = key(NONE, Key::P);
 pub const MEASURE: KeyboardShortcut = key(NONE, Key::M);
+pub const INSPECTOR: KeyboardShortcut = key(NONE, Key::I);
 pub const WIPE: KeyboardShortcut = key(NONE, Key::W);
 pub const RESET_CAMERA: KeyboardShortcut = key(NONE, Key::Home);
 pub const RESET_ZOOM: KeyboardShortcut = key(NONE, Key::Z);
@@ -114,7 +115,7 @@ pub const GROUPS: &[Group] = &[
             on(BOTH_PANELS, "Hide or show both panels", |_| Command::ToggleBothPanels),
             on(SCENE_PANEL, "Scene panel", |_| Command::ToggleScenePanel),
             on(RENDER_PANEL, "Render panel", |_| Command::ToggleRenderPanel),
-            on(key(NONE, Key::I), "Inspector", |_| Command::ShowTab(Tab::Inspector)),
+            on(INSPECTOR, "Inspector", |_| Command::ShowTab(Tab::Inspector)),
             on(MEASURE, "Error against time", |_| Command::ShowTab(Tab::Measure)),
             on(VALUES, "Values under the pointer", |_| Command::ToggleValues),
             on(LARGER, "Larger interface", |_| Command::StepInterfaceScale(1)),
@@ -144,6 +145,11 @@ pub const GROUPS: &[Group] = &[
         ],
     },
 ];
+
+/// Whether keys are in the list.
+pub fn is_listed(keys: &KeyboardShortcut) -> bool {
+    GROUPS.iter().flat_map(|group| group.shortcuts).any(|shortcut| shortcut.keys == *keys)
+}
 
 /// The key of a manipulation by handles.
 pub fn of(manipulation: Manipulation) -> KeyboardShortcut {
@@ -183,20 +189,78 @@ pub const POINTER: &[(&str, &str)] = &[
     ("double click", "look at it: orbit around the point"),
 ];
 
-/// The commands of the keys that were just pressed. Keys without modifiers are left to text fields that have the focus.
-pub fn pressed(ctx: &egui::Context, state: &State) -> Vec<Command> {
+/// What keys do in a picture that has the focus, for the list.
+pub const IN_PICTURE: &[(&str, &str)] = &[
+    ("Tab", "next picture or control"),
+    ("arrow keys", "orbit"),
+    ("Shift+arrow keys", "pan"),
+    ("plus, minus", "dolly"),
+    ("Enter", "inspect the middle pixel"),
+    ("Ctrl+arrow keys", "move the inspected pixel"),
+];
+
+/// Keys as people name them: "Ctrl+Shift+S", "Esc", "?".
+pub fn text(keys: &KeyboardShortcut, is_mac: bool) -> String {
+    let modifiers = keys.modifiers;
+    let command = if is_mac { "Cmd" } else { "Ctrl" };
+    let names = [
+        (modifiers.ctrl && !modifiers.command, "Ctrl"),
+        (modifiers.command, command),
+        (modifiers.alt, "Alt"),
+        (modifiers.shift, "Shift"),
+    ];
+    let names = names.into_iter().filter(|(is_held, _)| *is_held).map(|(_, name)| name);
+    names.chain([key_name(keys.logical_key)]).collect::<Vec<_>>().join("+")
+}
+
+fn key_name(key: Key) -> &'static str {
+    match key {
+        Key::Escape => "Esc",
+        Key::Plus => "plus",
+        Key::Minus => "minus",
+        Key::ArrowUp | Key::ArrowDown | Key::ArrowLeft | Key::ArrowRight => key.name(),
+        other => other.symbol_or_name(),
+    }
+}
+
+/// What stands over the panes and wants keys for itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Above {
+    /// A question is open.
+    pub has_dialog: bool,
+    /// The control that had the focus at the end of the last frame.
+    pub focused: Option<egui::Id>,
+}
+
+/// The commands of the keys that were just pressed. Keys without modifiers are left to text fields that have the focus, and under a window
+/// that wants an answer only those keys work that concern it.
+pub fn pressed(ctx: &egui::Context, state: &State, above: Above) -> Vec<Command> {
     let is_typing = ctx.egui_wants_keyboard_input() && ctx.text_edit_focused();
-    // A control that was reached with the keyboard is pressed with the space bar.
-    let has_focus = ctx.memory(|memory| memory.focused().is_some());
+    let focused = ctx.memory(egui::Memory::focused);
+    // A control that was reached with the keyboard is pressed with the space bar; a picture is not.
+    let has_focus = focused.is_some_and(|id| !is_pane(id));
+    let is_covered = above.has_dialog || state.windows != Windows::default();
+    let has_popup = egui::Popup::is_any_open(ctx);
+    // The focus itself is what Escape puts away where nothing lies over the panes.
+    let has_lost_focus = above.focused.is_some() && focused.is_none();
+    let is_escape_taken = has_popup || (has_lost_focus && !is_covered && !state.document.has_gesture());
     let mut commands = Vec::new();
     ctx.input_mut(|input| {
         for shortcut in GROUPS.iter().flat_map(|group| group.shortcuts) {
             let is_plain = shortcut.keys.modifiers.is_none();
-            if is_plain && (is_typing || (has_focus && shortcut.keys.logical_key == Key::Space)) {
+            let key = shortcut.keys.logical_key;
+            if key == Key::Escape {
+                if is_escape_taken {
+                    continue;
+                }
+            } else if (is_covered && !WHILE_COVERED.contains(&shortcut.keys))
+                || (above.has_dialog && shortcut.keys != QUIT)
+                || (is_plain && (is_typing || (has_focus && key == Key::Space)))
+            {
                 continue;
             }
             // Keyboards differ in whether a question mark needs Shift; all other plain keys are plain.
-            let is_pressed = if shortcut.keys.logical_key == Key::Questionmark {
+            let is_pressed = if key == Key::Questionmark {
                 input.consume_key(Modifiers::SHIFT, Key::Questionmark) || input.consume_key(NONE, Key::Questionmark)
             } else {
                 input.consume_shortcut(&shortcut.keys)
@@ -209,15 +273,97 @@ pub fn pressed(ctx: &egui::Context, state: &State) -> Vec<Command> {
     commands
 }
 
+/// What works while a window lies over the panes.
+const WHILE_COVERED: [KeyboardShortcut; 5] = [GALLERY, SHORTCUTS, QUIT, LARGER, SMALLER];
+
+/// The identity of a pane's picture, which can have the focus.
+pub fn pane_id(index: usize) -> egui::Id {
+    egui::Id::unique(("picture of pane", index))
+}
+
+pub fn is_pane(id: egui::Id) -> bool {
+    (0..MAX_PANES).any(|index| pane_id(index) == id)
+}
+
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::app::settings::Settings;
+
+    fn all() -> impl Iterator<Item = &'static Shortcut> {
+        GROUPS.iter().flat_map(|group| group.shortcuts)
+    }
 
     #[test]
     fn no_key_is_given_twice() {
-        let all: Vec<KeyboardShortcut> = GROUPS.iter().flat_map(|g| g.shortcuts).map(|s| s.keys).collect();
+        let all: Vec<KeyboardShortcut> = all().map(|shortcut| shortcut.keys).collect();
         for (index, keys) in all.iter().enumerate() {
             assert!(!all[index + 1..].contains(keys), "{keys:?} is given twice");
+        }
+    }
+
+    #[test]
+    fn keys_have_the_names_that_people_know() {
+        let texts =
+            [SAVE_AS, SHORTCUTS, WIPE, key(NONE, Key::Escape), key(NONE, Key::Num4), LARGER].map(|k| text(&k, false));
+        assert_eq!(texts, ["Ctrl+Shift+S", "?", "W", "Esc", "4", "Ctrl+plus"]);
+        assert_eq!(text(&OPEN, true), "Cmd+O");
+        for shortcut in all() {
+            let text = text(&shortcut.keys, false);
+            let is_known = |part: &str| {
+                part.chars().count() == 1
+                    || ["Ctrl", "Shift", "Alt", "Esc", "Home", "Space", "Backspace", "Delete", "plus", "minus"]
+                        .contains(&part)
+                    || part.strip_prefix('F').is_some_and(|number| number.parse::<u8>().is_ok())
+            };
+            assert!(text.split('+').all(is_known), "{text}");
+        }
+    }
+
+    /// The commands of one press of `keys`.
+    fn press(keys: KeyboardShortcut, state: &State, above: Above) -> Vec<Command> {
+        let ctx = egui::Context::default();
+        let event = egui::Event::Key {
+            key: keys.logical_key,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: keys.modifiers,
+        };
+        let input = egui::RawInput { events: vec![event], ..Default::default() };
+        let mut commands = Vec::new();
+        let mut output = ctx.run_ui(input, |ui| commands = pressed(ui.ctx(), state, above));
+        output.textures_delta.clear();
+        commands
+    }
+
+    fn state() -> State {
+        let scene = crate::formats::open(crate::formats::builtin::DEFAULT).expect("a built-in scene");
+        State::new(Arc::new(scene), Settings::default())
+    }
+
+    #[test]
+    fn every_listed_key_gives_its_own_command_and_no_other() {
+        let state = state();
+        for shortcut in all() {
+            let given = press(shortcut.keys, &state, Above::default());
+            assert_eq!(given, [(shortcut.command)(&state)], "{}", text(&shortcut.keys, false));
+        }
+    }
+
+    #[test]
+    fn nothing_reaches_the_panes_under_a_window_or_a_question() {
+        let mut covered = state();
+        covered.windows.about = true;
+        for shortcut in all() {
+            let is_escape = shortcut.keys.logical_key == Key::Escape;
+            let is_given = |above| !press(shortcut.keys, &covered, above).is_empty();
+            let name = text(&shortcut.keys, false);
+            assert_eq!(is_given(Above::default()), is_escape || WHILE_COVERED.contains(&shortcut.keys), "{name}");
+            let under_question = Above { has_dialog: true, focused: None };
+            assert_eq!(is_given(under_question), is_escape || shortcut.keys == QUIT, "{name}");
         }
     }
 }

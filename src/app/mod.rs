@@ -14,10 +14,12 @@ mod graphics;
 mod keys;
 mod launch;
 mod measurement;
+mod modal;
 mod navigation;
 mod objects;
 mod opening;
 mod panels;
+mod quotes;
 mod screenshot;
 mod settings;
 mod state;
@@ -34,7 +36,7 @@ pub use edit::{Edit, EditKey, MediumEdit, ObjectEdit};
 pub use launch::{Launch, RunError, Screenshot, run};
 pub use measurement::{Curve, ErrorAxis, ErrorMetric, Measurement, Measurements, Point, Trend};
 pub use objects::Manipulation;
-pub use settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Settings, Tab, Theme};
+pub use settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Settings, SidePanel, Tab, Theme};
 pub use state::State;
 
 use self::autosave::{Autosaver, Edits, Found, Slot};
@@ -85,6 +87,8 @@ pub struct App {
     title: String,
     /// Passes since the scale of the interface last changed.
     passes_at_scale: u32,
+    /// The control that had the focus at the end of the last frame.
+    focused: Option<egui::Id>,
 }
 
 impl App {
@@ -151,6 +155,7 @@ impl App {
             is_closing: false,
             title: String::new(),
             passes_at_scale: SETTLING_PASSES,
+            focused: None,
         })
     }
 
@@ -475,12 +480,15 @@ impl eframe::App for App {
         self.guard_closing(&ctx);
         self.window_size.update(&ctx);
 
-        let mut commands = keys::pressed(&ctx, &self.state);
+        let above = keys::Above { has_dialog: self.dialogs.is_open(), focused: self.focused };
+        let mut commands = keys::pressed(&ctx, &self.state, above);
+        modal::remember_focus(&ctx);
         commands.extend(self.dropped(&ctx));
         panels::show(ui, &mut self.state, &mut self.dialogs, &mut self.viewport, &mut commands);
         for command in commands {
             self.apply(&ctx, command);
         }
+        self.focused = ctx.memory(egui::Memory::focused);
 
         let settings = &self.state.settings;
         self.developer.set_order(&Recipe {

@@ -16,31 +16,23 @@ pub const MAX_PANES: usize = 4;
 /// Recent files that are remembered.
 const MAX_RECENT: usize = 10;
 
-/// A mode's name on the screen.
-pub fn mode_title(mode: Mode) -> &'static str {
-    match mode {
-        Mode::RectifiedObject => "rectified, per object",
-        other => other.name(),
-    }
-}
-
 /// Panes that answer one question together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Preset {
     StackAgainstRectified,
-    PatchAgainstObject,
+    BothRectified,
     AgainstReference,
     Surfaces,
 }
 
 impl Preset {
     pub const ALL: [Self; 4] =
-        [Self::StackAgainstRectified, Self::PatchAgainstObject, Self::AgainstReference, Self::Surfaces];
+        [Self::StackAgainstRectified, Self::BothRectified, Self::AgainstReference, Self::Surfaces];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::StackAgainstRectified => "Stack against rectified",
-            Self::PatchAgainstObject => "Patch against object",
+            Self::BothRectified => "Both rectified modes",
             Self::AgainstReference => "Against the reference",
             Self::Surfaces => "Surfaces",
         }
@@ -52,7 +44,7 @@ impl Preset {
             Self::StackAgainstRectified => {
                 "What most renderers do, rectification, naive, and how far the first two are apart."
             }
-            Self::PatchAgainstObject => {
+            Self::BothRectified => {
                 "One exterior for each object, one for each place on it, how far they are apart, and the surfaces by the medium outside."
             }
             Self::AgainstReference => {
@@ -68,7 +60,7 @@ impl Preset {
             Self::StackAgainstRectified => {
                 [Film(Mode::Stack), Film(Mode::Rectified), Film(Mode::Naive), Difference(Mode::Stack, Mode::Rectified)]
             }
-            Self::PatchAgainstObject => [
+            Self::BothRectified => [
                 Film(Mode::RectifiedObject),
                 Film(Mode::Rectified),
                 Surfaces(SurfaceQuantity::Outside),
@@ -132,9 +124,9 @@ impl PaneContent {
 impl fmt::Display for PaneContent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Mode(mode) => f.write_str(mode_title(*mode)),
-            Self::Difference(a, b) => write!(f, "{} − {}", mode_title(*a), mode_title(*b)),
-            Self::Error(mode) => write!(f, "error of {}", mode_title(*mode)),
+            Self::Mode(mode) => f.write_str(mode.name()),
+            Self::Difference(a, b) => write!(f, "{} − {}", a.name(), b.name()),
+            Self::Error(mode) => write!(f, "error of {}", mode.name()),
             Self::Surfaces(quantity) => write!(f, "{}", quantity.name()),
         }
     }
@@ -200,6 +192,13 @@ pub enum Tab {
     Measure,
 }
 
+/// The panels at the sides of the pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SidePanel {
+    Scene,
+    Render,
+}
+
 /// Size of text and controls.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum InterfaceScale {
@@ -234,6 +233,9 @@ pub struct Settings {
     pub interface_scale: InterfaceScale,
     pub show_scene_panel: bool,
     pub show_render_panel: bool,
+    /// The panel that a window which has no room for both shows, or showed last, and whether it does.
+    pub narrow_panel: SidePanel,
+    pub has_narrow_panel: bool,
     pub show_problems: bool,
     pub tab: Tab,
     /// What can be dragged on the selected object in the picture.
@@ -260,6 +262,8 @@ impl Default for Settings {
             interface_scale: InterfaceScale::Automatic,
             show_scene_panel: true,
             show_render_panel: true,
+            narrow_panel: SidePanel::Scene,
+            has_narrow_panel: true,
             show_problems: true,
             tab: Tab::Render,
             handles: Some(Manipulation::Move),

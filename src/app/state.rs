@@ -2,18 +2,21 @@
 
 mod apply;
 mod inspection;
+mod side_panels;
 mod view;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 pub use self::inspection::Inspection;
+pub use self::side_panels::Room;
 pub use self::view::Motion;
 use super::autosave::Found;
 use super::command::MediumRef;
 use super::document::Document;
 use super::measurement::Measurement;
 use super::opening::{Opening, no_scene};
+use super::quotes::quoted;
 use super::settings::Settings;
 use crate::check::Problem;
 use crate::render::ImageSettings;
@@ -25,6 +28,9 @@ use crate::tracking::Mode;
 
 /// Largest magnification of the picture.
 pub const MAX_ZOOM: f32 = 64.0;
+
+/// Messages that can be read again.
+const MAX_MESSAGES: usize = 200;
 
 /// A message in the window.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +59,7 @@ pub struct Windows {
     pub gallery: bool,
     pub shortcuts: bool,
     pub about: bool,
+    pub messages: bool,
 }
 
 /// Everything that the window shows, apart from images.
@@ -72,6 +79,8 @@ pub struct State {
     pub view: View,
     pub is_paused: bool,
     pub notices: Vec<Notice>,
+    /// What notices have said, also those that have gone, latest last.
+    pub messages: Vec<Notice>,
     next_notice: u64,
     pub windows: Windows,
     /// The object that is highlighted in the tree, by name.
@@ -91,6 +100,8 @@ pub struct State {
     problems: Option<Arc<SceneReport>>,
     /// Whether the strip of problems is there. It comes and goes only while no button is down, so that nothing moves under the pointer.
     has_problem_strip: bool,
+    /// What room the window has for side panels.
+    room: Room,
     /// Size of a film, in pixels.
     film_size: [u32; 2],
     epoch: u64,
@@ -114,6 +125,7 @@ impl State {
             view: View { camera, zoom: 1.0, zoom_center: [0.5; 2], divider: [0.5; 2], active_pane: 0 },
             is_paused: false,
             notices: Vec::new(),
+            messages: Vec::new(),
             next_notice: 0,
             windows: Windows::default(),
             selected: None,
@@ -125,6 +137,7 @@ impl State {
             measurement: Measurement::default(),
             problems: None,
             has_problem_strip: false,
+            room: Room::default(),
             film_size: [0; 2],
             epoch: 1,
             epoch_floor: 1,
@@ -290,17 +303,23 @@ impl State {
     }
 
     pub fn notify(&mut self, text: impl Into<String>) {
-        self.push_notice(false, text.into());
+        self.push_notice(false, &text.into());
     }
 
     pub fn notify_error(&mut self, text: impl Into<String>) {
-        self.push_notice(true, text.into());
+        self.push_notice(true, &text.into());
     }
 
-    fn push_notice(&mut self, is_error: bool, text: String) {
+    fn push_notice(&mut self, is_error: bool, text: &str) {
         // The same message twice is one message.
-        self.notices.retain(|notice| notice.text != text);
-        self.notices.push(Notice { id: self.next_notice, is_error, text });
+        let notice = Notice { id: self.next_notice, is_error, text: quoted(text) };
+        for list in [&mut self.notices, &mut self.messages] {
+            list.retain(|known| known.text != notice.text);
+            list.push(notice.clone());
+        }
+        if self.messages.len() > MAX_MESSAGES {
+            self.messages.remove(0);
+        }
         self.next_notice += 1;
     }
 

@@ -15,7 +15,7 @@ pub const GAP: f32 = 6.0;
 pub const SECTION_GAP: f32 = 14.0;
 /// Widths of the side panels.
 pub const SCENE_PANEL_WIDTH: f32 = 300.0;
-pub const RENDER_PANEL_WIDTH: f32 = 264.0;
+pub const RENDER_PANEL_WIDTH: f32 = 280.0;
 
 /// Marks that say in shape what colours say too; the fonts have each of them.
 pub const WARNING_MARK: &str = "▲";
@@ -41,7 +41,7 @@ pub mod over_pictures {
 
     pub const GROUND: Color32 = Color32::from_black_alpha(178);
     pub const TEXT: Color32 = Color32::from_rgb(0xf0, 0xf1, 0xf3);
-    pub const WEAK: Color32 = Color32::from_rgb(0xb4, 0xb9, 0xc0);
+    pub const WEAK: Color32 = Color32::from_rgb(0xc0, 0xc5, 0xcc);
     pub const ALERT: Color32 = Color32::from_rgb(0xf5, 0xc0, 0x4a);
 }
 
@@ -74,32 +74,32 @@ const DARK: Palette = Palette {
     canvas: rgb(0x0e0f11),
     accent: rgb(0x5ab0f0),
     warning: rgb(0xf0b030),
-    error: rgb(0xf2785c),
+    error: rgb(0xf48b73),
     good: rgb(0x3fc69a),
     line: rgb(0x3a3e45),
-    weak_text: rgb(0x9299a3),
+    weak_text: rgb(0xa2a8b0),
 };
 
 const LIGHT: Palette = Palette {
     is_dark: false,
     canvas: rgb(0xc9ccd1),
-    accent: rgb(0x0a66b2),
-    warning: rgb(0x8f5b00),
-    error: rgb(0xb23c00),
-    good: rgb(0x00704f),
+    accent: rgb(0x095fa6),
+    warning: rgb(0x835300),
+    error: rgb(0xa73800),
+    good: rgb(0x006b4b),
     line: rgb(0xc6cad0),
-    weak_text: rgb(0x5d646e),
+    weak_text: rgb(0x50565f),
 };
 
 /// Of the modes in their order, on dark and on light ground; the last are for modes to come.
 const MODES: [[u32; 2]; 8] = [
-    [0xe69f00, 0xb27700],
-    [0x56b4e9, 0x2280b8],
-    [0xd5c94a, 0x77701a],
-    [0xb3a2f0, 0x6a55bb],
-    [0x2fc090, 0x00845c],
-    [0xd98cb3, 0xa84e80],
-    [0xf0785a, 0xb3401a],
+    [0xe69f00, 0x7f5500],
+    [0x56b4e9, 0x1a638f],
+    [0xd5c94a, 0x655f16],
+    [0xb3a2f0, 0x624eac],
+    [0x2fc090, 0x006b4b],
+    [0xdb91b6, 0x90436e],
+    [0xf28c72, 0xa43b18],
     [0x8ea6ff, 0x3a4fc4],
 ];
 
@@ -206,7 +206,7 @@ fn visuals(is_dark: bool) -> Visuals {
     v.warn_fg_color = palette.warning;
     v.error_fg_color = palette.error;
     v.hyperlink_color = palette.accent;
-    v.selection.bg_fill = if is_dark { rgb(0x1f4d73) } else { rgb(0xbcdcf7) };
+    v.selection.bg_fill = if is_dark { rgb(0x1a3f5e) } else { rgb(0xbcdcf7) };
     v.selection.stroke = Stroke::new(1.0, if is_dark { rgb(0xeaf4fd) } else { rgb(0x06304f) });
     v.slider_trailing_fill = true;
     v.handle_shape = egui::style::HandleShape::Circle;
@@ -230,4 +230,72 @@ fn visuals(is_dark: bool) -> Visuals {
     // Slider rails and check boxes must stand out from the panel.
     widgets.inactive.bg_fill = if is_dark { rgb(0x434951) } else { rgb(0xc3c8cf) };
     v
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Relative luminance, WCAG 2.2.
+    fn luminance(color: Color32) -> f64 {
+        let linear = |c: u8| {
+            let c = f64::from(c) / 255.0;
+            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        };
+        0.2126 * linear(color.r()) + 0.7152 * linear(color.g()) + 0.0722 * linear(color.b())
+    }
+
+    /// Contrast ratio, WCAG 2.2: small text needs 4.5.
+    fn contrast(a: Color32, b: Color32) -> f64 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn all_text_can_be_read_on_every_ground() {
+        for is_dark in [true, false] {
+            let v = visuals(is_dark);
+            let palette = if is_dark { DARK } else { LIGHT };
+            let grounds = [
+                ("panel", v.panel_fill),
+                ("window", v.window_fill),
+                ("faint", v.faint_bg_color),
+                ("field", v.extreme_bg_color),
+                ("control", v.widgets.inactive.weak_bg_fill),
+                ("hovered", v.widgets.hovered.weak_bg_fill),
+                ("selected", v.selection.bg_fill),
+            ];
+            let mut texts = vec![
+                ("text".to_owned(), v.text_color()),
+                ("weak text".to_owned(), palette.weak_text),
+                ("accent".to_owned(), palette.accent),
+                ("warning".to_owned(), palette.warning),
+                ("error".to_owned(), palette.error),
+                ("good".to_owned(), palette.good),
+            ];
+            texts.extend(
+                MODES.iter().enumerate().map(|(i, hex)| (format!("mode {i}"), rgb(hex[usize::from(!is_dark)]))),
+            );
+            for (name, color) in &texts {
+                for (ground, fill) in grounds {
+                    let ratio = contrast(*color, fill);
+                    assert!(ratio >= 4.5, "{name} on {ground}, dark {is_dark}: {ratio:.2}");
+                }
+            }
+            assert!(contrast(palette.weak_text, palette.canvas) >= 4.5);
+            assert!(contrast(v.selection.stroke.color, v.selection.bg_fill) >= 4.5);
+        }
+    }
+
+    #[test]
+    fn labels_can_be_read_over_black_and_over_white_pictures() {
+        use over_pictures::{ALERT, GROUND, TEXT, WEAK};
+        let share = f64::from(GROUND.a()) / 255.0;
+        for picture in [0.0, 255.0] {
+            let ground = Color32::from_gray((picture * (1.0 - share)) as u8);
+            for color in [ALERT, TEXT, WEAK] {
+                assert!(contrast(color, ground) >= 4.5, "{color:?} on {ground:?}");
+            }
+        }
+    }
 }

@@ -1,11 +1,12 @@
 //! Small pieces that several panels are made of.
 
 use egui::{
-    Align, Align2, AsIdSalt, Color32, ComboBox, Context, DragValue, Layout, Response, RichText, ScrollArea, Sense, Ui,
-    Vec2, WidgetText, Window,
+    Align, AsIdSalt, Color32, ComboBox, DragValue, Key, Layout, Response, RichText, ScrollArea, Sense, Ui, Vec2,
+    WidgetText,
 };
 
 use super::command::Command;
+use super::modal;
 use super::theme::{self, Palette, SECTION_GAP};
 
 /// A section's title with a line under it. `detail` stands at the right.
@@ -79,10 +80,25 @@ pub fn segmented_row_ui<T: PartialEq + Copy>(
     row_ui(ui, name, about, |ui| segmented_ui(ui, chosen, options))
 }
 
-/// A list to choose from, over the width that is left.
+/// A list to choose from, over the width that is left. It is as high as the window allows, and scrolls beyond.
 pub fn combo_ui(ui: &mut Ui, id: impl AsIdSalt, text: impl Into<WidgetText>, contents: impl FnOnce(&mut Ui)) {
     let combo = ComboBox::from_id_salt(id).selected_text(text.into()).width(ui.available_width());
-    combo.truncate().show_ui(ui, contents);
+    combo.height(list_room(ui)).truncate().show_ui(ui, |ui| {
+        contents(ui);
+        modal::scroll_to_focus(ui);
+    });
+}
+
+/// The contents of a menu: as high as the window allows, and scrolled beyond.
+pub fn menu_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
+    let room = list_room(ui);
+    modal::scroll_ui(ui, ScrollArea::vertical().max_height(room).min_scrolled_height(room), contents);
+}
+
+/// The height of the longest list that fits into the window.
+fn list_room(ui: &Ui) -> f32 {
+    const MARGINS: f32 = 24.0;
+    (ui.ctx().content_rect().height() - MARGINS).max(60.0)
 }
 
 /// A number to drag or to type, `width` points wide. Returns whether it has changed.
@@ -94,7 +110,22 @@ pub fn number_ui(
     about: impl Into<String>,
 ) -> bool {
     let response = ui.add_sized([width, ui.spacing().interact_size.y], drag.update_while_editing(false));
-    response.accessible_name(label).on_hover_text(about.into()).changed()
+    // egui takes what was typed before Escape one frame later.
+    let pass = ui.ctx().cumulative_pass_nr();
+    let escaped = response.id.with("escaped");
+    if response.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape)) {
+        ui.data_mut(|data| data.insert_temp(escaped, pass));
+    }
+    let is_given_up = ui.data(|data| data.get_temp::<u64>(escaped)).is_some_and(|at| pass <= at + 2);
+    response.accessible_name(label).on_hover_text(about.into()).changed() && !is_given_up
+}
+
+/// A ring around a control that paints itself, while it has the focus of the keyboard.
+pub fn focus_ring(ui: &Ui, response: &Response) {
+    if response.has_focus() {
+        let stroke = egui::Stroke::new(1.5, Palette::of(ui).accent);
+        ui.painter().rect_stroke(response.rect, 4.0, stroke, egui::StrokeKind::Inside);
+    }
 }
 
 /// A button that gives a command.
@@ -102,24 +133,6 @@ pub fn button_ui(ui: &mut Ui, text: &str, about: &str, commands: &mut Vec<Comman
     if ui.button(text).on_hover_text(about).clicked() {
         commands.push(command);
     }
-}
-
-/// A window over the middle of the main one, `width` points wide where there is room; contents that are too high scroll. Returns whether the
-/// user has just closed it.
-pub fn centered_ui(ctx: &Context, title: &str, is_open: bool, width: f32, add: impl FnOnce(&mut Ui)) -> bool {
-    let mut stays_open = is_open;
-    let room = ctx.content_rect().size();
-    Window::new(title)
-        .open(&mut stays_open)
-        .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
-        .collapsible(false)
-        .default_height(room.y - 90.0)
-        .resizable(false)
-        .show(ctx, |ui| {
-            ui.set_width((room.x - 60.0).min(width));
-            ScrollArea::vertical().max_height(room.y - 130.0).show(ui, add);
-        });
-    is_open && !stays_open
 }
 
 /// A small square of a medium's colour.

@@ -647,7 +647,7 @@ fn a_ball_dragged_through_the_surface_of_water_stays_right() {
     let path = folder.path().join("pool.toml");
     std::fs::write(&path, POOL).unwrap();
     let mut settings = quick();
-    settings.panes = Preset::PatchAgainstObject.panes();
+    settings.panes = Preset::BothRectified.panes();
     settings.panes[2] = PaneContent::Mode(Mode::Reference);
     let mut harness = window_of(path.to_str().expect("a plain path"), settings, [1280.0, 720.0]);
     // One sample of every mode, taken with the same random numbers.

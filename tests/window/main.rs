@@ -2,7 +2,10 @@
 
 mod harness;
 
+mod accessibility;
 mod app;
+mod layout;
 mod measuring;
 mod recovery;
 mod screen;
+mod texts;

@@ -3,12 +3,12 @@
 use egui::Context;
 
 use crate::app::command::Command;
+use crate::app::modal;
 use crate::app::state::State;
-use crate::app::widgets::centered_ui;
 
 pub fn show(ctx: &Context, state: &State, commands: &mut Vec<Command>) {
-    let is_closed = centered_ui(ctx, "About iorect", state.windows.about, 380.0, |ui| {
-        ui.heading(format!("iorect {}", env!("CARGO_PKG_VERSION")));
+    let answer = modal::titled(ctx, "About iorect", state.windows.about, 380.0, |ui, _| {
+        ui.label(format!("Version {}", env!("CARGO_PKG_VERSION")));
         ui.add_space(6.0);
         ui.label(
                 "Renders scenes in which dielectrics sit inside dielectrics. Every object has the index of refraction of its \
@@ -18,7 +18,7 @@ pub fn show(ctx: &Context, state: &State, commands: &mut Vec<Command>) {
         ui.add_space(6.0);
         ui.weak("Licensed under MIT or Apache-2.0, at your option.");
     });
-    if is_closed {
+    if answer.is_closed {
         commands.push(Command::ShowAbout(false));
     }
 }

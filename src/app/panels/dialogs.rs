@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use egui::{Context, Frame, Id, Key, Margin, Modal, TextEdit, Ui};
+use egui::{Context, Key, TextEdit, Ui};
 
 use crate::app::command::Command;
 use crate::app::files::Purpose;
+use crate::app::modal;
 use crate::app::state::State;
 use crate::app::widgets::note;
 
@@ -21,7 +22,6 @@ pub struct Dialogs {
 pub struct PathPrompt {
     purpose: Purpose,
     text: String,
-    has_focus: bool,
 }
 
 impl PathPrompt {
@@ -31,51 +31,48 @@ impl PathPrompt {
             // Nothing was suggested: begin where the program was started.
             Err(_) => std::env::current_dir().map(|folder| folder.join("")).unwrap_or_default(),
         };
-        Self { purpose, text: absolute.display().to_string(), has_focus: false }
+        Self { purpose, text: absolute.display().to_string() }
     }
 }
 
 impl Dialogs {
-    /// Closes what is open; `false` if nothing was.
+    pub fn is_open(&self) -> bool {
+        self.prompt.is_some() || self.leaving.is_some()
+    }
+
+    /// Closes what is on top; `false` if nothing was open.
     pub fn close(&mut self) -> bool {
-        let was_open = self.prompt.is_some() || self.leaving.is_some();
-        *self = Self::default();
-        was_open
+        self.leaving.take().is_some() || self.prompt.take().is_some()
     }
 
     pub fn show(&mut self, ctx: &Context, state: &State, commands: &mut Vec<Command>) {
-        if let Some(prompt) = &mut self.prompt {
-            let answer = modal(ctx, "path").show(ctx, |ui| prompt.show(ui, commands));
-            if answer.inner || answer.should_close() {
-                self.prompt = None;
-            }
+        let answer = modal::show(ctx, "Path", self.prompt.is_some(), |ui, is_opening| {
+            self.prompt.as_mut().is_none_or(|prompt| prompt.show(ui, is_opening, commands))
+        });
+        if answer.is_closed || answer.inner == Some(true) {
+            self.prompt = None;
         }
-        if let Some(leaving) = &self.leaving {
-            let answer = modal(ctx, "leaving").show(ctx, |ui| leaving_ui(ui, leaving, state, commands));
-            if answer.inner || answer.should_close() {
-                self.leaving = None;
-            }
+        let answer = modal::show(ctx, "Question", self.leaving.is_some(), |ui, is_opening| {
+            self.leaving.as_ref().is_none_or(|leaving| leaving_ui(ui, leaving, is_opening, state, commands))
+        });
+        if answer.is_closed || answer.inner == Some(true) {
+            self.leaving = None;
         }
     }
-}
-
-/// A question in the middle of the window.
-fn modal(ctx: &Context, id: &str) -> Modal {
-    let frame = Frame::window(&ctx.style_of(ctx.theme())).inner_margin(Margin::same(18));
-    Modal::new(Id::unique(id)).frame(frame)
 }
 
 impl PathPrompt {
     /// `true` when the question has been answered.
-    fn show(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
+    fn show(&mut self, ui: &mut Ui, is_opening: bool, commands: &mut Vec<Command>) -> bool {
         ui.set_width((ui.ctx().content_rect().width() - 80.0).min(520.0));
         ui.heading(self.purpose.title());
         ui.label(note(ui, "This system offers no file dialog; type the path."));
         ui.add_space(6.0);
-        let field = ui.add(TextEdit::singleline(&mut self.text).desired_width(f32::INFINITY).hint_text("Path"));
-        if !self.has_focus {
+        let field = ui
+            .add(TextEdit::singleline(&mut self.text).desired_width(f32::INFINITY).hint_text("Path"))
+            .accessible_name("Path");
+        if is_opening {
             field.request_focus();
-            self.has_focus = true;
         }
         let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         ui.add_space(8.0);
@@ -94,13 +91,17 @@ impl PathPrompt {
 }
 
 /// `true` when the question has been answered.
-fn leaving_ui(ui: &mut Ui, leaving: &Command, state: &State, commands: &mut Vec<Command>) -> bool {
-    ui.set_width(360.0);
+fn leaving_ui(ui: &mut Ui, leaving: &Command, is_opening: bool, state: &State, commands: &mut Vec<Command>) -> bool {
+    ui.set_width((ui.ctx().content_rect().width() - 80.0).min(380.0));
     ui.heading("Unsaved changes");
     ui.label(format!("“{}” has edits that no file has.", state.document.description().name));
     ui.add_space(10.0);
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        let save = ui.button("Save…").clicked();
+        let save = ui.button("Save…");
+        if is_opening {
+            save.request_focus();
+        }
+        let save = save.clicked();
         let stay = ui.button("Stay").clicked();
         let verb = match leaving {
             Command::QuitAnyway => "Quit without saving",

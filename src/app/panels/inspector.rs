@@ -3,7 +3,6 @@
 use egui::{Label, RichText, Ui};
 
 use crate::app::command::Command;
-use crate::app::settings::mode_title;
 use crate::app::state::{Inspection, State};
 use crate::app::theme::{DOT, Palette, WARNING_MARK};
 use crate::app::widgets::{button_ui, fact_ui, note, row_ui, section_first_ui, section_ui, segmented_row_ui, value};
@@ -25,7 +24,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let pixel = format!("{}, {}", at(inspection.point[0], width), at(inspection.point[1], height));
     section_first_ui(ui, "Path of a pixel", &pixel);
     row_ui(ui, "Mode", "The mode of the active pane: click another pane to see its path.", |ui| {
-        ui.label(RichText::new(format!("{DOT} {}", mode_title(mode))).color(palette.mode(mode)));
+        ui.label(RichText::new(format!("{DOT} {}", mode.name())).color(palette.mode(mode)));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             button_ui(ui, "Close", "Puts the marker away (Esc).", commands, Command::Inspect(None));
         });

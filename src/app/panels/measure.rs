@@ -1,13 +1,13 @@
 //! Error against time: the reference that it is measured by, the plot, and the figures in a table.
 
 mod plot;
+mod ticks;
 
 use egui::{RichText, Ui};
 
-use super::render::{short_title, table_row_ui};
+use super::render::table_row_ui;
 use crate::app::command::{Command, ExportKind};
 use crate::app::measurement::{Curve, ErrorAxis, ErrorMetric, Point};
-use crate::app::settings::mode_title;
 use crate::app::state::State;
 use crate::app::theme::{Palette, WARNING_MARK};
 use crate::app::widgets::{
@@ -127,7 +127,7 @@ fn waiting_text(state: &State) -> &'static str {
 }
 
 /// Where the columns of the table begin, as shares of its width.
-const COLUMNS: [f32; 6] = [0.0, 0.08, 0.37, 0.49, 0.65, 0.83];
+const COLUMNS: [f32; 6] = [0.0, 0.07, 0.43, 0.54, 0.69, 0.86];
 
 fn table_ui(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
     let palette = Palette::of(ui);
@@ -156,7 +156,7 @@ fn table_ui(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
             (None, Some(slope)) => value(signed(slope)),
             (None, None) => value("…"),
         };
-        let name = format!("{} {}", plot::look(*mode).0, short_title(*mode));
+        let name = format!("{} {}", plot::look(*mode).0, mode.name());
         let cells = [
             RichText::new(panes.join(" ")).small().color(palette.weak_text),
             RichText::new(name).small().color(palette.mode(*mode)),
@@ -166,7 +166,7 @@ fn table_ui(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
             slope,
         ];
         let shown = format!("In pane {}.", panes.join(", "));
-        table_row_ui(ui, &COLUMNS, cells, [&shown, mode_title(*mode), "", "", "", ""]);
+        table_row_ui(ui, &COLUMNS, cells, [&shown, mode.name(), "", "", "", ""]);
     }
 }
 
@@ -178,7 +178,7 @@ fn bias_ui(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
         let trend = curve.trend(metric);
         let Some(bias) = trend.bias else { continue };
         let above = trend.slope.map(|slope| format!(", slope {} above it", signed(slope))).unwrap_or_default();
-        let text = format!("{WARNING_MARK} {} is biased: its error stays at {bias:.1e}{above}.", mode_title(*mode));
+        let text = format!("{WARNING_MARK} {} is biased: its error stays at {bias:.1e}{above}.", mode.name());
         ui.label(RichText::new(text).small().color(palette.warning));
     }
 }

@@ -7,20 +7,18 @@ use crate::app::command::{Command, ExportKind};
 use crate::app::edit::{Edit, ObjectEdit};
 use crate::app::keys;
 use crate::app::objects::Manipulation;
-use crate::app::settings::{Arrangement, InterfaceScale, MAX_PANES, Preset, Tab, Theme};
+use crate::app::settings::{Arrangement, InterfaceScale, MAX_PANES, Preset, SidePanel, Tab, Theme};
 use crate::app::state::State;
 use crate::app::theme::{CHECK_MARK, Palette};
+use crate::app::widgets::menu_ui;
 
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     MenuBar::new().ui(ui, |ui| {
-        ui.menu_button("File", |ui| file_ui(ui, state, commands));
-        ui.menu_button("Edit", |ui| edit_ui(ui, state, commands));
-        ui.menu_button("View", |ui| view_ui(ui, state, commands));
-        ui.menu_button("Render", |ui| render_ui(ui, state, commands));
-        ui.menu_button("Help", |ui| {
-            item(ui, "Keyboard and mouse", Some(keys::SHORTCUTS), commands, Command::ShowShortcuts(true));
-            item(ui, "About iorect", None, commands, Command::ShowAbout(true));
-        });
+        ui.menu_button("File", |ui| menu_ui(ui, |ui| file_ui(ui, state, commands)));
+        ui.menu_button("Edit", |ui| menu_ui(ui, |ui| edit_ui(ui, state, commands)));
+        ui.menu_button("View", |ui| menu_ui(ui, |ui| view_ui(ui, state, commands)));
+        ui.menu_button("Render", |ui| menu_ui(ui, |ui| render_ui(ui, state, commands)));
+        ui.menu_button("Help", |ui| menu_ui(ui, |ui| help_ui(ui, commands)));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let palette = Palette::of(ui);
             let is_dirty = state.document.is_dirty();
@@ -64,7 +62,8 @@ fn choice(ui: &mut Ui, is_on: bool, text: &str, keys: Keys, commands: &mut Vec<C
 
 /// A line of a menu: room for a mark, the text, and at the right the keys.
 fn entry_ui(ui: &mut Ui, is_enabled: bool, is_on: bool, text: &str, keys: Keys) -> Response {
-    let keys = keys.map(|keys| ui.ctx().format_shortcut(&keys)).unwrap_or_default();
+    debug_assert!(keys.is_none_or(|keys| keys::is_listed(&keys)), "{text} has a key that the list lacks");
+    let keys = keys.map(|keys| keys::text(&keys, ui.ctx().os().is_mac())).unwrap_or_default();
     let button = Button::new((mark(ui, is_on, text), Atom::grow())).right_text(RichText::new(keys).small().weak());
     ui.add_enabled(is_enabled, button).accessible_name(text)
 }
@@ -82,7 +81,7 @@ fn mark(ui: &Ui, is_on: bool, text: &str) -> LayoutJob {
 /// A menu in a menu.
 fn submenu_ui(ui: &mut Ui, text: &str, contents: impl FnOnce(&mut Ui)) {
     let job = mark(ui, false, text);
-    ui.menu_button(job, contents);
+    ui.menu_button(job, |ui| menu_ui(ui, contents));
 }
 
 fn file_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -185,12 +184,20 @@ fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     item(ui, "Make this view the scene's own", None, commands, Command::Edit(Edit::Camera(state.view.camera)));
     item(ui, "Whole picture", Some(keys::RESET_ZOOM), commands, Command::SetZoom(1.0, [0.5; 2]));
     ui.separator();
-    choice(ui, settings.show_scene_panel, "Scene panel", Some(keys::SCENE_PANEL), commands, Command::ToggleScenePanel);
-    let is_on = settings.show_render_panel;
+    let is_on = state.has_panel(SidePanel::Scene);
+    choice(ui, is_on, "Scene panel", Some(keys::SCENE_PANEL), commands, Command::ToggleScenePanel);
+    let is_on = state.has_panel(SidePanel::Render);
     choice(ui, is_on, "Render panel", Some(keys::RENDER_PANEL), commands, Command::ToggleRenderPanel);
     choice(ui, settings.show_problems, "Problems", None, commands, Command::ToggleProblems);
-    item(ui, "Inspector", None, commands, Command::ShowTab(Tab::Inspector));
-    item(ui, "Error against time", Some(keys::MEASURE), commands, Command::ShowTab(Tab::Measure));
+    let tabs = [
+        (Tab::Rectification, "Interfaces", None),
+        (Tab::Inspector, "Inspector", Some(keys::INSPECTOR)),
+        (Tab::Measure, "Error against time", Some(keys::MEASURE)),
+    ];
+    for (tab, name, keys) in tabs {
+        let is_on = state.has_panel(SidePanel::Render) && settings.tab == tab;
+        choice(ui, is_on, name, keys, commands, Command::ShowTab(tab));
+    }
     let values = "Values under the pointer";
     choice(ui, settings.show_values, values, Some(keys::VALUES), commands, Command::ToggleValues);
     ui.separator();
@@ -212,4 +219,10 @@ fn render_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let name = if state.is_paused { "Go on" } else { "Pause" };
     item(ui, name, Some(keys::PAUSE), commands, Command::TogglePause);
     item(ui, "Start anew", Some(keys::RESTART), commands, Command::Restart);
+}
+
+fn help_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
+    item(ui, "Keyboard and mouse", Some(keys::SHORTCUTS), commands, Command::ShowShortcuts(true));
+    item(ui, "Messages", None, commands, Command::ShowMessages(true));
+    item(ui, "About iorect", None, commands, Command::ShowAbout(true));
 }

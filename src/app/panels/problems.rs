@@ -4,6 +4,7 @@ use egui::{Align, CursorIcon, Label, Layout, RichText, ScrollArea, Sense, Ui};
 
 use crate::app::command::Command;
 use crate::app::edit::ObjectEdit;
+use crate::app::quotes::quoted;
 use crate::app::state::State;
 use crate::app::theme::{ADVICE_MARK, ERROR_MARK, Palette, WARNING_MARK};
 use crate::app::widgets::{button_ui, note};
@@ -128,7 +129,7 @@ fn row_ui(
                 let font = egui::TextStyle::Body.resolve(ui.style());
                 let format = |color| egui::TextFormat::simple(font.clone(), color);
                 text.append(&problem.place, 0.0, format(ui.visuals().strong_text_color()));
-                text.append(&problem.message, 8.0, format(ui.visuals().text_color()));
+                text.append(&quoted(&problem.message), 8.0, format(ui.visuals().text_color()));
                 let label = if is_full { Label::new(text).wrap() } else { Label::new(text).truncate() };
                 match show {
                     Some((tip, command)) => {

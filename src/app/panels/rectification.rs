@@ -5,7 +5,7 @@ use egui::{Label, RichText, Ui};
 use crate::app::command::Command;
 use crate::app::state::State;
 use crate::app::theme::{Palette, WARNING_MARK};
-use crate::app::widgets::{fact_ui, note, section_first_ui, section_ui, value};
+use crate::app::widgets::{fact_ui, focus_ring, note, section_first_ui, section_ui, value};
 use crate::export::words::{duration, grouped};
 use crate::rectify::{Patch, PatchKind};
 use crate::scene::Scene;
@@ -90,23 +90,16 @@ fn patch_ui(ui: &mut Ui, state: &State, scene: &Scene, patch: &Patch, commands: 
                     });
                 });
             });
-            let text = match (patch.outside, patch.inside) {
-                (Some(outside), Some(inside)) => {
-                    let (outside, inside) = (scene.medium(outside), scene.medium(inside));
-                    format!("{} {:.4} | {} {:.4}", outside.name, outside.ior(), inside.name, inside.ior())
-                }
-                _ if patch.crossed_by.is_empty() => patch.kind.name().to_owned(),
-                _ => {
-                    let others: Vec<&str> = patch.crossed_by.iter().map(|id| scene.object(*id).name.as_str()).collect();
-                    format!("{}: crossed by {}", patch.kind.name(), others.join(", "))
-                }
-            };
-            ui.add(Label::new(value(text)).truncate());
+            ui.add(Label::new(value(sides(scene, patch))).truncate());
         })
         .response
         .interact(egui::Sense::click());
+    let label = format!("{name}, patch {}", patch.index);
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_selected, &label));
+    focus_ring(ui, &response);
     let response = response.on_hover_ui(|ui| {
         ui.strong(format!("{name}, patch {}: {}", patch.index, patch.kind.name()));
+        ui.label(sides(scene, patch));
         ui.label(about_kind(patch.kind));
         ui.label(format!("{} rays, {} faces", grouped(u64::from(patch.rays)), grouped(u64::from(patch.faces))));
         for vote in &*patch.votes {
@@ -118,6 +111,21 @@ fn patch_ui(ui: &mut Ui, state: &State, scene: &Scene, patch: &Patch, commands: 
     });
     if response.clicked() {
         commands.push(Command::SelectObject((!is_selected).then(|| name.clone())));
+    }
+}
+
+/// What lies on both sides of a patch, or what keeps that from being one answer.
+fn sides(scene: &Scene, patch: &Patch) -> String {
+    match (patch.outside, patch.inside) {
+        (Some(outside), Some(inside)) => {
+            let (outside, inside) = (scene.medium(outside), scene.medium(inside));
+            format!("{} {:.4} | {} {:.4}", outside.name, outside.ior(), inside.name, inside.ior())
+        }
+        _ if patch.crossed_by.is_empty() => patch.kind.name().to_owned(),
+        _ => {
+            let others: Vec<&str> = patch.crossed_by.iter().map(|id| scene.object(*id).name.as_str()).collect();
+            format!("crossed by {}", others.join(", "))
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use egui::{DragValue, RichText, Slider, Ui};
 
 use crate::app::command::Command;
-use crate::app::settings::{Arrangement, DifferenceKind, MAX_PANES, PaneContent, Preset, mode_title};
+use crate::app::settings::{Arrangement, DifferenceKind, MAX_PANES, PaneContent, Preset};
 use crate::app::state::State;
 use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
 use crate::app::viewport::{Viewport, content_menu_ui, event_meaning, event_name};
@@ -13,7 +13,6 @@ use crate::app::widgets::{
 };
 use crate::export::words::grouped;
 use crate::render::ToneCurve;
-use crate::tracking::Mode;
 
 const SCALES: [(f32, &str); 5] = [(0.25, "¼"), (0.5, "½"), (1.0, "1"), (1.5, "1½"), (2.0, "2")];
 
@@ -60,9 +59,7 @@ fn panes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let name = format!("Pane {}", index + 1);
         row_ui(ui, &name, "What this pane shows.", |ui| {
             let text = match content {
-                PaneContent::Mode(mode) => {
-                    RichText::new(format!("{DOT} {}", mode_title(*mode))).color(palette.mode(*mode))
-                }
+                PaneContent::Mode(mode) => RichText::new(format!("{DOT} {}", mode.name())).color(palette.mode(*mode)),
                 PaneContent::Difference(..) | PaneContent::Error(_) | PaneContent::Surfaces(_) => {
                     RichText::new(content.to_string())
                 }
@@ -86,8 +83,7 @@ fn display_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let is_dragged = ui.add(slider).accessible_name("Exposure").on_hover_text(about).changed();
         ui.spacing_mut().interact_size.y = height;
         let typed = DragValue::new(&mut exposure).speed(0.02).range(-30.0..=30.0).fixed_decimals(2);
-        let typed = ui.add_sized([46.0, ui.spacing().interact_size.y], typed);
-        let is_typed = typed.accessible_name("Exposure").on_hover_text(about).changed();
+        let is_typed = number_ui(ui, 46.0, typed, "Exposure", about);
         if is_dragged || is_typed {
             commands.push(Command::SetExposure(exposure));
         }
@@ -138,16 +134,8 @@ fn limit_ui(ui: &mut Ui, name: &str, about: &str, limit: Option<u32>, default: u
     })
 }
 
-/// A mode's name where there is little room.
-pub(super) fn short_title(mode: Mode) -> &'static str {
-    match mode {
-        Mode::RectifiedObject => "per object",
-        other => other.name(),
-    }
-}
-
 /// Where the columns of the progress table begin, as shares of its width: they must not move when numbers change.
-const COLUMNS: [f32; 4] = [0.0, 0.36, 0.5, 0.76];
+const COLUMNS: [f32; 4] = [0.0, 0.42, 0.55, 0.77];
 
 fn progress_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
     let palette = Palette::of(ui);
@@ -160,7 +148,7 @@ fn progress_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
     ];
     table_row_ui(ui, &COLUMNS, ["mode", "spp", "time", "samples/s"].map(head), about);
     for mode in state.settings.modes() {
-        let name = RichText::new(format!("{DOT} {}", short_title(mode))).small().color(palette.mode(mode));
+        let name = RichText::new(format!("{DOT} {}", mode.name())).small().color(palette.mode(mode));
         let texts = match viewport.film(state, mode) {
             Some(film) => {
                 let samples = if film.is_preview() { "…".to_owned() } else { film.samples.to_string() };
@@ -169,7 +157,7 @@ fn progress_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
             None => ["…", "…", "…"].map(str::to_owned),
         };
         let [samples, time, speed] = texts.map(value);
-        table_row_ui(ui, &COLUMNS, [name, samples, time, speed], [mode_title(mode), "", "", ""]);
+        table_row_ui(ui, &COLUMNS, [name, samples, time, speed], [mode.name(), "", "", ""]);
     }
 }
 
@@ -191,14 +179,15 @@ pub(super) fn table_row_ui<const N: usize>(ui: &mut Ui, columns: &[f32; N], cell
 
 fn events_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
     let palette = Palette::of(ui);
-    let mut has_any = false;
+    let (mut has_any, mut has_samples) = (false, false);
     for mode in state.settings.modes() {
         let Some(film) = viewport.film(state, mode) else { continue };
+        has_samples |= film.samples > 0;
         for (kind, count) in film.events.named().into_iter().filter(|(_, count)| *count > 0) {
             has_any = true;
             ui.horizontal(|ui| {
                 ui.label(RichText::new(WARNING_MARK).color(palette.warning));
-                ui.label(RichText::new(short_title(mode)).small().color(palette.mode(mode)));
+                ui.label(RichText::new(mode.name()).small().color(palette.mode(mode)));
                 ui.add(egui::Label::new(RichText::new(event_name(kind)).small()).truncate());
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     ui.label(RichText::new(short_count(count as f64)).text_style(theme::small_mono_style()));
@@ -209,6 +198,27 @@ fn events_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
         }
     }
     if !has_any {
-        ui.label(note(ui, "None: every path left each medium that it had entered."));
+        ui.label(note(ui, no_events_text(state.settings.modes().is_empty(), has_samples)));
+    }
+}
+
+/// What stands where no event is listed.
+fn no_events_text(has_no_modes: bool, has_samples: bool) -> &'static str {
+    match (has_no_modes, has_samples) {
+        (true, _) => "No pane shows a mode.",
+        (false, false) => "Nothing rendered yet.",
+        (false, true) => "None: every path left each medium that it had entered.",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::no_events_text;
+
+    #[test]
+    fn nothing_is_said_of_paths_before_there_are_any() {
+        assert_eq!(no_events_text(false, false), "Nothing rendered yet.");
+        assert_eq!(no_events_text(true, false), "No pane shows a mode.");
+        assert!(no_events_text(false, true).starts_with("None:"));
     }
 }

@@ -10,7 +10,7 @@ use crate::app::command::{Command, MediumRef};
 use crate::app::edit::ObjectEdit;
 use crate::app::state::{State, medium_of};
 use crate::app::theme::{Palette, WARNING_MARK, opaque};
-use crate::app::widgets::{fact_ui, note, section_first_ui, section_ui, swatch_ui};
+use crate::app::widgets::{fact_ui, focus_ring, note, section_first_ui, section_ui, swatch_ui};
 use crate::rectify::Patch;
 use crate::scene::Description;
 use crate::scene::description::{Object, Paint, Role, Shape, Solid};
@@ -128,6 +128,7 @@ fn selectable_row_ui(ui: &mut Ui, is_selected: bool, name: &str) -> (Rect, Respo
     } else if response.hovered() {
         ui.painter().rect_filled(rect, 4.0, visuals.widgets.inactive.weak_bg_fill.gamma_multiply(0.6));
     }
+    focus_ring(ui, &response);
     (rect, response)
 }
 

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use egui::{Align, Layout, ProgressBar, RichText, Ui};
+use egui::{Align, Label, Layout, ProgressBar, RichText, Sense, Stroke, Ui, vec2};
 
 use crate::app::command::Command;
 use crate::app::state::State;
-use crate::app::theme::Palette;
+use crate::app::theme::{self, Palette};
 use crate::app::viewport::{Viewport, pixel_at};
 use crate::app::widgets::value;
 
@@ -18,6 +18,10 @@ const HINTS: [&str; 4] = [
     "?: shortcuts",
 ];
 
+/// Space beside a separator, and the separator's width, in points.
+const SPACE: f32 = 8.0;
+const SEPARATOR: f32 = 1.0;
+
 /// A preparation that has taken so long is shown.
 const PATIENCE: Duration = Duration::from_millis(500);
 /// Time between two looks at it.
@@ -25,37 +29,91 @@ const INTERVAL: Duration = Duration::from_millis(100);
 
 pub fn show(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Vec<Command>) {
     let palette = Palette::of(ui);
+    let font = theme::small_mono_style().resolve(ui.style());
     ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = SPACE;
+        opening_ui(ui, state, commands);
+        preparation_ui(ui, state, commands);
+        let facts = facts(state, viewport);
+        let measure =
+            |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), palette.weak_text).size().x;
+        let widths: Vec<f32> = facts.iter().map(|fact| measure(&fact.text)).collect();
+        let count = fitting(&widths, ui.available_width());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let [width, height] = state.film_size();
-            ui.label(value(format!("{width} × {height}")).color(palette.weak_text))
-                .on_hover_text("Size of each image, in pixels.");
-            if let Some([x, y]) = viewport.pointer.and_then(|point| pixel_at([width, height], point)) {
-                ui.label(value(format!("pixel {x}, {y}")))
-                    .on_hover_text("Under the pointer; 0, 0 is at the upper left.");
-            }
-            ui.label(value(progress(state, viewport)).color(palette.weak_text));
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                opening_ui(ui, state, commands);
-                preparation_ui(ui, state, commands);
-                let room = ui.available_width();
-                let font = egui::TextStyle::Small.resolve(ui.style());
-                let fits = |text: &&str| {
-                    ui.painter().layout_no_wrap((*text).to_owned(), font.clone(), palette.weak_text).size().x < room
-                };
-                if let Some(text) = HINTS.iter().find(|text| fits(text)) {
-                    ui.label(RichText::new(*text).small().color(palette.weak_text));
+            // The most important one stands at the edge and is shortened where even that has no room.
+            for (index, fact) in facts[..count].iter().enumerate() {
+                if index > 0 {
+                    separator_ui(ui);
                 }
-            });
+                let label = Label::new(value(fact.text.as_str()).color(palette.weak_text)).truncate();
+                let response = ui.add(label);
+                if !fact.about.is_empty() {
+                    response.on_hover_text(fact.about);
+                }
+            }
+            if count == facts.len() {
+                hint_ui(ui, palette);
+            }
         });
+    });
+}
+
+/// Something that the line says.
+struct Fact {
+    text: String,
+    about: &'static str,
+}
+
+/// What there is to say, the most important first.
+fn facts(state: &State, viewport: &Viewport) -> Vec<Fact> {
+    let [width, height] = state.film_size();
+    let mut facts = vec![Fact { text: progress(state, viewport), about: "How far the images are." }];
+    if let Some([x, y]) = viewport.pointer.and_then(|point| pixel_at([width, height], point)) {
+        let about = "Under the pointer; 0, 0 is at the upper left.";
+        facts.push(Fact { text: format!("pixel {x}, {y}"), about });
+    }
+    facts.push(Fact { text: format!("{width} × {height}"), about: "Size of each image, in pixels." });
+    facts
+}
+
+/// How many of the first texts, of these widths and with separators between them, fit into `room`; one at least.
+fn fitting(widths: &[f32], room: f32) -> usize {
+    let mut taken = 0.0;
+    let fits = |width: &&f32| {
+        let gap = if taken > 0.0 { 2.0 * SPACE + SEPARATOR } else { 0.0 };
+        taken += **width + gap;
+        taken <= room
+    };
+    widths.iter().take_while(fits).count().max(1).min(widths.len())
+}
+
+fn separator_ui(ui: &mut Ui) {
+    let (rect, _) = ui.allocate_exact_size(vec2(SEPARATOR, 14.0), Sense::hover());
+    ui.painter().vline(rect.center().x, rect.y_range(), Stroke::new(1.0, Palette::of(ui).line));
+}
+
+/// The longest hint that has room, at the left.
+fn hint_ui(ui: &mut Ui, palette: Palette) {
+    ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+        let room = ui.available_width() - SPACE;
+        let font = egui::TextStyle::Small.resolve(ui.style());
+        let fits = |text: &&str| {
+            ui.painter().layout_no_wrap((*text).to_owned(), font.clone(), palette.weak_text).size().x < room
+        };
+        if let Some(text) = HINTS.iter().find(|text| fits(text)) {
+            ui.label(RichText::new(*text).small().color(palette.weak_text));
+        }
     });
 }
 
 /// The scene that is being read.
 fn opening_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(opening) = state.opening() else { return };
-    ui.label(RichText::new(format!("Opening {}…", opening.short_name())).small())
-        .on_hover_text(opening.name.display().to_string());
+    let text = RichText::new(format!("Opening {}…", opening.short_name())).small();
+    ui.scope(|ui| {
+        ui.set_max_width(0.4 * ui.available_width());
+        ui.add(Label::new(text).truncate()).on_hover_text(opening.name.display().to_string());
+    });
     if ui.small_button("Cancel").on_hover_text("Stays with the scene that is shown.").clicked() {
         commands.push(Command::CancelOpening);
     }
@@ -88,5 +146,20 @@ fn progress(state: &State, viewport: &Viewport) -> String {
         () if state.is_paused => "paused".to_owned(),
         () if state.report.is_none() => "preparing".to_owned(),
         () => "rendering".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_that_have_no_room_are_left_out_from_the_end() {
+        let widths = [60.0, 80.0, 70.0];
+        let gap = 2.0 * SPACE + SEPARATOR;
+        for (room, count) in [(0.0, 1), (60.0, 1), (140.0, 1), (140.0 + gap, 2), (210.0 + 2.0 * gap, 3), (9e3, 3)] {
+            assert_eq!(fitting(&widths, room), count, "{room}");
+        }
+        assert_eq!(fitting(&[], 100.0), 0);
     }
 }

@@ -1,9 +1,9 @@
 //! Commands, one by one.
 
-use super::{MAX_ZOOM, State, Windows};
+use super::{MAX_ZOOM, Room, State, Windows};
 use crate::app::command::Command;
 use crate::app::edit::Edit;
-use crate::app::settings::{MAX_PANES, PaneContent, Settings};
+use crate::app::settings::{MAX_PANES, PaneContent, Settings, SidePanel};
 use crate::session::GroundTruthDemand;
 
 impl State {
@@ -87,24 +87,18 @@ impl State {
             }
             Command::ClearRecent => self.settings.recent.clear(),
             Command::PostponeEdits => self.left_behind.clear(),
-            Command::ToggleScenePanel => self.settings.show_scene_panel ^= true,
-            Command::ToggleRenderPanel => self.settings.show_render_panel ^= true,
-            Command::ToggleBothPanels => {
-                let show = !(self.settings.show_scene_panel || self.settings.show_render_panel);
-                self.settings.show_scene_panel = show;
-                self.settings.show_render_panel = show;
-            }
+            Command::ToggleScenePanel => self.toggle_panel(SidePanel::Scene),
+            Command::ToggleRenderPanel => self.toggle_panel(SidePanel::Render),
+            Command::ToggleBothPanels => self.toggle_panels(),
             Command::ToggleProblems => self.settings.show_problems ^= true,
-            Command::ShowTab(tab) => {
-                self.settings.tab = tab;
-                self.settings.show_render_panel = true;
-            }
+            Command::ShowTab(tab) => self.show_tab(tab),
             Command::SetTheme(theme) => self.settings.theme = theme,
             Command::SetInterfaceScale(scale) => self.settings.interface_scale = scale,
             Command::SelectObject(object) => self.selected = object,
             Command::ShowGallery(show) => self.windows = Windows { gallery: show, ..Windows::default() },
             Command::ShowShortcuts(show) => self.windows = Windows { shortcuts: show, ..Windows::default() },
             Command::ShowAbout(show) => self.windows = Windows { about: show, ..Windows::default() },
+            Command::ShowMessages(show) => self.windows = Windows { messages: show, ..Windows::default() },
             Command::DismissNotice(id) => self.notices.retain(|notice| notice.id != id),
             Command::Escape => self.escape(),
             Command::SetPaneContent(..)
@@ -164,11 +158,12 @@ impl State {
             self.invalidate();
         } else if self.windows != Windows::default() {
             self.windows = Windows::default();
+        } else if self.room() == Room::Over && self.settings.has_narrow_panel {
+            self.settings.has_narrow_panel = false;
+        } else if self.notices.pop().is_some() {
+            // The latest one.
         } else if self.inspection.is_some() {
             self.inspection = None;
-        } else if let Some(last) = self.notices.last() {
-            let id = last.id;
-            self.notices.retain(|notice| notice.id != id);
         } else if self.view.zoom > 1.0 {
             self.view.zoom = 1.0;
         }

@@ -2,6 +2,7 @@
 
 mod handles;
 mod input;
+mod keyboard;
 mod layout;
 mod legend;
 mod overlay;
@@ -33,6 +34,8 @@ pub struct Viewport {
     handles: handles::Handles,
     /// Where the pointer is over a pane, in [0, 1]² of the film.
     pub pointer: Option<[f64; 2]>,
+    /// Where the panes' labels are, with what hangs below them.
+    labels: Vec<Rect>,
 }
 
 /// One picture.
@@ -66,6 +69,11 @@ impl Viewport {
                 }
             }
         }
+    }
+
+    /// Where the panes' labels are, with what hangs below them.
+    pub fn labels(&self) -> &[Rect] {
+        &self.labels
     }
 
     /// Drops every picture: another scene is coming.
@@ -109,7 +117,9 @@ impl Viewport {
     /// Shows the panes in all the room that is left, and reads the pointer.
     pub fn show(&mut self, ui: &mut Ui, state: &mut State, commands: &mut Vec<Command>) {
         let area = ui.available_rect_before_wrap();
-        let response = ui.allocate_rect(area, Sense::click_and_drag());
+        // The focus goes to one pane or another, not to all of them.
+        let response = ui.allocate_rect(area, Sense::CLICK | Sense::DRAG);
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Group, true, "Pictures"));
         let palette = Palette::of(ui);
         ui.painter().rect_filled(area, 0.0, palette.canvas);
         if area.width() < 8.0 || area.height() < 8.0 {
@@ -133,9 +143,12 @@ impl Viewport {
             self.handles.paint(&painter, state, &panes, index);
         }
         self.paint_dividers(ui, state, &panes);
+        self.labels.clear();
+        let nothing = About::default();
         for (index, pane) in panes.iter().enumerate() {
-            let shot = self.shown.get(&state.settings.panes[index]);
-            overlay::pane_ui(ui, state, shot.map_or(&About::default(), |shot| &shot.about), index, *pane, commands);
+            let about = self.shown.get(&state.settings.panes[index]).map_or(&nothing, |shot| &shot.about);
+            keyboard::pane_ui(ui, state, about, index, pane, commands);
+            self.labels.extend(overlay::pane_ui(ui, state, about, index, *pane, commands));
         }
         if let Some(pos) = response.hover_pos().filter(|_| self.drag.is_none())
             && let Some(index) = panes.iter().position(|pane| pane.visible.contains(pos))

@@ -7,17 +7,17 @@ use super::layout::{Pane, film_window, screen_from_film};
 use super::legend;
 use crate::app::command::Command;
 use crate::app::develop::{About, Source, difference_color, flip_color};
-use crate::app::settings::{Arrangement, DifferenceKind, PaneContent, mode_title};
+use crate::app::settings::{Arrangement, DifferenceKind, PaneContent};
 use crate::app::state::State;
 use crate::app::theme::over_pictures::{ALERT, GROUND, TEXT, WEAK};
 use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
-use crate::app::widgets::short_count;
+use crate::app::widgets::{menu_ui, short_count};
 use crate::render::surfaces::SurfaceQuantity;
 use crate::tracking::{Events, Mode};
 
 const MARGIN: f32 = 8.0;
 
-/// A pane's label, with the menu that chooses what it shows, and its legend.
+/// A pane's label, with the menu that chooses what it shows, and its legend. Returns where the label is, where there is room for one.
 pub(super) fn pane_ui(
     ui: &mut Ui,
     state: &State,
@@ -25,10 +25,10 @@ pub(super) fn pane_ui(
     index: usize,
     pane: Pane,
     commands: &mut Vec<Command>,
-) {
+) -> Option<Rect> {
     let room = pane.visible.shrink(MARGIN);
     if room.width() < 40.0 || room.height() < 30.0 {
-        return;
+        return None;
     }
     // In a wipe the labels go to the outer corners, where the divider reaches them last.
     let [to_right, to_bottom] = label_corner(state, index);
@@ -45,6 +45,7 @@ pub(super) fn pane_ui(
         }
         PaneContent::Mode(_) => {}
     }
+    Some(child.min_rect())
 }
 
 /// Whether a pane's label is at the right, and at the bottom.
@@ -57,21 +58,26 @@ fn label_ui(ui: &mut Ui, state: &State, about: &About, index: usize, commands: &
     let About { source, mean_difference, .. } = about;
     let content = state.settings.panes[index];
     let films = &source.films[..];
-    let job = label_text(ui, source, content);
+    let room = ui.available_width() - 2.0 * ui.spacing().button_padding.x;
+    let fits = |job: &LayoutJob| ui.painter().layout_job(job.clone()).size().x <= room;
+    let text = |detail| label_text(ui, source, content, detail);
+    let job = Detail::ALL.into_iter().map(text).find(fits).unwrap_or_else(|| text(Detail::Names));
     let button =
         Button::new(job).fill(GROUND).stroke(Stroke::NONE).corner_radius(5).min_size(vec2(0.0, 24.0)).truncate();
     let name = format!("Pane {}: {content}", index + 1);
     let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
-        commands.extend(content_menu_ui(ui, content).map(|new| Command::SetPaneContent(index, new)));
+        menu_ui(ui, |ui| {
+            commands.extend(content_menu_ui(ui, content).map(|new| Command::SetPaneContent(index, new)));
+        });
     });
     let hint = match content {
         PaneContent::Mode(mode) => mode.about().to_owned(),
         PaneContent::Difference(a, b) => {
-            let [a, b] = [a, b].map(mode_title);
+            let [a, b] = [a, b].map(Mode::name);
             format!("The luminance of {a} less that of {b}, at the display's exposure.")
         }
         PaneContent::Error(mode) => {
-            let mode = mode_title(mode);
+            let mode = mode.name();
             format!("The luminance of {mode} less that of the reference image, at the display's exposure.")
         }
         PaneContent::Surfaces(quantity) => quantity.about().to_owned(),
@@ -82,7 +88,11 @@ fn label_ui(ui: &mut Ui, state: &State, about: &About, index: usize, commands: &
     if events.total() > 0 && matches!(content, PaneContent::Mode(_)) {
         let (kind, count) = events.named().into_iter().max_by_key(|(_, count)| *count).unwrap_or_default();
         let samples = films.iter().map(|f| f.samples_per_second() * f.seconds).sum::<f64>().max(1.0);
-        let text = format!("{WARNING_MARK} {} {}", short_count(count as f64), event_name(kind));
+        let short = format!("{WARNING_MARK} {}", short_count(count as f64));
+        let full = format!("{short} {}", event_name(kind));
+        let font = egui::TextStyle::Small.resolve(ui.style());
+        let is_fitting = ui.painter().layout_no_wrap(full.clone(), font, ALERT).size().x <= room;
+        let text = if is_fitting { full } else { short };
         let text = egui::RichText::new(text).text_style(egui::TextStyle::Small).color(ALERT);
         let chip = Button::new(text).fill(GROUND).stroke(Stroke::NONE).corner_radius(5).min_size(Vec2::ZERO).truncate();
         let response = ui.add(chip.sense(egui::Sense::click()));
@@ -111,21 +121,37 @@ fn label_ui(ui: &mut Ui, state: &State, about: &About, index: usize, commands: &
     }
 }
 
-fn label_text(ui: &Ui, source: &Source, content: PaneContent) -> LayoutJob {
+/// How much a pane's label says.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+enum Detail {
+    /// With the number of samples.
+    All,
+    Content,
+    /// Without the word "difference".
+    Names,
+}
+
+impl Detail {
+    const ALL: [Self; 3] = [Self::All, Self::Content, Self::Names];
+}
+
+fn label_text(ui: &Ui, source: &Source, content: PaneContent, detail: Detail) -> LayoutJob {
     let palette = Palette { is_dark: true, ..Palette::of(ui) };
     let body = egui::TextStyle::Body.resolve(ui.style());
     let mono = theme::small_mono_style().resolve(ui.style());
     let mut job = LayoutJob::default();
     let mut dot = |mode: Mode, space: f32| {
         job.append(DOT, space, TextFormat::simple(egui::FontId::proportional(11.0), palette.mode(mode)));
-        job.append(mode_title(mode), 5.0, TextFormat::simple(body.clone(), TEXT));
+        job.append(mode.name(), 5.0, TextFormat::simple(body.clone(), TEXT));
     };
     match content {
         PaneContent::Mode(mode) => dot(mode, 0.0),
         PaneContent::Difference(a, b) => {
             dot(a, 0.0);
             dot(b, 9.0);
-            job.append("difference", 9.0, TextFormat::simple(body, TEXT));
+            if detail < Detail::Names {
+                job.append("difference", 9.0, TextFormat::simple(body, TEXT));
+            }
         }
         PaneContent::Error(mode) => {
             dot(mode, 0.0);
@@ -140,10 +166,15 @@ fn label_text(ui: &Ui, source: &Source, content: PaneContent) -> LayoutJob {
         _ if source.painted.is_some() => String::new(),
         samples => format!("{samples} spp"),
     };
-    if !status.is_empty() {
+    if !status.is_empty() && detail == Detail::All {
         job.append(&status, 9.0, TextFormat::simple(mono, WEAK));
     }
     job
+}
+
+/// A menu in a menu, which scrolls where the window is too low for it.
+fn submenu_ui(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
+    ui.menu_button(name, |ui| menu_ui(ui, contents));
 }
 
 /// The entries that choose what a pane shows.
@@ -160,24 +191,24 @@ pub fn content_menu_ui(ui: &mut Ui, shown: PaneContent) -> Option<PaneContent> {
         let mut job = LayoutJob::default();
         let body = egui::TextStyle::Body.resolve(ui.style());
         job.append(DOT, 0.0, TextFormat::simple(body.clone(), palette.mode(mode)));
-        job.append(mode_title(mode), 6.0, TextFormat::simple(body, ui.visuals().text_color()));
+        job.append(mode.name(), 6.0, TextFormat::simple(body, ui.visuals().text_color()));
         let response = ui.add(Button::selectable(shown == content, job).min_size(vec2(130.0, 0.0)));
-        entry(response.accessible_name(mode_title(mode)).on_hover_text(mode.about()), content);
+        entry(response.accessible_name(mode.name()).on_hover_text(mode.about()), content);
     }
     ui.separator();
-    ui.menu_button("surfaces", |ui| {
+    submenu_ui(ui, "surfaces", |ui| {
         for quantity in SurfaceQuantity::ALL {
             let content = PaneContent::Surfaces(quantity);
             let response = ui.selectable_label(shown == content, quantity.name());
             entry(response.on_hover_text(quantity.about()), content);
         }
     });
-    ui.menu_button("difference", |ui| {
+    submenu_ui(ui, "difference", |ui| {
         for content in PaneContent::differences() {
             entry(ui.selectable_label(shown == content, content.to_string()), content);
         }
     });
-    ui.menu_button("error", |ui| {
+    submenu_ui(ui, "error", |ui| {
         for mode in Mode::ALL {
             let content = PaneContent::Error(mode);
             let response = ui.selectable_label(shown == content, content.to_string());

@@ -9,6 +9,7 @@ use crate::app::objects::Manipulation;
 use crate::app::state::State;
 use crate::app::theme::Palette;
 use crate::app::theme::over_pictures::GROUND;
+use crate::app::widgets::focus_ring;
 
 const SIDE: f32 = 26.0;
 const MARGIN: f32 = 8.0;
@@ -39,7 +40,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, pane: &Pane, commands: &mut Vec<C
             Manipulation::Rotate => "Rings to rotate it about its middle",
             Manipulation::Scale => "Knobs to scale it along its own axes; spheres have a ring for all axes",
         };
-        let keys = ui.ctx().format_shortcut(&keys::of(manipulation));
+        let keys = keys::text(&keys::of(manipulation), ui.ctx().os().is_mac());
         let response = response.on_hover_text(format!(
             "{name} ({keys}): {what}.\nCtrl: in steps. Esc: give a drag up. Click again: no handles."
         ));
@@ -50,6 +51,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, pane: &Pane, commands: &mut Vec<C
             ui.painter().rect_filled(rect.shrink(1.0), 4.0, fill);
         }
         paint_icon(ui.painter(), manipulation, rect.center(), color);
+        focus_ring(ui, &response);
         if response.clicked() {
             commands.push(Command::SetHandles((!is_on).then_some(manipulation)));
         }

@@ -148,8 +148,11 @@ impl Ruler {
             Scale::Linear => {
                 let rough = (self.high - self.low) / most as f64;
                 let decade = 10_f64.powf(rough.log10().floor());
-                let factors = [1.0, 2.0, 5.0, 10.0];
-                let step = factors.map(|f| f * decade).into_iter().find(|s| *s >= rough).unwrap_or(10.0 * decade);
+                let steps = [0.2, 0.5, 1.0, 2.0, 5.0, 10.0].map(|factor| factor * decade);
+                let coarsest = steps.iter().position(|step| *step >= rough).unwrap_or(steps.len() - 1);
+                // One number says nothing of the scale.
+                let has_two = |step: &&f64| (self.high / *step).floor() - (self.low / *step).ceil() >= 1.0;
+                let step = *steps[..=coarsest].iter().rev().find(has_two).unwrap_or(&steps[0]);
                 let (first, last) = ((self.low / step).ceil() as i64, (self.high / step).floor() as i64);
                 let decimals = (-step.log10().floor()).clamp(0.0, 12.0) as usize;
                 (first..=last).map(|k| (k as f64 * step, minus(&format!("{:.decimals$}", k as f64 * step)))).collect()
@@ -366,6 +369,25 @@ mod tests {
         // One value, and none.
         assert!(ruler(Scale::Linear, &[0.0]).ticks(7).len() > 1);
         assert!(Ruler::new(Scale::Log, [0.0, f64::NAN].into_iter(), 0.0, 1.0).is_none());
+    }
+
+    #[test]
+    fn every_axis_has_two_different_numbers_at_least() {
+        for exponent in -24..=24 {
+            let low = 10_f64.powf(f64::from(exponent) * 0.29);
+            for ratio in [1.0, 1.02, 1.3, 2.0, 3.3, 9.0, 11.0, 60.0, 1e3, 1e7, 1e20] {
+                for scale in [Scale::Log, Scale::Linear] {
+                    for most in [2, 4, 7, 8] {
+                        let ruler = ruler(scale, &[low, low * ratio]);
+                        let texts: Vec<String> = ruler.ticks(most).into_iter().map(|tick| tick.1).collect();
+                        assert!(texts.len() >= 2, "{scale:?}, {low} to {}, {most}: {texts:?}", low * ratio);
+                        for (index, text) in texts.iter().enumerate() {
+                            assert!(!texts[index + 1..].contains(text), "{scale:?}: {texts:?}");
+                        }
+                    }
+                }
+            }
+        }
     }
 
     #[test]

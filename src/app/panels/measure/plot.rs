@@ -5,16 +5,18 @@ use egui_plot::{
     AxisHints, GridInput, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points,
 };
 
+use super::ticks;
 use crate::app::measurement::{Curve, ErrorAxis, Point};
-use crate::app::settings::mode_title;
 use crate::app::state::State;
 use crate::app::theme::Palette;
-use crate::app::widgets::short_seconds;
 use crate::export::words::duration;
 use crate::tracking::Mode;
 
 /// Width over height.
 const ASPECT: f32 = 1.25;
+/// Room for one number at the axis to the right and at the one upwards, in points.
+const X_ROOM: f32 = 56.0;
+const Y_ROOM: f32 = 26.0;
 
 /// Markers, as characters and in the plot, and lines of the modes in their order; the last are for modes to come.
 const LOOKS: [(&str, MarkerShape, LineStyle); 8] = [
@@ -49,15 +51,8 @@ pub fn logarithms(curve: &Curve, state: &State) -> Vec<[f64; 2]> {
 pub fn show(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
     let palette = Palette::of(ui);
     let (metric, axis) = (state.settings.error_metric, state.settings.error_axis);
-    let x_axis = AxisHints::new_x().formatter(move |mark, range| {
-        let text = |x: f64| match axis {
-            ErrorAxis::Time => short_seconds(x),
-            ErrorAxis::Samples => format!("{x:.0}"),
-        };
-        tick(mark, range.end() - range.start(), 2.0, text)
-    });
-    let y_axis = (AxisHints::new_y().min_thickness(34.0))
-        .formatter(|mark, range| tick(mark, range.end() - range.start(), 1.2, |x| format!("{x:.0e}")));
+    let x_axis = AxisHints::new_x().formatter(move |mark, _| number(mark, |x| ticks::text(axis, x)));
+    let y_axis = AxisHints::new_y().min_thickness(34.0).formatter(|mark, _| number(mark, |x| format!("{x:.0e}")));
     let all: Vec<[f64; 2]> = curves.iter().flat_map(|(_, curve)| logarithms(curve, state)).collect();
     let [x_range, y_range] = [0, 1].map(|side| at_least_a_decade(all.iter().map(|point| point[side])));
     let size = vec2(ui.available_width(), ui.available_width() / ASPECT);
@@ -67,8 +62,8 @@ pub fn show(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
         .custom_x_axes(vec![x_axis])
         .custom_y_axes(vec![y_axis])
         .grid_color(palette.weak_text.gamma_multiply(0.6))
-        .x_grid_spacer(decades)
-        .y_grid_spacer(decades)
+        .x_grid_spacer(move |input| marks(input, (size.x / X_ROOM) as usize))
+        .y_grid_spacer(move |input| marks(input, (size.y / Y_ROOM) as usize))
         .auto_bounds(Vec2b::TRUE)
         .include_x(x_range[0])
         .include_x(x_range[1])
@@ -98,7 +93,7 @@ pub fn show(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
                 let points = logarithms(curve, state);
                 let color = palette.mode(*mode);
                 let (_, shape, style) = look(*mode);
-                let name = mode_title(*mode);
+                let name = mode.name();
                 if let (Some(bias), [first, .., last]) = (curve.trend(metric).bias, &points[..]) {
                     let level = vec![[first[0], bias.log10()], [last[0], bias.log10()]];
                     let line = Line::new(format!("bias of {name}"), PlotPoints::from(level)).width(1.0);
@@ -120,22 +115,26 @@ fn at_least_a_decade(logarithms: impl Iterator<Item = f64>) -> [f64; 2] {
     [low - missing / 2.0, high + missing / 2.0]
 }
 
-/// Powers of ten, and between them 2 and 5, as far as the plot goes: marks beyond would have their texts in what lies around it.
-fn decades(input: GridInput) -> Vec<GridMark> {
-    let (low, high) = (input.bounds.0.floor() as i32, input.bounds.1.ceil() as i32);
-    let steps = [(1.0_f64, 1.0), (2.0, 0.3), (5.0, 0.3)];
-    (low..=high)
-        .flat_map(|decade| {
-            steps.map(|(factor, step_size)| GridMark { value: f64::from(decade) + factor.log10(), step_size })
-        })
-        .filter(|mark| (input.bounds.0..=input.bounds.1).contains(&mark.value))
-        .collect()
+/// Powers of ten, and between them 2 and 5, as far as the plot goes: marks beyond would have their texts in what lies around it. At most
+/// `most` of them have a number.
+fn marks(input: GridInput, most: usize) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    let span = high - low;
+    let numbered = ticks::numbered(low, high, most);
+    let (first, last) = (low.floor() as i32, high.ceil() as i32);
+    let factors: &[f64] = if span > 6.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+    let all = (first..=last).flat_map(|decade| factors.iter().map(move |factor| f64::from(decade) + factor.log10()));
+    let is_numbered = |value: f64| numbered.iter().any(|other| (other - value).abs() < 1e-6);
+    let plain = all.filter(|value| (low..=high).contains(value) && !is_numbered(*value));
+    let mut marks: Vec<GridMark> = plain.map(|value| GridMark { value, step_size: 0.3 }).collect();
+    // Numbers are shown whatever the distance of their marks, for which there is room.
+    marks.extend(numbered.iter().map(|&value| GridMark { value, step_size: span.max(1.0) }));
+    marks
 }
 
-/// The text at a mark: at 2 and 5 only where less than `few` decades are seen.
-fn tick(mark: GridMark, decades: f64, few: f64, text: impl Fn(f64) -> String) -> String {
-    let is_decade = (mark.value - mark.value.round()).abs() < 1e-6;
-    if is_decade || decades < few { text(10_f64.powf(mark.value)) } else { String::new() }
+/// The number at a mark, if it has one.
+fn number(mark: GridMark, text: impl Fn(f64) -> String) -> String {
+    if mark.step_size >= 1.0 { text(10_f64.powf(mark.value)) } else { String::new() }
 }
 
 #[cfg(test)]
@@ -152,14 +151,35 @@ mod tests {
     }
 
     #[test]
-    fn marks_are_at_1_2_5_and_modes_look_different() {
-        let marks = decades(GridInput { bounds: (-1.2, 0.3), base_step_size: 0.1 });
-        let values: Vec<f64> = marks.iter().map(|mark| 10_f64.powf(mark.value)).collect();
+    fn marks_are_at_1_2_5() {
+        let marks = marks(GridInput { bounds: (-1.2, 0.3), base_step_size: 0.1 }, 9);
+        let mut values: Vec<f64> = marks.iter().map(|mark| 10_f64.powf(mark.value)).collect();
+        values.sort_by(f64::total_cmp);
         let expected = [0.1, 0.2, 0.5, 1.0];
         assert!(
             values.len() == 4 && values.iter().zip(expected).all(|(x, e)| (x / e - 1.0).abs() < 1e-9),
             "{values:?}"
         );
+    }
+
+    #[test]
+    fn two_marks_have_a_number_whatever_was_measured() {
+        let width = 220.0_f64;
+        for data in [vec![0.37], vec![-3.1, -3.0], vec![-0.4, 0.9], vec![-5.2, 4.9], vec![-0.02, 1.28], vec![0.0, 2.1]]
+        {
+            let [low, high] = at_least_a_decade(data.iter().copied());
+            let margin = 0.06 * (high - low);
+            let bounds = (low - margin, high + margin);
+            for room in [f64::from(X_ROOM), f64::from(Y_ROOM)] {
+                let marks = marks(GridInput { bounds, base_step_size: 0.1 }, (width / room) as usize);
+                let texts: Vec<String> = marks.into_iter().map(|m| number(m, |x| format!("{x:.0e}"))).collect();
+                assert!(texts.iter().filter(|text| !text.is_empty()).count() >= 2, "{data:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn modes_look_different() {
         for (index, a) in Mode::ALL.into_iter().enumerate() {
             assert!(Mode::ALL[index + 1..].iter().all(|b| look(a).0 != look(*b).0 && look(a).1 != look(*b).1));
         }
