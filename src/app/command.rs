@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use super::edit::{Edit, MediumEdit, ObjectEdit};
 use super::measurement::{ErrorAxis, ErrorMetric};
 use super::objects::Manipulation;
+use super::range::DifferenceRange;
 use super::settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Tab, Theme};
+use super::snapshots::SnapshotId;
 use crate::check::Spot;
 use crate::optics::Ior;
 use crate::render::ToneCurve;
@@ -33,9 +35,13 @@ impl MediumRef {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExportKind {
-    /// The active pane, as displayed.
+    /// The active pane exactly as the window shows it: range, legend, labels and zoom included.
+    ShownPane,
+    /// All panes exactly as the window shows them.
+    ShownPanes,
+    /// The active pane's film at its own size, developed, with nothing over it.
     PanePng,
-    /// Every pane, labelled.
+    /// A sheet with every film, labelled, and differences measured.
     AllPanesPng,
     /// The active pane's linear radiance.
     PaneExr,
@@ -91,7 +97,13 @@ pub enum Command {
     SetExposure(f32),
     SetCurve(ToneCurve),
     SetDifference(DifferenceKind),
+    SetDifferenceRange(DifferenceRange),
     ToggleValues,
+    ToggleHistogram,
+    /// Keeps the active pane's picture.
+    KeepSnapshot(SnapshotId),
+    /// Drops a picture that was kept; panes that show it show a mode.
+    DropSnapshot(SnapshotId),
     SetResolutionScale(f32),
     SetMaxDepth(Option<u32>),
     SetSampleLimit(Option<u32>),
@@ -114,9 +126,28 @@ pub enum Command {
     OpenAnyway(PathBuf),
     Save,
     AskSaveAs,
+    /// Asks first if there is such a file.
     SaveAs(PathBuf),
+    /// [`Self::SaveAs`] even though there is such a file.
+    SaveAsAnyway(PathBuf),
     AskExport(ExportKind),
+    /// Asks first if there is such a file.
     Export(ExportKind, PathBuf),
+    /// [`Self::Export`] even though there is such a file.
+    ExportAnyway(ExportKind, PathBuf),
+    /// What the panes show, as linear radiance, to tev.
+    SendToTev,
+    /// Whether tev is kept up to date.
+    ToggleTevLive,
+    AskTevAddress,
+    /// `HOST:PORT`; empty for the usual one.
+    SetTevAddress(String),
+    /// The active pane as the window shows it, to the clipboard.
+    CopyPane,
+    /// All panes as the window shows them, to the clipboard.
+    CopyPanes,
+    /// The values of the pixel under the pointer, or else of the inspected one, as text to the clipboard.
+    CopyValues,
     ClearRecent,
     /// Gives up opening a scene.
     CancelOpening,

@@ -8,7 +8,10 @@ use std::time::Instant;
 use egui::{Color32, ColorImage};
 
 use super::background::{Background, Bell, Desk, Repaint};
+use super::histogram::{self, Histogram};
+use super::range::{self, DifferenceRange, RangeEnd, Scale};
 use super::settings::{DifferenceKind, PaneContent};
+use super::snapshots::{Kept, SnapshotId, Snapshots};
 use super::theme::opaque;
 use crate::color::along;
 use crate::export::color_map::{diverging, luminance};
@@ -21,6 +24,10 @@ pub struct Recipe {
     pub contents: BTreeSet<PaneContent>,
     pub display: Display,
     pub difference: DifferenceKind,
+    pub range: DifferenceRange,
+    pub snapshots: Snapshots,
+    /// The pane whose pixels are counted.
+    pub histogram_of: Option<PaneContent>,
 }
 
 /// FLIP takes far longer than everything else here: after it the thread pauses for this many times the time it took.
@@ -39,6 +46,10 @@ pub struct About {
     pub source: Source,
     /// For a difference: the mean over all pixels of the absolute difference in linear luminance, or of FLIP where that is shown.
     pub mean_difference: Option<(DifferenceKind, f64)>,
+    /// For a difference in luminance: the scale of its colours.
+    pub scale: Option<Scale>,
+    /// Where it was asked for.
+    pub histogram: Option<Arc<Histogram>>,
     /// FLIP of every pixel, for a difference that shows it.
     pub flip: Option<Arc<Vec<f32>>>,
 }
@@ -49,6 +60,8 @@ pub struct Source {
     /// One film, or two for a difference.
     pub films: Vec<Arc<Snapshot>>,
     pub painted: Option<Arc<PaintedSurfaces>>,
+    /// Pictures that were kept: after the film that is compared with one, if there is one.
+    pub kept: Vec<Arc<Kept>>,
     /// What the film is compared with, for an error.
     pub truth: Option<Arc<Halves>>,
 }
@@ -56,20 +69,25 @@ pub struct Source {
 impl Source {
     /// The two images, row by row, that a difference is of; `None` for anything else, or while they are not of one size.
     pub fn pair(&self) -> Option<[&[[f32; 3]]; 2]> {
-        match (&self.films[..], &self.truth) {
-            ([a, b], _) if a.size == b.size => Some([&a.rgb, &b.rgb]),
-            ([film], Some(truth)) if film.size == truth.size => Some([&film.rgb, &truth.mean]),
-            _ => None,
-        }
+        let truth = self.truth.iter().map(|truth| (truth.size, &truth.mean[..]));
+        let mut images = self.images().map(|film| (film.size, &film.rgb[..])).chain(truth);
+        let ((size, a), (other_size, b)) = (images.next()?, images.next()?);
+        (size == other_size).then_some([a, b])
+    }
+
+    /// Films, and after them what was kept.
+    pub fn images(&self) -> impl Iterator<Item = &Arc<Snapshot>> {
+        self.films.iter().chain(self.kept.iter().map(|kept| &kept.film))
     }
 
     /// Whether it is made from the very same images.
-    fn is(&self, other: &Self) -> bool {
+    pub fn is(&self, other: &Self) -> bool {
         fn same<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
             a.map(Arc::as_ptr) == b.map(Arc::as_ptr)
         }
         self.films.len() == other.films.len()
-            && self.films.iter().zip(&other.films).all(|(a, b)| Arc::ptr_eq(a, b))
+            && self.kept.len() == other.kept.len()
+            && self.images().zip(other.images()).all(|(a, b)| Arc::ptr_eq(a, b))
             && same(self.painted.as_ref(), other.painted.as_ref())
             && same(self.truth.as_ref(), other.truth.as_ref())
     }
@@ -92,7 +110,7 @@ impl Source {
     /// Samples for each pixel.
     pub fn samples(&self) -> u32 {
         let painted = self.painted.iter().map(|painted| painted.painting.rays);
-        self.films.iter().map(|film| film.samples).chain(painted).min().unwrap_or(0)
+        self.images().map(|film| film.samples).chain(painted).min().unwrap_or(0)
     }
 }
 
@@ -109,25 +127,23 @@ pub fn start(bell: Bell<Recipe, Pictures>, board: Arc<Board>, wake: Repaint) -> 
 
 fn run(desk: &Desk<Recipe, Pictures>, board: &Board, wake: &Repaint) {
     // What each picture was last made from and how.
-    let mut made: BTreeMap<PaneContent, (Source, Display, DifferenceKind)> = BTreeMap::new();
+    let mut made: BTreeMap<PaneContent, (Source, How)> = BTreeMap::new();
+    let mut ends = Ends::default();
     let mut rest_until = Instant::now();
     let mut has_put_off = false;
     while let Some(recipe) = desk.wait(has_put_off.then_some(rest_until)) {
         // One look at the board for all pictures, so that panes show the same number of samples.
         let sources = sources(&recipe, board);
         made.retain(|content, _| recipe.contents.contains(content));
+        let scales = ends.scales(&recipe, &sources);
         let mut batch = BTreeMap::new();
         let begin = Instant::now();
         let is_resting = begin < rest_until;
         has_put_off = false;
         let mut has_flip = false;
         for (content, source) in sources {
-            let is_same = made.get(&content).is_some_and(|(old, display, kind)| {
-                old.is(&source)
-                    && (source.painted.is_some() || *display == recipe.display)
-                    && (!content.is_difference() || *kind == recipe.difference)
-            });
-            if is_same {
+            let how = How::of(content, &recipe, scales.get(&content).copied());
+            if made.get(&content).is_some_and(|(old, known)| old.is(&source) && *known == how) {
                 continue;
             }
             if content.is_difference() && recipe.difference == DifferenceKind::Flip {
@@ -137,8 +153,8 @@ fn run(desk: &Desk<Recipe, Pictures>, board: &Board, wake: &Repaint) {
                 }
                 has_flip = true;
             }
-            if let Some(picture) = develop(content, &source, &recipe) {
-                made.insert(content, (source, recipe.display, recipe.difference));
+            if let Some(picture) = develop(&source, how) {
+                made.insert(content, (source, how));
                 batch.insert(content, picture);
             }
         }
@@ -152,6 +168,75 @@ fn run(desk: &Desk<Recipe, Pictures>, board: &Board, wake: &Repaint) {
     }
 }
 
+/// All that decides how a picture is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct How {
+    /// `None` where it does not matter.
+    display: Option<Display>,
+    difference: Option<DifferenceKind>,
+    scale: Option<Scale>,
+    has_histogram: bool,
+}
+
+impl How {
+    fn of(content: PaneContent, recipe: &Recipe, scale: Option<Scale>) -> Self {
+        let difference = content.is_difference().then_some(recipe.difference);
+        let is_displayed = match content {
+            PaneContent::Surfaces(_) => false,
+            _ => difference.is_none_or(|kind| kind == DifferenceKind::Flip),
+        };
+        Self {
+            display: is_displayed.then_some(recipe.display),
+            difference,
+            scale,
+            has_histogram: recipe.histogram_of == Some(content),
+        }
+    }
+}
+
+/// Where automatic ranges end, and of which images that is.
+#[derive(Default)]
+struct Ends(BTreeMap<PaneContent, (Source, f32)>);
+
+impl Ends {
+    /// The scale of every difference in luminance.
+    fn scales(&mut self, recipe: &Recipe, sources: &[(PaneContent, Source)]) -> BTreeMap<PaneContent, Scale> {
+        let curve = recipe.range.curve;
+        let is_shown = |content: &PaneContent| content.is_difference() && recipe.difference != DifferenceKind::Flip;
+        let contents = || sources.iter().map(|(content, _)| *content).filter(is_shown);
+        let end = match recipe.range.end {
+            RangeEnd::Exposure => (-recipe.display.exposure).exp2(),
+            RangeEnd::Fixed(end) => end,
+            RangeEnd::Automatic => {
+                self.find(sources, is_shown);
+                let known = |content: &PaneContent| self.0.get(content).map(|(_, end)| *end);
+                if !recipe.range.is_shared {
+                    return contents().filter_map(|c| Some((c, Scale { end: known(&c)?, curve }))).collect();
+                }
+                contents().filter_map(|content| known(&content)).reduce(f32::max).unwrap_or(1.0)
+            }
+        };
+        contents().map(|content| (content, Scale { end, curve })).collect()
+    }
+
+    /// Finds the ends for images that are new.
+    fn find(&mut self, sources: &[(PaneContent, Source)], is_shown: impl Fn(&PaneContent) -> bool) {
+        self.0.retain(|content, _| sources.iter().any(|(shown, _)| shown == content));
+        for (content, source) in sources.iter().filter(|(content, _)| is_shown(content)) {
+            if self.0.get(content).is_some_and(|(known, _)| known.is(source)) {
+                continue;
+            }
+            if let Some(pair) = source.pair() {
+                self.0.insert(*content, (source.clone(), range::automatic_end(luminance_differences(pair))));
+            }
+        }
+    }
+}
+
+fn luminance_differences([a, b]: [&[[f32; 3]]; 2]) -> impl Iterator<Item = f32> {
+    a.iter().zip(b).map(|(a, b)| luminance(*a) - luminance(*b))
+}
+
 /// What there is to make pictures from.
 fn sources(recipe: &Recipe, board: &Board) -> Vec<(PaneContent, Source)> {
     let snapshots = board.snapshots();
@@ -162,6 +247,10 @@ fn sources(recipe: &Recipe, board: &Board) -> Vec<(PaneContent, Source)> {
         let source = Source { films: films?, ..Source::default() };
         Some(match content {
             PaneContent::Mode(_) | PaneContent::Difference(..) => source,
+            PaneContent::Snapshot(_) | PaneContent::Change(..) | PaneContent::SnapshotDifference => {
+                let kept = |id: SnapshotId| recipe.snapshots.get(id).cloned();
+                Source { kept: content.snapshots().map(kept).collect::<Option<_>>()?, ..source }
+            }
             PaneContent::Surfaces(quantity) => {
                 Source { painted: Some(Arc::clone(paintings.get(&quantity)?)), ..source }
             }
@@ -175,7 +264,7 @@ fn sources(recipe: &Recipe, board: &Board) -> Vec<(PaneContent, Source)> {
 }
 
 /// `None` while the two images of a difference are not of the same size, or cannot be compared.
-fn develop(content: PaneContent, source: &Source, recipe: &Recipe) -> Option<Picture> {
+fn develop(source: &Source, how: How) -> Option<Picture> {
     let finish = |size: [u32; 2], pixels: Vec<Color32>| {
         let image = Arc::new(ColorImage::new(size.map(|side| side as usize), pixels));
         Picture { image, about: About { source: source.clone(), ..About::default() } }
@@ -184,37 +273,48 @@ fn develop(content: PaneContent, source: &Source, recipe: &Recipe) -> Option<Pic
         let pixels = painted.painting.pixels().map(opaque).collect();
         return Some(finish([painted.painting.width, painted.painting.height], pixels));
     }
-    let size = source.films.first()?.size;
-    if !content.is_difference() {
-        let pixels = source.films[0].rgb.iter().map(|rgb| recipe.display.encode(*rgb));
-        return Some(finish(size, pixels.map(opaque).collect()));
-    }
-    let [a, b] = source.pair()?;
-    if recipe.difference == DifferenceKind::Flip {
+    let first = source.images().next()?;
+    let size = first.size;
+    let display = how.display.unwrap_or_default();
+    let Some(kind) = how.difference else {
+        let pixels = first.rgb.iter().map(|rgb| display.encode(*rgb));
+        let mut picture = finish(size, pixels.map(opaque).collect());
+        if how.has_histogram {
+            let counted = histogram::Radiance::of(&first.rgb);
+            picture.about.histogram = Some(Arc::new(Histogram::Radiance(Box::new(counted))));
+        }
+        return Some(picture);
+    };
+    let count = |places: &mut dyn Iterator<Item = f32>| {
+        how.has_histogram.then(|| Arc::new(Histogram::Difference(Box::new(histogram::Difference::of(kind, places)))))
+    };
+    let pair @ [a, b] = source.pair()?;
+    if kind == DifferenceKind::Flip {
         let [width, height] = size.map(|side| side as usize);
         let viewed = flip::DEFAULT_PIXELS_PER_DEGREE;
-        let reference = flip::Reference::displayed(b, width, height, viewed, recipe.display).ok()?;
+        let reference = flip::Reference::displayed(b, width, height, viewed, display).ok()?;
         let flip = reference.flip(a).ok()?;
         let mut picture = finish(size, flip.error.iter().map(|x| flip_color(*x)).collect());
-        picture.about.mean_difference = Some((recipe.difference, flip.mean()));
+        picture.about.mean_difference = Some((kind, flip.mean()));
+        picture.about.histogram = count(&mut flip.error.iter().copied());
         picture.about.flip = Some(Arc::new(flip.error));
         return Some(picture);
     }
-    let gain = recipe.display.exposure.exp2();
-    let is_signed = recipe.difference == DifferenceKind::Signed;
-    let differences = || a.iter().zip(b).map(|(a, b)| luminance(*a) - luminance(*b));
-    let mean = differences().map(|d| f64::from(d.abs())).sum::<f64>() / a.len().max(1) as f64;
-    let mut picture = finish(size, differences().map(|d| difference_color(d * gain, is_signed)).collect());
-    picture.about.mean_difference = Some((recipe.difference, mean));
+    let is_signed = kind == DifferenceKind::Signed;
+    let scale = how.scale?;
+    let mean = luminance_differences(pair).map(|d| f64::from(d.abs())).sum::<f64>() / a.len().max(1) as f64;
+    let colors = luminance_differences(pair).map(|d| difference_color(scale.place(d), is_signed));
+    let mut picture = finish(size, colors.collect());
+    picture.about.mean_difference = Some((kind, mean));
+    picture.about.scale = Some(scale);
+    picture.about.histogram = count(&mut luminance_differences(pair).map(|d| scale.place(d)));
     Some(picture)
 }
 
-/// The colour of a difference in luminance, full at ±1. Signed: blue where the first is darker, black where equal, orange where it is
-/// brighter, as in exports. Absolute: black through purple and orange to pale yellow. NaN is magenta, as everywhere.
-pub fn difference_color(difference: f32, is_signed: bool) -> Color32 {
-    // A root shows small differences, which are what one looks for.
-    let size = difference.abs().sqrt();
-    if is_signed { opaque(diverging(size.copysign(difference))) } else { sequential(size) }
+/// The colour at a place of a scale of differences, which ends at ±1. Signed: blue where the first is darker, black where equal, orange
+/// where it is brighter, as in exports. Absolute: black through purple and orange to pale yellow. NaN is magenta, as everywhere.
+pub fn difference_color(place: f32, is_signed: bool) -> Color32 {
+    if is_signed { opaque(diverging(place)) } else { sequential(place.abs()) }
 }
 
 /// The colour of FLIP: from black at 0 to pale yellow at 1, evenly.
@@ -239,6 +339,11 @@ mod tests {
         Snapshot::of(mode, [rgb.len() as u32, 1], rgb)
     }
 
+    fn developed(content: PaneContent, source: &Source, recipe: &Recipe) -> Option<Picture> {
+        let scales = Ends::default().scales(recipe, &[(content, source.clone())]);
+        develop(source, How::of(content, recipe, scales.get(&content).copied()))
+    }
+
     fn of(films: &[&Arc<Snapshot>]) -> Source {
         Source { films: films.iter().map(|film| Arc::clone(film)).collect(), ..Source::default() }
     }
@@ -249,7 +354,7 @@ mod tests {
     fn a_mode_is_shown_as_the_display_encodes_it() {
         let recipe = Recipe { display: Display { exposure: 1.0, ..Display::default() }, ..Recipe::default() };
         let film = film(Mode::Naive, vec![[0.1, 0.2, 0.3]]);
-        let picture = develop(PaneContent::Mode(Mode::Naive), &of(&[&film]), &recipe).unwrap();
+        let picture = developed(PaneContent::Mode(Mode::Naive), &of(&[&film]), &recipe).unwrap();
         assert_eq!(picture.image.pixels, [opaque(recipe.display.encode([0.1, 0.2, 0.3]))]);
     }
 
@@ -257,16 +362,68 @@ mod tests {
     fn differences_show_sign_and_size() {
         let (a, b) = (film(Mode::Naive, vec![[0.0; 3], [1.0; 3]]), film(Mode::Stack, vec![[1.0; 3], [0.0; 3]]));
         let with = |difference| Recipe { difference, ..Recipe::default() };
-        let signed = develop(PAIR, &of(&[&a, &b]), &with(DifferenceKind::Signed)).unwrap();
+        let signed = developed(PAIR, &of(&[&a, &b]), &with(DifferenceKind::Signed)).unwrap();
         let pixels = &signed.image.pixels;
         assert!(pixels[0].b() > pixels[0].r() && pixels[1].r() > pixels[1].b());
-        let absolute = develop(PAIR, &of(&[&a, &b]), &with(DifferenceKind::Absolute)).unwrap();
+        let absolute = developed(PAIR, &of(&[&a, &b]), &with(DifferenceKind::Absolute)).unwrap();
         assert_eq!(absolute.image.pixels[0], absolute.image.pixels[1]);
         assert!((absolute.about.mean_difference.unwrap().1 - 1.0).abs() < 1e-6);
         assert!(difference_color(0.0, true).r() < 20 && difference_color(0.0, false).r() < 20);
         let short = film(Mode::Stack, vec![[0.0; 3]]);
-        assert!(develop(PAIR, &of(&[&a, &short]), &Recipe::default()).is_none());
+        assert!(developed(PAIR, &of(&[&a, &short]), &Recipe::default()).is_none());
         assert_eq!(difference_color(f32::NAN, true), Color32::from_rgb(255, 0, 255));
+    }
+
+    #[test]
+    fn a_change_is_what_is_now_less_what_was_kept() {
+        let description = Arc::new(crate::formats::open("plain-glass").unwrap());
+        let keep =
+            |film: &Arc<Snapshot>| Arc::new(Kept::new(Arc::clone(film), Arc::clone(&description), description.camera));
+        let (now, before) = (film(Mode::Naive, vec![[0.5; 3]; 4]), film(Mode::Naive, vec![[0.2; 3]; 4]));
+        let source = Source { kept: vec![keep(&before)], ..of(&[&now]) };
+        let recipe = Recipe { difference: DifferenceKind::Signed, ..Recipe::default() };
+        let picture = developed(PaneContent::Change(Mode::Naive, SnapshotId::A), &source, &recipe).unwrap();
+        assert!((picture.about.mean_difference.unwrap().1 - 0.3).abs() < 1e-6);
+        assert!(picture.image.pixels[0].r() > picture.image.pixels[0].b(), "it is brighter now");
+        let both = Source { kept: vec![keep(&before), keep(&now)], ..Source::default() };
+        let picture = developed(PaneContent::SnapshotDifference, &both, &recipe).unwrap();
+        assert!(picture.image.pixels[0].r() < picture.image.pixels[0].b(), "A is darker than B");
+        let alone = Source { kept: vec![keep(&before)], ..Source::default() };
+        let picture = developed(PaneContent::Snapshot(SnapshotId::A), &alone, &recipe).unwrap();
+        assert_eq!(picture.image.pixels[0], opaque(recipe.display.encode([0.2; 3])));
+    }
+
+    #[test]
+    fn automatic_ranges_are_shared_unless_said_otherwise() {
+        let dark = film(Mode::Stack, vec![[0.0; 3]; 9]);
+        let (near, far) = (film(Mode::Naive, vec![[0.02; 3]; 9]), film(Mode::Priority, vec![[1.5; 3]; 9]));
+        let pairs =
+            [(PAIR, of(&[&near, &dark])), (PaneContent::Difference(Mode::Priority, Mode::Stack), of(&[&far, &dark]))];
+        let ends = |range: DifferenceRange, exposure: f32| {
+            let display = Display { exposure, ..Display::default() };
+            let recipe = Recipe { range, display, ..Recipe::default() };
+            let scales = Ends::default().scales(&recipe, &pairs);
+            pairs.iter().map(|(content, _)| scales[content].end).collect::<Vec<_>>()
+        };
+        let automatic = DifferenceRange { end: RangeEnd::Automatic, ..DifferenceRange::default() };
+        let near =
+            |ends: Vec<f32>, expected: [f32; 2]| ends.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-5);
+        assert!(near(ends(automatic, 3.0), [2.0, 2.0]));
+        assert!(near(ends(DifferenceRange { is_shared: false, ..automatic }, 0.0), [0.02, 2.0]));
+        assert!(near(ends(DifferenceRange::default(), 1.0), [0.5, 0.5]));
+        assert!(near(ends(DifferenceRange { end: RangeEnd::Fixed(0.3), ..automatic }, 1.0), [0.3, 0.3]));
+    }
+
+    #[test]
+    fn a_difference_at_the_end_of_its_range_has_the_last_colour() {
+        let (a, b) = (film(Mode::Naive, vec![[0.3; 3], [0.1; 3]]), film(Mode::Stack, vec![[0.0; 3]; 2]));
+        for (end, is_full) in [(0.3, [true, false]), (0.05, [true, true]), (3.0, [false, false])] {
+            let range = DifferenceRange { end: RangeEnd::Fixed(end), ..DifferenceRange::default() };
+            let picture = developed(PAIR, &of(&[&a, &b]), &Recipe { range, ..Recipe::default() }).unwrap();
+            let last = difference_color(1.0, false);
+            assert_eq!([0, 1].map(|i| picture.image.pixels[i] == last), is_full, "{end}");
+            assert_eq!(picture.about.scale.unwrap().end, end);
+        }
     }
 
     #[test]
@@ -274,9 +431,9 @@ mod tests {
         let recipe = Recipe { difference: DifferenceKind::Flip, ..Recipe::default() };
         let (dark, half) = (vec![[0.05; 3]; 64], (0..64).map(|x| if x < 32 { [0.05; 3] } else { [0.9; 3] }).collect());
         let (a, b) = (film(Mode::Naive, dark.clone()), film(Mode::Stack, half));
-        let equal = develop(PAIR, &of(&[&a, &film(Mode::Stack, dark)]), &recipe).unwrap();
+        let equal = developed(PAIR, &of(&[&a, &film(Mode::Stack, dark)]), &recipe).unwrap();
         assert!(equal.about.mean_difference.unwrap().1 < 1e-4);
-        let other = develop(PAIR, &of(&[&a, &b]), &recipe).unwrap();
+        let other = developed(PAIR, &of(&[&a, &b]), &recipe).unwrap();
         let flip = other.about.flip.unwrap();
         assert!(flip[60] > 0.5 && flip[2] < 0.2, "{flip:?}");
     }
@@ -288,9 +445,9 @@ mod tests {
         let truth = Halves { size: [2, 1], samples: 1, rgb, mean: vec![[0.4; 3]; 2] };
         let source = Source { truth: Some(Arc::new(truth)), ..of(&[&a]) };
         let recipe = Recipe { difference: DifferenceKind::Signed, ..Recipe::default() };
-        let picture = develop(PaneContent::Error(Mode::Naive), &source, &recipe).unwrap();
+        let picture = developed(PaneContent::Error(Mode::Naive), &source, &recipe).unwrap();
         assert!((picture.about.mean_difference.unwrap().1 - 0.1).abs() < 1e-6);
         assert!(picture.image.pixels[0].r() > picture.image.pixels[0].b(), "brighter than the truth");
-        assert!(develop(PaneContent::Error(Mode::Naive), &of(&[&a]), &recipe).is_none());
+        assert!(developed(PaneContent::Error(Mode::Naive), &of(&[&a]), &recipe).is_none());
     }
 }

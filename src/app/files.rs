@@ -38,9 +38,11 @@ impl Purpose {
         match self {
             Self::Open => "Open a scene",
             Self::SaveAs => "Save the scene as",
-            Self::Export(ExportKind::PanePng) => "Export the active pane as PNG",
-            Self::Export(ExportKind::AllPanesPng) => "Export all panes as PNG",
-            Self::Export(ExportKind::PaneExr) => "Export the active pane as EXR",
+            Self::Export(ExportKind::ShownPane) => "Export the active pane as it is shown",
+            Self::Export(ExportKind::ShownPanes) => "Export all panes as they are shown",
+            Self::Export(ExportKind::PanePng) => "Export the picture of the active pane",
+            Self::Export(ExportKind::AllPanesPng) => "Export a comparison sheet",
+            Self::Export(ExportKind::PaneExr) => "Export the active pane as linear EXR",
             Self::Export(ExportKind::ErrorsCsv) => "Export the measured errors as CSV",
         }
     }
@@ -64,7 +66,7 @@ impl Purpose {
         if is_whole { path.to_owned() } else { path.with_extension(self.extension()) }
     }
 
-    /// What is to be done with a chosen path.
+    /// What is to be done with a chosen path, after a question if there is such a file.
     pub fn command(self, path: PathBuf) -> Command {
         match self {
             Self::Open => Command::Open(path),
@@ -72,11 +74,36 @@ impl Purpose {
             Self::Export(kind) => Command::Export(kind, path),
         }
     }
+
+    /// [`Self::command`] without the question.
+    pub fn command_anyway(self, path: PathBuf) -> Command {
+        match self {
+            Self::Open => Command::Open(path),
+            Self::SaveAs => Command::SaveAsAnyway(path),
+            Self::Export(kind) => Command::ExportAnyway(kind, path),
+        }
+    }
+
+    /// Asks for a path.
+    pub fn question(self) -> Command {
+        match self {
+            Self::Open => Command::AskOpen,
+            Self::SaveAs => Command::AskSaveAs,
+            Self::Export(kind) => Command::AskExport(kind),
+        }
+    }
 }
 
 /// What came of a request.
 pub enum Outcome {
+    /// A path from the system's dialog, which has asked about a file of that name.
     Chosen(Purpose, PathBuf),
+    /// A path about which nobody has asked yet.
+    ChosenUnasked(Purpose, PathBuf),
+    /// Something would be written over that file.
+    IsThere(Purpose, PathBuf),
+    /// Nothing would be written over.
+    IsFree(Purpose, PathBuf),
     /// This system shows no dialogs: ask in the window.
     NoDialog(Purpose, PathBuf),
     /// What was asked for under that number; from an autosave, if there is one.
@@ -153,7 +180,7 @@ impl Files {
             _ => Box::pin(dialog.set_file_name(file_name).save_file()),
         };
         self.spawn(move || match pollster::block_on(chosen) {
-            Some(file) => Some(Outcome::Chosen(purpose, purpose.extended(file.path()))),
+            Some(file) => Some(outcome_of(purpose, file.path())),
             None if start.elapsed() < NO_DIALOG => Some(Outcome::NoDialog(purpose, suggestion)),
             None => None,
         });
@@ -198,10 +225,29 @@ impl Files {
         self.attempt(move || write_pictures(&job).map(|()| Outcome::Exported(job.path)));
     }
 
+    /// Finds out whether something would be written over.
+    pub fn look(&self, purpose: Purpose, path: PathBuf) {
+        self.spawn(move || {
+            let is_there = std::fs::metadata(&path).is_ok_and(|known| known.is_file());
+            Some(if is_there { Outcome::IsThere(purpose, path) } else { Outcome::IsFree(purpose, path) })
+        });
+    }
+
+    /// Writes an image that is encoded already, with `text` in its chunks.
+    pub fn export_image(&self, image: RgbImage, text: Vec<(String, String)>, path: PathBuf) {
+        self.attempt(move || export::image_png(&path, &image, &text).map(|()| Outcome::Exported(path)));
+    }
+
     pub fn export_text(&self, text: String, path: PathBuf) {
         let write = |path: &Path, text: &str| write_atomically(path, |file| file.write_all(text.as_bytes()));
         self.attempt(move || write(&path, &text).map(|()| Outcome::Exported(path)));
     }
+}
+
+/// What came of the system's dialog. It knows nothing of a file whose name it was not told whole.
+fn outcome_of(purpose: Purpose, path: &Path) -> Outcome {
+    let extended = purpose.extended(path);
+    if extended == path { Outcome::Chosen(purpose, extended) } else { Outcome::ChosenUnasked(purpose, extended) }
 }
 
 fn opened(id: u64, read: Result<Description, SceneError>) -> Outcome {
@@ -223,6 +269,13 @@ fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
             films.push(film);
         }
     }
+    // After them what was kept.
+    let live = films.len();
+    for kept in job.panes.iter().flat_map(|source| &source.kept) {
+        if films[live..].iter().all(|known| !Arc::ptr_eq(known, &kept.film)) {
+            films.push(&kept.film);
+        }
+    }
     let truth = job.panes.iter().find_map(|source| source.truth.as_ref());
     let painted = job.panes.iter().filter_map(|source| source.painted.as_ref());
     let paintings: Vec<_> = painted.map(|painted| (painted.quantity, &painted.painting)).collect();
@@ -234,7 +287,7 @@ fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
             ExportKind::PaneExr => Err(ExportError::BadComparison(
                 "painted surfaces are colours and no radiance: export them as PNG".into(),
             )),
-            ExportKind::PanePng | ExportKind::AllPanesPng | ExportKind::ErrorsCsv => {
+            _ => {
                 let text = export::metadata(&job.prepared, &[], paintings[0].1.rays, job.seed);
                 export::image_png(&job.path, &export::painted_surfaces(&job.prepared, &paintings), &text)
             }
@@ -248,18 +301,21 @@ fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
         ExportKind::PanePng if films.len() == 1 && truth.is_none() => {
             export::png(&job.path, &picture_of(first), &job.display, &text)
         }
-        ExportKind::PanePng | ExportKind::AllPanesPng | ExportKind::ErrorsCsv => {
+        _ => {
             let pictures: Vec<Picture> = films.iter().map(|film| picture_of(film)).collect();
             let mut panes: Vec<LabelledPane<'_>> = (films.iter().zip(&pictures))
-                .map(|(film, picture)| LabelledPane {
-                    title: film.mode.name().to_owned(),
+                .enumerate()
+                .map(|(index, (film, picture))| LabelledPane {
+                    title: if index < live { film.mode.name().to_owned() } else { format!("{}, kept", film.mode) },
                     details: format!("{} spp · {:.1} s", film.samples, film.seconds),
                     events: film.events,
                     picture,
                 })
                 .collect();
             // The mode nearest to the truth is what the others are held against, or the truth itself.
-            let mut best = modes.iter().enumerate().max_by_key(|(_, mode)| **mode).map(|(index, _)| index);
+            let candidates = if live > 0 { live } else { modes.len() };
+            let mut best =
+                modes[..candidates].iter().enumerate().max_by_key(|(_, mode)| **mode).map(|(index, _)| index);
             let truth_picture = truth.map(|truth| {
                 let [width, height] = truth.size;
                 (Picture { width, height, rgb: truth.mean.clone() }, truth.samples)
@@ -309,5 +365,17 @@ mod tests {
         assert_eq!(export.extended(Path::new("a/b")), Path::new("a/b.png"));
         assert_eq!(export.extended(Path::new("a/b.x")), Path::new("a/b.x"));
         assert_eq!(Purpose::Open.extended(Path::new("scene")), Path::new("scene"));
+    }
+
+    #[test]
+    fn a_name_that_the_system_has_not_seen_whole_is_asked_about() {
+        let export = Purpose::Export(ExportKind::ShownPane);
+        assert!(
+            matches!(outcome_of(export, Path::new("a/b")), Outcome::ChosenUnasked(_, path) if path == Path::new("a/b.png"))
+        );
+        assert!(
+            matches!(outcome_of(export, Path::new("a/b.png")), Outcome::Chosen(_, path) if path == Path::new("a/b.png"))
+        );
+        assert!(matches!(outcome_of(Purpose::Open, Path::new("a")), Outcome::Chosen(..)));
     }
 }

@@ -6,6 +6,7 @@ use super::command::{Command, ExportKind};
 use super::edit::ObjectEdit;
 use super::objects::Manipulation;
 use super::settings::{Arrangement, MAX_PANES, Tab};
+use super::snapshots::SnapshotId;
 use super::state::{State, Windows};
 
 pub struct Shortcut {
@@ -24,6 +25,7 @@ pub struct Group {
 
 const NONE: Modifiers = Modifiers::NONE;
 const CTRL: Modifiers = Modifiers::COMMAND;
+const SHIFT: Modifiers = Modifiers::SHIFT;
 const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 const fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
@@ -40,6 +42,11 @@ pub const SAVE: KeyboardShortcut = key(CTRL, Key::S);
 pub const SAVE_AS: KeyboardShortcut = key(CTRL_SHIFT, Key::S);
 pub const EXPORT_PANE: KeyboardShortcut = key(CTRL, Key::E);
 pub const EXPORT_ALL: KeyboardShortcut = key(CTRL_SHIFT, Key::E);
+pub const COPY_PANE: KeyboardShortcut = key(CTRL, Key::C);
+pub const COPY_PANES: KeyboardShortcut = key(CTRL_SHIFT, Key::C);
+pub const COPY_VALUES: KeyboardShortcut = key(SHIFT, Key::C);
+pub const KEEP_A: KeyboardShortcut = key(NONE, Key::K);
+pub const KEEP_B: KeyboardShortcut = key(SHIFT, Key::K);
 pub const QUIT: KeyboardShortcut = key(CTRL, Key::Q);
 pub const UNDO: KeyboardShortcut = key(CTRL, Key::Z);
 pub const REDO: KeyboardShortcut = key(CTRL_SHIFT, Key::Z);
@@ -50,6 +57,7 @@ pub const HIDE: KeyboardShortcut = key(NONE, Key::V);
 pub const FRAME: KeyboardShortcut = key(NONE, Key::F);
 pub const EARLIER_VIEW: KeyboardShortcut = key(NONE, Key::Backspace);
 pub const VALUES: KeyboardShortcut = key(NONE, Key::P);
+pub const HISTOGRAM: KeyboardShortcut = key(SHIFT, Key::H);
 pub const MEASURE: KeyboardShortcut = key(NONE, Key::M);
 pub const INSPECTOR: KeyboardShortcut = key(NONE, Key::I);
 pub const WIPE: KeyboardShortcut = key(NONE, Key::W);
@@ -73,8 +81,8 @@ pub const GROUPS: &[Group] = &[
             on(GALLERY, "Built-in scenes", |s| Command::ShowGallery(!s.windows.gallery)),
             on(SAVE_AS, "Save as…", |_| Command::AskSaveAs),
             on(SAVE, "Save", |_| Command::Save),
-            on(EXPORT_ALL, "Export all panes as PNG", |_| Command::AskExport(ExportKind::AllPanesPng)),
-            on(EXPORT_PANE, "Export the active pane as PNG", |_| Command::AskExport(ExportKind::PanePng)),
+            on(EXPORT_ALL, "Export all panes as shown", |_| Command::AskExport(ExportKind::ShownPanes)),
+            on(EXPORT_PANE, "Export the active pane as shown", |_| Command::AskExport(ExportKind::ShownPane)),
             on(QUIT, "Quit", |_| Command::Quit),
         ],
     },
@@ -84,6 +92,9 @@ pub const GROUPS: &[Group] = &[
             on(REDO, "Redo", |_| Command::Redo),
             on(UNDO, "Undo", |_| Command::Undo),
             on(key(CTRL, Key::Y), "", |_| Command::Redo),
+            on(COPY_PANES, "Copy all panes as pictures", |_| Command::CopyPanes),
+            on(COPY_PANE, "Copy the active pane as a picture", |_| Command::CopyPane),
+            on(COPY_VALUES, "Copy the values of the pixel", |_| Command::CopyValues),
             on(MOVE, "Move the selected object", |s| handles(s, Manipulation::Move)),
             on(ROTATE, "Rotate it", |s| handles(s, Manipulation::Rotate)),
             on(SCALE, "Scale it", |s| handles(s, Manipulation::Scale)),
@@ -100,6 +111,8 @@ pub const GROUPS: &[Group] = &[
                 let is_wipe = s.settings.arrangement == Arrangement::Wipe;
                 Command::SetArrangement(if is_wipe { Arrangement::Tiles } else { Arrangement::Wipe })
             }),
+            on(KEEP_B, "Keep its picture as snapshot B", |_| Command::KeepSnapshot(SnapshotId::B)),
+            on(KEEP_A, "Keep the active pane's picture as snapshot A", |_| Command::KeepSnapshot(SnapshotId::A)),
             on(key(NONE, Key::N), "Next pane", |s| {
                 Command::SetActivePane((s.view.active_pane + 1) % s.settings.pane_count)
             }),
@@ -112,6 +125,7 @@ pub const GROUPS: &[Group] = &[
             on(FRAME, "Camera to the selected object", frame),
             on(EARLIER_VIEW, "Earlier view", |_| Command::EarlierView),
             on(RESET_ZOOM, "Whole picture", |_| Command::SetZoom(1.0, [0.5; 2])),
+            on(HISTOGRAM, "Histogram of the active pane", |_| Command::ToggleHistogram),
             on(BOTH_PANELS, "Hide or show both panels", |_| Command::ToggleBothPanels),
             on(SCENE_PANEL, "Scene panel", |_| Command::ToggleScenePanel),
             on(RENDER_PANEL, "Render panel", |_| Command::ToggleRenderPanel),
@@ -245,9 +259,16 @@ pub fn pressed(ctx: &egui::Context, state: &State, above: Above) -> Vec<Command>
     let has_lost_focus = above.focused.is_some() && focused.is_none();
     let is_escape_taken = has_popup || (has_lost_focus && !is_covered && !state.document.has_gesture());
     let mut commands = Vec::new();
+    // What is selected on a label is copied as text, by the label.
+    let has_text = ctx.plugin::<egui::text_selection::LabelSelectionState>().lock().has_selection();
     ctx.input_mut(|input| {
+        // Systems with a clipboard turn Ctrl+C into an event of its own.
+        let has_copied = input.events.iter().any(|event| matches!(event, egui::Event::Copy));
+        if has_copied && !is_typing && !has_text && !is_covered {
+            commands.push(Command::CopyPane);
+        }
         for shortcut in GROUPS.iter().flat_map(|group| group.shortcuts) {
-            let is_plain = shortcut.keys.modifiers.is_none();
+            let is_plain = matches!(shortcut.keys.modifiers, NONE | SHIFT);
             let key = shortcut.keys.logical_key;
             if key == Key::Escape {
                 if is_escape_taken {
@@ -257,6 +278,9 @@ pub fn pressed(ctx: &egui::Context, state: &State, above: Above) -> Vec<Command>
                 || (above.has_dialog && shortcut.keys != QUIT)
                 || (is_plain && (is_typing || (has_focus && key == Key::Space)))
             {
+                continue;
+            }
+            if is_typing && shortcut.keys == COPY_PANE {
                 continue;
             }
             // Keyboards differ in whether a question mark needs Shift; all other plain keys are plain.

@@ -5,12 +5,14 @@
 
 mod autosave;
 mod background;
+mod capture;
 mod command;
 mod develop;
 mod document;
 mod edit;
 mod files;
 mod graphics;
+mod histogram;
 mod keys;
 mod launch;
 mod measurement;
@@ -20,9 +22,12 @@ mod objects;
 mod opening;
 mod panels;
 mod quotes;
+mod range;
 mod screenshot;
 mod settings;
+mod snapshots;
 mod state;
+mod tev;
 mod theme;
 mod viewport;
 mod widgets;
@@ -36,18 +41,22 @@ pub use edit::{Edit, EditKey, MediumEdit, ObjectEdit};
 pub use launch::{Launch, RunError, Screenshot, run};
 pub use measurement::{Curve, ErrorAxis, ErrorMetric, Measurement, Measurements, Point, Trend};
 pub use objects::Manipulation;
+pub use range::{DifferenceRange, RangeCurve, RangeEnd, Scale};
 pub use settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Settings, SidePanel, Tab, Theme};
+pub use snapshots::SnapshotId;
 pub use state::State;
 
 use self::autosave::{Autosaver, Edits, Found, Slot};
 use self::background::{Bell, Repaint};
-use self::develop::{Developer, Recipe};
+use self::capture::{Capture, Subject};
+use self::develop::{Developer, Recipe, Source};
 use self::files::{ExportJob, Files, Outcome, Purpose};
 use self::graphics::{Refusals, WindowSize};
 use self::measurement::measurer::{self, Measurer, Plan};
 use self::opening::{Opening, Reading};
 use self::panels::dialogs::{Dialogs, PathPrompt};
 use self::screenshot::Camera as WindowCamera;
+use self::snapshots::Kept;
 use self::viewport::Viewport;
 use crate::scene;
 use crate::session::{News, Snapshot, Worker};
@@ -68,6 +77,12 @@ pub struct App {
     developer: Developer,
     measurer: Measurer,
     worker: Worker,
+    tev: tev::Link,
+    /// Counts what was sent to tev once.
+    tev_serial: u64,
+    /// Of these, what the thread knows.
+    tev_sent: u64,
+    was_live_in_tev: bool,
     /// `None` where edits are not kept: in scripts and tests.
     autosaver: Option<Autosaver>,
     /// The place of the edits that were restored.
@@ -80,6 +95,10 @@ pub struct App {
     /// Set by a screenshot or by settings from outside: nothing is remembered.
     is_scripted: bool,
     window_camera: Option<WindowCamera>,
+    /// The picture of panes that is being taken.
+    capture: Option<Capture>,
+    /// Whether the present frame is drawn for it.
+    is_still_frame: bool,
     /// Whether the user has agreed to lose unsaved changes.
     may_close: bool,
     /// Whether the window is being closed, and nothing is to be kept that no file has.
@@ -139,6 +158,10 @@ impl App {
             state,
             dialogs: Dialogs::default(),
             viewport: Viewport::default(),
+            tev: tev::start(Arc::clone(&repaint))?,
+            tev_serial: 0,
+            tev_sent: 0,
+            was_live_in_tev: false,
             files: Files::new(repaint),
             developer,
             measurer,
@@ -151,6 +174,8 @@ impl App {
             start: Instant::now(),
             is_scripted: false,
             window_camera: None,
+            capture: None,
+            is_still_frame: false,
             may_close: false,
             is_closing: false,
             title: String::new(),
@@ -185,6 +210,16 @@ impl App {
     /// How the difference in pane `index` is coloured, and its mean; `None` where there is none, or where another kind is wanted by now.
     pub fn difference_shown(&self, index: usize) -> Option<(DifferenceKind, f64)> {
         self.viewport.difference(self.state.settings.panes[index], self.state.epoch())
+    }
+
+    /// The scale of the colours of the difference in pane `index`; `None` for anything else, and for FLIP.
+    pub fn scale_shown(&self, index: usize) -> Option<Scale> {
+        self.viewport.scale(self.state.settings.panes[index])
+    }
+
+    /// Where pane `index` is in the window, in points; without an index, where all panes are.
+    pub fn pane_place(&self, index: Option<usize>) -> egui::Rect {
+        self.viewport.place(index)
     }
 
     /// The latest film of a mode.
@@ -233,8 +268,19 @@ impl App {
                 Some(path) => self.files.save(Arc::clone(self.state.document.description()), path),
                 None => self.ask(Purpose::SaveAs),
             },
-            Command::SaveAs(path) => self.files.save(Arc::clone(self.state.document.description()), path),
-            Command::Export(kind, path) => self.export(kind, path),
+            Command::SaveAs(path) => self.files.look(Purpose::SaveAs, path),
+            Command::SaveAsAnyway(path) => self.files.save(Arc::clone(self.state.document.description()), path),
+            Command::Export(kind, path) => self.files.look(Purpose::Export(kind), path),
+            Command::ExportAnyway(kind @ (ExportKind::ShownPane | ExportKind::ShownPanes), path) => {
+                self.begin_capture(kind == ExportKind::ShownPanes, Some(path));
+            }
+            Command::ExportAnyway(kind, path) => self.export(kind, path),
+            Command::KeepSnapshot(id) => self.keep_snapshot(id),
+            Command::SendToTev => self.tev_serial += 1,
+            Command::AskTevAddress => self.dialogs.tev = Some(self.state.settings.tev_address.clone()),
+            Command::CopyPane => self.begin_capture(false, None),
+            Command::CopyPanes => self.begin_capture(true, None),
+            Command::CopyValues => self.copy_values(ctx),
             Command::StepInterfaceScale(step) => self.step_interface_scale(ctx, step),
             Command::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Command::QuitAnyway => {
@@ -299,10 +345,14 @@ impl App {
             Purpose::Open => String::new(),
             Purpose::SaveAs => format!("{stem}.toml"),
             Purpose::Export(ExportKind::AllPanesPng) => format!("{stem}-comparison.png"),
+            Purpose::Export(ExportKind::ShownPanes) => format!("{stem}-panes.png"),
             Purpose::Export(ExportKind::ErrorsCsv) => format!("{stem}-errors.csv"),
             Purpose::Export(_) => {
                 let content = match self.state.settings.panes[self.state.view.active_pane] {
                     PaneContent::Surfaces(quantity) => quantity.name().replace(' ', "-"),
+                    content if purpose == Purpose::Export(ExportKind::ShownPane) => {
+                        content.to_string().replace(" − ", "-minus-").replace([' ', ','], "-").replace("--", "-")
+                    }
                     content => content.inspected_mode().to_string(),
                 };
                 format!("{stem}-{content}.{}", purpose.extension())
@@ -338,6 +388,128 @@ impl App {
             seed: 0,
             panes: panes.iter().map(|content| self.viewport.source(*content)).collect(),
         });
+    }
+
+    /// Tells the thread that talks to tev what the panes show, and says what came of it.
+    fn send_to_tev(&mut self) {
+        let report = self.tev.take_finished();
+        if let Some(failure) = report.failure {
+            self.state.is_live_in_tev = false;
+            self.state.notify_error(failure);
+        }
+        match report.sent {
+            Some(0) => {
+                self.state.notify_error("There is nothing to send to tev: surfaces are colours and no radiance.")
+            }
+            Some(count) => {
+                let s = if count == 1 { "" } else { "s" };
+                self.state.notify(format!("Sent {count} image{s} to tev"));
+            }
+            None => {}
+        }
+        let is_live = self.state.is_live_in_tev;
+        if !is_live && !self.was_live_in_tev && self.tev_serial == self.tev_sent {
+            return;
+        }
+        (self.was_live_in_tev, self.tev_sent) = (is_live, self.tev_serial);
+        let scene = &self.state.document.description().name;
+        let mut images: Vec<(String, Source)> = Vec::new();
+        for content in self.state.settings.shown_panes() {
+            let name = format!("{content} – {scene}");
+            if images.iter().all(|(known, _)| *known != name) {
+                images.push((name, self.viewport.source(*content)));
+            }
+        }
+        let address = self.state.settings.tev_address.clone();
+        self.tev.set_order(&tev::Order { address, is_live, serial: self.tev_serial, images });
+    }
+
+    /// Keeps the film of the active pane; of a difference, the first.
+    fn keep_snapshot(&mut self, id: SnapshotId) {
+        let content = self.state.settings.panes[self.state.view.active_pane];
+        let Some(mode) = content.modes().next() else {
+            let text = "Only the picture of a mode can be kept as a snapshot: choose a mode in the active pane.";
+            return self.state.notify_error(text);
+        };
+        let is_current = self.viewport.samples(content, &self.state) > 0;
+        let source = self.viewport.source(content);
+        let Some(film) = source.films.into_iter().find(|film| is_current && film.mode == mode) else {
+            return self.state.notify_error("There is no full picture to keep yet: wait for its first sample.");
+        };
+        let kept = Kept::new(film, Arc::clone(self.state.document.description()), self.state.view.camera);
+        self.state.snapshots.set(id, Some(Arc::new(kept)));
+        self.state
+            .notify(format!("Kept {} as snapshot {id}. Panes can show it, or what changes from now on.", mode.name()));
+    }
+
+    /// Takes a picture of panes as they are shown, for a file or, without a path, for the clipboard.
+    fn begin_capture(&mut self, is_all: bool, path: Option<PathBuf>) {
+        let Some(report) = &self.state.report else {
+            self.state.notify_error("There is no image to export yet.");
+            return;
+        };
+        let settings = &self.state.settings;
+        let shown = settings.shown_panes();
+        let panes = if is_all { shown } else { std::slice::from_ref(&shown[self.state.view.active_pane]) };
+        let modes: Vec<Mode> =
+            Mode::ALL.into_iter().filter(|m| panes.iter().any(|p| p.modes().any(|n| n == *m))).collect();
+        let samples = panes.iter().map(|content| self.viewport.source(*content).samples()).min().unwrap_or(0);
+        let mut text = crate::export::metadata(&report.prepared, &modes, samples, 0);
+        let titles: Vec<String> = panes.iter().map(ToString::to_string).collect();
+        text.push(("Panes".to_owned(), titles.join("; ")));
+        for id in
+            SnapshotId::ALL.into_iter().filter(|id| panes.iter().any(|content| content.snapshots().any(|s| s == *id)))
+        {
+            if let Some(kept) = self.state.snapshots.get(id) {
+                let title = kept.title(self.state.document.description(), &self.state.view.camera);
+                text.push((format!("Snapshot {id}"), title));
+            }
+        }
+        text.push((
+            "Exposure".to_owned(),
+            format!("{} stops, {} curve", settings.display.exposure, settings.display.curve),
+        ));
+        self.capture = Some(Capture::new(Subject { is_all, path, text }));
+        self.viewport.is_still = true;
+    }
+
+    /// Goes on with the picture that is being taken, at the end of a frame.
+    fn go_on_with_capture(&mut self, ctx: &egui::Context) {
+        // A capture that began in this frame needs one that is drawn for it.
+        let Some(capture) = self.capture.as_mut().filter(|_| self.is_still_frame) else { return };
+        capture::clear_floating_layers(ctx);
+        let index = (!capture.subject.is_all).then_some(self.state.view.active_pane);
+        let Some(outcome) = capture.update(ctx, self.viewport.place(index)) else { return };
+        let subject = self.capture.take().map(|capture| capture.subject);
+        self.viewport.is_still = false;
+        match (outcome, subject) {
+            (Ok(image), Some(Subject { path: Some(path), text, .. })) => self.files.export_image(image, text, path),
+            (Ok(image), Some(Subject { is_all, .. })) => {
+                ctx.copy_image(capture::color_image(&image));
+                let what = if is_all { "all panes" } else { "the active pane" };
+                self.state.notify(format!("Copied {what}: {} × {} pixels", image.width(), image.height()));
+            }
+            (Err(message), _) => self.state.notify_error(message),
+            (Ok(_), None) => {}
+        }
+    }
+
+    /// The numbers of the pixel under the pointer, or of the inspected one, in every pane.
+    fn copy_values(&mut self, ctx: &egui::Context) {
+        let point = self.viewport.pointer.or(self.state.inspection.as_ref().map(|inspection| inspection.point));
+        let panes = self.state.settings.shown_panes().iter().copied();
+        let texts: Vec<String> = (panes.enumerate())
+            .filter_map(|(index, content)| {
+                let lines = self.viewport.values_at(index, &self.state, point?);
+                (!lines.is_empty()).then(|| format!("{content}\n{}", lines.join("\n")))
+            })
+            .collect();
+        if texts.is_empty() {
+            self.state.notify_error("No pixel to copy: point at a picture, or click one to inspect it.");
+        } else {
+            ctx.copy_text(texts.join("\n"));
+            self.state.notify("Copied the values of the pixel.");
+        }
     }
 
     fn step_interface_scale(&mut self, ctx: &egui::Context, step: i32) {
@@ -381,7 +553,11 @@ impl App {
         self.viewport.upload(ctx, self.developer.take_finished(), self.state.epoch_floor);
         while let Some(outcome) = self.files.poll() {
             match outcome {
-                Outcome::Chosen(purpose, path) => self.apply(ctx, purpose.command(path)),
+                Outcome::Chosen(purpose, path) | Outcome::IsFree(purpose, path) => {
+                    self.apply(ctx, purpose.command_anyway(path));
+                }
+                Outcome::ChosenUnasked(purpose, path) => self.apply(ctx, purpose.command(path)),
+                Outcome::IsThere(purpose, path) => self.dialogs.overwriting = Some((purpose, path)),
                 Outcome::NoDialog(purpose, suggestion) => {
                     self.dialogs.prompt = Some(PathPrompt::new(purpose, &suggestion));
                 }
@@ -480,11 +656,13 @@ impl eframe::App for App {
         self.guard_closing(&ctx);
         self.window_size.update(&ctx);
 
+        self.is_still_frame = self.capture.is_some();
         let above = keys::Above { has_dialog: self.dialogs.is_open(), focused: self.focused };
         let mut commands = keys::pressed(&ctx, &self.state, above);
         modal::remember_focus(&ctx);
         commands.extend(self.dropped(&ctx));
         panels::show(ui, &mut self.state, &mut self.dialogs, &mut self.viewport, &mut commands);
+        self.go_on_with_capture(&ctx);
         for command in commands {
             self.apply(&ctx, command);
         }
@@ -495,6 +673,9 @@ impl eframe::App for App {
             contents: settings.shown_panes().iter().copied().collect(),
             display: settings.display,
             difference: settings.difference,
+            range: settings.difference_range,
+            snapshots: self.state.snapshots.clone(),
+            histogram_of: settings.show_histogram.then(|| settings.panes[self.state.view.active_pane]),
         });
         self.measurer.set_order(&Plan {
             is_on: self.state.measurement.is_on(),
@@ -503,6 +684,7 @@ impl eframe::App for App {
             display: settings.display,
             rectification_seconds: self.state.report.as_ref().map_or(0.0, |r| r.prepared.table.seconds.total()),
         });
+        self.send_to_tev();
         self.keep_edits();
         if let Some(request) = self.state.take_request() {
             self.worker.submit(request);

@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::measurement::{ErrorAxis, ErrorMetric};
 use super::objects::Manipulation;
+use super::range::DifferenceRange;
+use super::snapshots::SnapshotId;
 use crate::render::Display;
 use crate::render::surfaces::SurfaceQuantity;
 use crate::tracking::Mode;
@@ -87,31 +89,57 @@ pub enum PaneContent {
     Error(Mode),
     /// Surfaces in the colours of what rectification found about them.
     Surfaces(SurfaceQuantity),
+    /// A picture that was kept.
+    Snapshot(SnapshotId),
+    /// The mode as it is now less a picture that was kept, in false colour.
+    Change(Mode, SnapshotId),
+    /// Snapshot A less snapshot B, in false colour.
+    SnapshotDifference,
 }
 
 impl PaneContent {
     /// The modes that must be rendered for it.
     pub fn modes(self) -> impl Iterator<Item = Mode> {
         let modes = match self {
-            Self::Mode(mode) | Self::Error(mode) => [Some(mode), None],
+            Self::Mode(mode) | Self::Error(mode) | Self::Change(mode, _) => [Some(mode), None],
             Self::Difference(a, b) => [Some(a), Some(b)],
-            Self::Surfaces(_) => [None, None],
+            Self::Surfaces(_) | Self::Snapshot(_) | Self::SnapshotDifference => [None, None],
         };
         modes.into_iter().flatten()
+    }
+
+    /// The kept pictures that it shows.
+    pub fn snapshots(self) -> impl Iterator<Item = SnapshotId> {
+        let shown = match self {
+            Self::Snapshot(id) | Self::Change(_, id) => [Some(id), None],
+            Self::SnapshotDifference => SnapshotId::ALL.map(Some),
+            Self::Mode(_) | Self::Difference(..) | Self::Error(_) | Self::Surfaces(_) => [None, None],
+        };
+        shown.into_iter().flatten()
+    }
+
+    /// What a pane shows instead where no pictures are kept.
+    #[must_use]
+    pub fn without_snapshots(self) -> Self {
+        match self {
+            Self::Change(mode, _) => Self::Mode(mode),
+            Self::Snapshot(_) | Self::SnapshotDifference => Self::Mode(Mode::Rectified),
+            other => other,
+        }
     }
 
     /// The mode whose paths the inspector shows.
     pub fn inspected_mode(self) -> Mode {
         match self {
-            Self::Mode(mode) | Self::Difference(mode, _) | Self::Error(mode) => mode,
+            Self::Mode(mode) | Self::Difference(mode, _) | Self::Error(mode) | Self::Change(mode, _) => mode,
             // What is painted is what this mode looks up.
-            Self::Surfaces(_) => Mode::Rectified,
+            Self::Surfaces(_) | Self::Snapshot(_) | Self::SnapshotDifference => Mode::Rectified,
         }
     }
 
     /// Whether it is a difference in false colour.
     pub fn is_difference(self) -> bool {
-        matches!(self, Self::Difference(..) | Self::Error(_))
+        matches!(self, Self::Difference(..) | Self::Error(_) | Self::Change(..) | Self::SnapshotDifference)
     }
 
     /// Every difference that can be shown, each pair once: the doubtful less the better.
@@ -128,6 +156,9 @@ impl fmt::Display for PaneContent {
             Self::Difference(a, b) => write!(f, "{} − {}", a.name(), b.name()),
             Self::Error(mode) => write!(f, "error of {}", mode.name()),
             Self::Surfaces(quantity) => write!(f, "{}", quantity.name()),
+            Self::Snapshot(id) => write!(f, "snapshot {id}"),
+            Self::Change(mode, id) => write!(f, "{mode} − snapshot {id}"),
+            Self::SnapshotDifference => f.write_str("snapshot A − snapshot B"),
         }
     }
 }
@@ -220,11 +251,15 @@ pub struct Settings {
     pub arrangement: Arrangement,
     pub display: Display,
     pub difference: DifferenceKind,
+    /// How differences in luminance are mapped to colours.
+    pub difference_range: DifferenceRange,
     /// What the measure panel plots.
     pub error_metric: ErrorMetric,
     pub error_axis: ErrorAxis,
     /// Whether the values of the pixel under the pointer are shown.
     pub show_values: bool,
+    /// Whether the panel has the histogram of the active pane.
+    pub show_histogram: bool,
     /// Film pixels per screen pixel, each way.
     pub resolution_scale: f32,
     pub max_depth: Option<u32>,
@@ -240,6 +275,8 @@ pub struct Settings {
     pub tab: Tab,
     /// What can be dragged on the selected object in the picture.
     pub handles: Option<Manipulation>,
+    /// Where tev listens: `HOST:PORT`; empty for its usual address.
+    pub tev_address: String,
     /// Paths, latest first.
     pub recent: Vec<String>,
 }
@@ -252,9 +289,11 @@ impl Default for Settings {
             arrangement: Arrangement::Tiles,
             display: Display::default(),
             difference: DifferenceKind::default(),
+            difference_range: DifferenceRange::default(),
             error_metric: ErrorMetric::default(),
             error_axis: ErrorAxis::default(),
             show_values: true,
+            show_histogram: false,
             resolution_scale: 1.0,
             max_depth: None,
             sample_limit: Some(4096),
@@ -267,6 +306,7 @@ impl Default for Settings {
             show_problems: true,
             tab: Tab::Render,
             handles: Some(Manipulation::Move),
+            tev_address: String::new(),
             recent: Vec::new(),
         }
     }
@@ -290,6 +330,9 @@ impl Settings {
         {
             self.interface_scale = InterfaceScale::Automatic;
         }
+        // Pictures are kept for one session.
+        self.panes = self.panes.map(PaneContent::without_snapshots);
+        self.difference_range = self.difference_range.repaired();
         self.max_depth = self.max_depth.map(|depth| depth.max(1));
         self.sample_limit = self.sample_limit.map(|limit| limit.max(1));
         self.recent.truncate(MAX_RECENT);
@@ -324,6 +367,7 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::range::RangeEnd;
 
     #[test]
     fn modes_are_distinct_and_ordered() {
@@ -355,10 +399,14 @@ mod tests {
             resolution_scale: f32::NAN,
             max_depth: Some(0),
             interface_scale: InterfaceScale::Factor(90.0),
+            panes: [PaneContent::Change(Mode::Naive, SnapshotId::B); MAX_PANES],
+            difference_range: DifferenceRange { end: RangeEnd::Fixed(f32::NAN), ..DifferenceRange::default() },
             ..Settings::default()
         }
         .repaired();
         assert_eq!((broken.pane_count, broken.resolution_scale, broken.max_depth), (4, 1.0, Some(1)));
+        assert_eq!(broken.panes, [PaneContent::Mode(Mode::Naive); MAX_PANES]);
+        assert_eq!(broken.difference_range, DifferenceRange::default());
         assert_eq!(broken.interface_scale, InterfaceScale::Automatic);
     }
 }

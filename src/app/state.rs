@@ -18,6 +18,7 @@ use super::measurement::Measurement;
 use super::opening::{Opening, no_scene};
 use super::quotes::quoted;
 use super::settings::Settings;
+use super::snapshots::Snapshots;
 use crate::check::Problem;
 use crate::render::ImageSettings;
 use crate::scene::camera::Camera;
@@ -94,6 +95,10 @@ pub struct State {
     pub report: Option<Arc<SceneReport>>,
     /// The scene that the worker is preparing.
     pub preparation: Option<Arc<Preparation>>,
+    /// Whether every change of the panes is sent to tev.
+    pub is_live_in_tev: bool,
+    /// Pictures that are kept.
+    pub snapshots: Snapshots,
     /// What is measured, and how far that is.
     pub measurement: Measurement,
     /// What is doubtful in the scene, as last found out: while an edit is being looked at, what was found before it.
@@ -134,6 +139,8 @@ impl State {
             earlier_views: Vec::new(),
             report: None,
             preparation: None,
+            is_live_in_tev: false,
+            snapshots: Snapshots::default(),
             measurement: Measurement::default(),
             problems: None,
             has_problem_strip: false,

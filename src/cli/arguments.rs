@@ -194,6 +194,9 @@ pub struct RenderArguments {
     /// --samples SCENE-MODE-A-B.exr]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
+    /// Also show the picture, linear, in the image viewer tev, where it listens [address without a value: 127.0.0.1:14158]
+    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "")]
+    pub tev: Option<String>,
 }
 
 #[derive(Debug, Args)]

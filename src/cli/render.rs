@@ -6,6 +6,7 @@ use super::arguments::{RenderArguments, Switch};
 use super::image::{ImageReport, Job, Rendered, Seconds, mega_samples_per_second, output_path};
 use super::{Failure, plural, print, print_json};
 use crate::export::escape::{short_name, shown};
+use crate::export::tev::{PATIENCE, Tev};
 use crate::export::words::{brief, duration, events_in_words};
 use crate::export::{self, Format, Picture};
 use crate::render::{ImageSettings, Partial, SampleRange};
@@ -30,6 +31,9 @@ pub fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
         }
         require_writable(path).map_err(Failure::bad_output)?;
     }
+    if let Some(address) = &arguments.tev {
+        Tev::connect(address, PATIENCE).map_err(|error| Failure::Failed(error.into()))?;
+    }
     let job = Job::new(image, &[arguments.mode])?;
     let rendered = match arguments.samples {
         Some(samples) => job.render_part(arguments.mode, samples),
@@ -37,6 +41,7 @@ pub fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     };
     let text = if image.json { None } else { Some(summary(&job, &rendered, output.as_deref())) };
     let report = job.report(&rendered, output.as_deref());
+    let to_tev = arguments.tev.as_ref().map(|address| (address, Picture::from(&rendered.film)));
     if let Some(path) = &output {
         if arguments.samples.is_some() {
             if let Some(partial) = Partial::of_film(rendered.film, job.recipe(arguments.mode)) {
@@ -46,6 +51,11 @@ pub fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
             let text = export::metadata(&job.prepared, &[arguments.mode], rendered.film.samples, image.seed);
             export::save(path, &Picture::from(&rendered.film), &job.display(), &text).map_err(Failure::output)?;
         }
+    }
+    if let Some((address, picture)) = to_tev {
+        let name = format!("{} – {}", arguments.mode, job.prepared.description.name);
+        let shown = Tev::connect(address, PATIENCE).and_then(|mut tev| tev.show(&name, &picture, true));
+        shown.map_err(|error| Failure::Failed(error.into()))?;
     }
     match text {
         Some(text) => print(&text)?,

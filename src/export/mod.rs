@@ -14,6 +14,7 @@ mod metadata;
 mod picture;
 mod sums;
 mod surfaces;
+pub mod tev;
 pub mod words;
 
 pub use comparison::{Comparison, LabelledPane, comparison};

@@ -1,6 +1,8 @@
 //! The library, asked through what it offers others. One binary, so that the tests are linked once and share what they compute.
 
 mod common;
+#[path = "../tev_listener.rs"]
+mod tev_listener;
 
 mod advice;
 mod agreement;
@@ -31,6 +33,7 @@ mod report;
 mod seams;
 mod smooth_normals;
 mod stability;
+mod tev;
 mod topology;
 mod transport;
 mod variance;

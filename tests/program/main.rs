@@ -1,6 +1,8 @@
 //! The real binary, run as its users run it.
 
 mod desk;
+#[path = "../tev_listener.rs"]
+mod tev_listener;
 
 mod cli;
 mod files;
@@ -8,4 +10,5 @@ mod hostile_text;
 mod inlining;
 mod merge;
 mod numbers;
+mod tev;
 mod writing;

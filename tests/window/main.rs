@@ -1,9 +1,12 @@
 //! The window, without a display and on a virtual one.
 
 mod harness;
+#[path = "../tev_listener.rs"]
+mod tev_listener;
 
 mod accessibility;
 mod app;
+mod export;
 mod layout;
 mod measuring;
 mod recovery;

@@ -1,6 +1,6 @@
-//! Questions: a path where the system has no dialog for it, and whether to lose unsaved changes.
+//! Questions: a path where the system has no dialog for it, whether to write over a file, and whether to lose unsaved changes.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use egui::{Context, Key, TextEdit, Ui};
 
@@ -9,6 +9,7 @@ use crate::app::files::Purpose;
 use crate::app::modal;
 use crate::app::state::State;
 use crate::app::widgets::note;
+use crate::export::tev::DEFAULT_ADDRESS;
 
 /// The questions that are open.
 #[derive(Default)]
@@ -16,6 +17,10 @@ pub struct Dialogs {
     pub prompt: Option<PathPrompt>,
     /// What the user wants to do although it loses unsaved changes.
     pub leaving: Option<Command>,
+    /// What would be written over a file, and which.
+    pub overwriting: Option<(Purpose, PathBuf)>,
+    /// Where tev listens, being typed.
+    pub tev: Option<String>,
 }
 
 /// Asks for a path.
@@ -37,12 +42,15 @@ impl PathPrompt {
 
 impl Dialogs {
     pub fn is_open(&self) -> bool {
-        self.prompt.is_some() || self.leaving.is_some()
+        self.prompt.is_some() || self.leaving.is_some() || self.overwriting.is_some() || self.tev.is_some()
     }
 
     /// Closes what is on top; `false` if nothing was open.
     pub fn close(&mut self) -> bool {
-        self.leaving.take().is_some() || self.prompt.take().is_some()
+        self.overwriting.take().is_some()
+            || self.leaving.take().is_some()
+            || self.tev.take().is_some()
+            || self.prompt.take().is_some()
     }
 
     pub fn show(&mut self, ctx: &Context, state: &State, commands: &mut Vec<Command>) {
@@ -57,6 +65,19 @@ impl Dialogs {
         });
         if answer.is_closed || answer.inner == Some(true) {
             self.leaving = None;
+        }
+        let answer = modal::show(ctx, "Address of tev", self.tev.is_some(), |ui, is_opening| {
+            self.tev.as_mut().is_none_or(|address| tev_ui(ui, address, is_opening, commands))
+        });
+        if answer.is_closed || answer.inner == Some(true) {
+            self.tev = None;
+        }
+        let answer = modal::show(ctx, "Replace a file", self.overwriting.is_some(), |ui, is_opening| {
+            let asked = self.overwriting.as_ref();
+            asked.is_none_or(|(purpose, path)| overwriting_ui(ui, *purpose, path, is_opening, commands))
+        });
+        if answer.is_closed || answer.inner == Some(true) {
+            self.overwriting = None;
         }
     }
 }
@@ -116,6 +137,57 @@ fn leaving_ui(ui: &mut Ui, leaving: &Command, is_opening: bool, state: &State, c
             commands.push(leaving.clone());
         }
         save || stay || lose
+    })
+    .inner
+}
+
+/// `true` when the question has been answered.
+fn overwriting_ui(ui: &mut Ui, purpose: Purpose, path: &Path, is_opening: bool, commands: &mut Vec<Command>) -> bool {
+    ui.set_width((ui.ctx().content_rect().width() - 80.0).min(420.0));
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    ui.heading(format!("Replace “{name}”?"));
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let place = folder.map_or("here".to_owned(), |folder| format!("in {}", folder.display()));
+    ui.label(format!("There is a file of that name {place}. Its contents would be lost."));
+    ui.add_space(10.0);
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        let keep = ui.button("Cancel");
+        if is_opening {
+            keep.request_focus();
+        }
+        let keep = keep.clicked();
+        let other = ui.button("Other name…").clicked();
+        let replace = ui.button("Replace").clicked();
+        if replace {
+            commands.push(purpose.command_anyway(path.to_owned()));
+        }
+        if other {
+            commands.push(purpose.question());
+        }
+        keep || other || replace
+    })
+    .inner
+}
+
+/// `true` when the question has been answered.
+fn tev_ui(ui: &mut Ui, address: &mut String, is_opening: bool, commands: &mut Vec<Command>) -> bool {
+    ui.set_width((ui.ctx().content_rect().width() - 80.0).min(360.0));
+    ui.heading("Where tev listens");
+    ui.label(note(ui, "HOST:PORT, as tev was started with --host. Empty: the usual address."));
+    ui.add_space(6.0);
+    let field = TextEdit::singleline(address).desired_width(f32::INFINITY).hint_text(DEFAULT_ADDRESS);
+    let field = ui.add(field).accessible_name("Address of tev");
+    if is_opening {
+        field.request_focus();
+    }
+    let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    ui.add_space(8.0);
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        let is_given = ui.button("Use it").clicked() || is_entered;
+        if is_given {
+            commands.push(Command::SetTevAddress(address.clone()));
+        }
+        ui.button("Cancel").clicked() || is_given
     })
     .inner
 }

@@ -107,16 +107,57 @@ fn file_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.separator();
     submenu_ui(ui, "Export", |ui| {
         let all = [
-            ("Active pane as PNG…", Some(keys::EXPORT_PANE), ExportKind::PanePng),
-            ("All panes, labelled, as PNG…", Some(keys::EXPORT_ALL), ExportKind::AllPanesPng),
-            ("Active pane as EXR (linear)…", None, ExportKind::PaneExr),
+            (
+                "Active pane, as shown (PNG)…",
+                Some(keys::EXPORT_PANE),
+                ExportKind::ShownPane,
+                "What the window shows, pixel by pixel: colours, range, legend, labels, zoom.",
+            ),
+            (
+                "All panes, as shown (PNG)…",
+                Some(keys::EXPORT_ALL),
+                ExportKind::ShownPanes,
+                "All panes as the window shows them, with the divider of a wipe.",
+            ),
+            (
+                "Active pane, picture only (PNG)…",
+                None,
+                ExportKind::PanePng,
+                "The whole film at its own size, with exposure and tone curve, and nothing over it.",
+            ),
+            (
+                "Active pane, linear (EXR)…",
+                None,
+                ExportKind::PaneExr,
+                "Radiance as 32-bit floats, without exposure or tone curve.",
+            ),
+            (
+                "Comparison sheet (PNG)…",
+                None,
+                ExportKind::AllPanesPng,
+                "The films of all panes in full, labelled, with measured differences below.",
+            ),
         ];
-        for (text, keys, kind) in all {
-            item_enabled(ui, state.report.is_some(), text, keys, commands, Command::AskExport(kind));
+        for (text, keys, kind, about) in all {
+            let response = entry_ui(ui, state.report.is_some(), false, text, keys).on_hover_text(about);
+            if response.clicked() {
+                commands.push(Command::AskExport(kind));
+                ui.close();
+            }
         }
         let is_measured = state.measurement.results.curves.values().any(|curve| !curve.points.is_empty());
         let ask = Command::AskExport(ExportKind::ErrorsCsv);
-        item_enabled(ui, is_measured, "Measured errors as CSV…", None, commands, ask);
+        item_enabled(ui, is_measured, "Measured errors (CSV)…", None, commands, ask);
+    });
+    submenu_ui(ui, "tev", |ui| {
+        let about = "The linear radiance of every pane to the image viewer tev, where it is running.";
+        let send = entry_ui(ui, state.report.is_some(), false, "Send to tev", None).on_hover_text(about);
+        if send.clicked() {
+            commands.push(Command::SendToTev);
+            ui.close();
+        }
+        choice(ui, state.is_live_in_tev, "Keep tev up to date", None, commands, Command::ToggleTevLive);
+        item(ui, "Address of tev…", None, commands, Command::AskTevAddress);
     });
     ui.separator();
     item(ui, "Quit", Some(keys::QUIT), commands, Command::Quit);
@@ -142,6 +183,11 @@ fn edit_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let text = label.as_ref().map_or(verb.to_owned(), |label| format!("{verb} {label}"));
         item_enabled(ui, label.is_some(), &text, Some(keys), commands, command);
     }
+    ui.separator();
+    let has_images = state.report.is_some();
+    item_enabled(ui, has_images, "Copy the active pane", Some(keys::COPY_PANE), commands, Command::CopyPane);
+    item_enabled(ui, has_images, "Copy all panes", Some(keys::COPY_PANES), commands, Command::CopyPanes);
+    item_enabled(ui, has_images, "Copy values of the pixel", Some(keys::COPY_VALUES), commands, Command::CopyValues);
     ui.separator();
     for manipulation in Manipulation::ALL {
         let is_on = state.settings.handles == Some(manipulation);
@@ -199,6 +245,8 @@ fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         choice(ui, is_on, name, keys, commands, Command::ShowTab(tab));
     }
     let values = "Values under the pointer";
+    let is_on = settings.show_histogram;
+    choice(ui, is_on, "Histogram", Some(keys::HISTOGRAM), commands, Command::ToggleHistogram);
     choice(ui, settings.show_values, values, Some(keys::VALUES), commands, Command::ToggleValues);
     ui.separator();
     submenu_ui(ui, "Theme", |ui| {

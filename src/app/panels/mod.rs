@@ -3,6 +3,7 @@
 pub mod about;
 pub mod dialogs;
 mod gallery;
+mod histogram;
 mod inspector;
 mod measure;
 mod medium;
@@ -11,12 +12,14 @@ mod messages;
 mod notices;
 mod object;
 mod problems;
+mod range;
 mod recovery;
 mod rectification;
 mod render;
 mod scene_tree;
 mod shortcuts;
 mod sides;
+mod snapshots;
 mod status;
 
 use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Ui};

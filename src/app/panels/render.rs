@@ -2,6 +2,7 @@
 
 use egui::{DragValue, RichText, Slider, Ui};
 
+use super::{histogram, range, snapshots};
 use crate::app::command::Command;
 use crate::app::settings::{Arrangement, DifferenceKind, MAX_PANES, PaneContent, Preset};
 use crate::app::state::State;
@@ -20,7 +21,13 @@ pub fn show(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Vec<
     section_first_ui(ui, "Panes", "");
     panes_ui(ui, state, commands);
     section_ui(ui, "Display", "");
-    display_ui(ui, state, commands);
+    display_ui(ui, state, viewport, commands);
+    if state.settings.show_histogram {
+        section_ui(ui, "Histogram", &format!("pane {}", state.view.active_pane + 1));
+        histogram::show(ui, state, viewport);
+    }
+    section_ui(ui, "Snapshots", "");
+    snapshots::show(ui, state, commands);
     section_ui(ui, "Quality", "");
     quality_ui(ui, state, commands);
     section_ui(ui, "Progress", "");
@@ -60,9 +67,7 @@ fn panes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         row_ui(ui, &name, "What this pane shows.", |ui| {
             let text = match content {
                 PaneContent::Mode(mode) => RichText::new(format!("{DOT} {}", mode.name())).color(palette.mode(*mode)),
-                PaneContent::Difference(..) | PaneContent::Error(_) | PaneContent::Surfaces(_) => {
-                    RichText::new(content.to_string())
-                }
+                _ => RichText::new(content.to_string()),
             };
             combo_ui(ui, ("pane", index), text, |ui| {
                 commands.extend(content_menu_ui(ui, *content).map(|new| Command::SetPaneContent(index, new)));
@@ -71,7 +76,7 @@ fn panes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
 }
 
-fn display_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn display_ui(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Vec<Command>) {
     let settings = &state.settings;
     let about =
         "Brightness in stops: radiance is multiplied by 2 to this power. Display only: exported EXR stays as it is.";
@@ -96,9 +101,10 @@ fn display_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     commands.extend(segmented_row_ui(ui, "Curve", about, settings.display.curve, &curves).map(Command::SetCurve));
     if settings.shown_panes().iter().any(|content| content.is_difference()) {
         let kinds = DifferenceKind::ALL.map(|kind| (kind, kind.name(), kind.about()));
-        let about = "How differences are coloured. The exposure scales them.";
+        let about = "How differences are coloured.";
         let chosen = segmented_row_ui(ui, "Difference", about, settings.difference, &kinds);
         commands.extend(chosen.map(Command::SetDifference));
+        range::show(ui, state, viewport, commands);
     }
 }
 

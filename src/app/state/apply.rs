@@ -64,6 +64,20 @@ impl State {
             Command::SetExposure(exposure) if exposure.is_finite() => self.settings.display.exposure = exposure,
             Command::SetCurve(curve) => self.settings.display.curve = curve,
             Command::SetDifference(kind) => self.settings.difference = kind,
+            Command::SetDifferenceRange(range) => self.settings.difference_range = range.repaired(),
+            Command::ToggleTevLive => self.is_live_in_tev ^= true,
+            Command::SetTevAddress(address) => self.settings.tev_address = address.trim().to_owned(),
+            Command::DropSnapshot(id) => {
+                self.snapshots.set(id, None);
+                self.change_panes(|settings| {
+                    for content in &mut settings.panes {
+                        if content.snapshots().any(|shown| shown == id) {
+                            *content = content.without_snapshots();
+                        }
+                    }
+                });
+            }
+            Command::ToggleHistogram => self.settings.show_histogram ^= true,
             Command::ToggleValues => self.settings.show_values ^= true,
             Command::SetGroundTruth(demand) => self.demand_ground_truth(demand),
             Command::SetErrorMetric(metric) => self.settings.error_metric = metric,
@@ -117,8 +131,16 @@ impl State {
             | Command::Save
             | Command::AskSaveAs
             | Command::SaveAs(_)
+            | Command::SaveAsAnyway(_)
             | Command::AskExport(_)
             | Command::Export(..)
+            | Command::ExportAnyway(..)
+            | Command::KeepSnapshot(_)
+            | Command::SendToTev
+            | Command::AskTevAddress
+            | Command::CopyPane
+            | Command::CopyPanes
+            | Command::CopyValues
             | Command::Quit
             | Command::QuitAnyway => {}
         }

@@ -28,8 +28,16 @@ fn name(state: &State, about: &About, index: usize) -> String {
     format!("Picture of pane {}: {content}, {how_far}", index + 1)
 }
 
-/// Lets the pane have the focus, and reads its keys.
-pub(super) fn pane_ui(ui: &Ui, state: &State, about: &About, index: usize, pane: &Pane, commands: &mut Vec<Command>) {
+/// Lets the pane have the focus, and reads its keys. `has_ring`: whether the focus is shown.
+pub(super) fn pane_ui(
+    ui: &Ui,
+    state: &State,
+    about: &About,
+    index: usize,
+    pane: &Pane,
+    has_ring: bool,
+    commands: &mut Vec<Command>,
+) {
     let id = pane_id(index);
     let response = ui.interact(pane.visible, id, Sense::FOCUSABLE);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name(state, about, index)));
@@ -43,6 +51,9 @@ pub(super) fn pane_ui(ui: &Ui, state: &State, about: &About, index: usize, pane:
     let filter = EventFilter { tab: false, horizontal_arrows: true, vertical_arrows: true, escape: true };
     ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
     read_keys(ui, state, pane, commands);
+    if !has_ring {
+        return;
+    }
     let ring = pane.visible.shrink(1.0);
     ui.painter().rect_stroke(ring, 0.0, Stroke::new(4.0, Color32::from_black_alpha(170)), StrokeKind::Inside);
     ui.painter().rect_stroke(ring.shrink(1.0), 0.0, Stroke::new(2.0, Palette::of(ui).accent), StrokeKind::Inside);

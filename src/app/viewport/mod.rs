@@ -6,6 +6,8 @@ mod keyboard;
 mod layout;
 mod legend;
 mod overlay;
+mod range;
+mod snapshots;
 mod tools;
 mod values;
 
@@ -20,6 +22,8 @@ pub use self::values::pixel_at;
 use super::command::Command;
 use super::develop::{About, Picture, Source};
 use super::graphics::film_size;
+use super::histogram::Histogram;
+use super::range::Scale;
 use super::settings::{Arrangement, DifferenceKind, PaneContent};
 use super::state::State;
 use super::theme::Palette;
@@ -36,6 +40,10 @@ pub struct Viewport {
     pub pointer: Option<[f64; 2]>,
     /// Where the panes' labels are, with what hangs below them.
     labels: Vec<Rect>,
+    /// Where each pane was last shown, in points.
+    places: Vec<Rect>,
+    /// Whether what belongs to the pointer and to editing is left out: a picture of the panes is being taken.
+    pub is_still: bool,
 }
 
 /// One picture.
@@ -76,6 +84,14 @@ impl Viewport {
         &self.labels
     }
 
+    /// Where pane `index` was last shown, in points; without an index, where all were.
+    pub fn place(&self, index: Option<usize>) -> Rect {
+        match index {
+            Some(index) => self.places.get(index).copied().unwrap_or(Rect::NOTHING),
+            None => self.places.iter().fold(Rect::NOTHING, |all, place| all.union(*place)),
+        }
+    }
+
     /// Drops every picture: another scene is coming.
     pub fn forget(&mut self) {
         self.shown.clear();
@@ -98,13 +114,33 @@ impl Viewport {
         shot.about.mean_difference.filter(|_| shot.about.source.epochs().all(|shown| shown == epoch))
     }
 
+    /// The scale of the colours of the picture of `content`, if it shows a difference in luminance.
+    pub fn scale(&self, content: PaneContent) -> Option<Scale> {
+        self.shown.get(&content)?.about.scale
+    }
+
+    /// The histogram of the picture of `content`, where one was asked for.
+    pub fn histogram(&self, content: PaneContent) -> Option<&Histogram> {
+        self.shown.get(&content)?.about.histogram.as_deref()
+    }
+
     /// What is said of the pixel under the pointer in pane `index`, line by line.
     pub fn values(&self, index: usize, state: &State) -> Vec<String> {
+        self.pointer.map_or_else(Vec::new, |point| self.values_at(index, state, point))
+    }
+
+    /// What is said of the pixel at `point`, in [0, 1]² of the film, in pane `index`.
+    pub fn values_at(&self, index: usize, state: &State, point: [f64; 2]) -> Vec<String> {
         let content = state.settings.panes[index];
-        match (self.shown.get(&content), self.pointer) {
-            (Some(shot), Some(point)) => values::lines(content, &shot.about, state.settings.difference, point),
-            _ => Vec::new(),
-        }
+        let is_framed = content.snapshots().filter_map(|id| state.snapshots.get(id)).any(|kept| {
+            let [film, kept] =
+                [state.film_size(), kept.film.size].map(|[width, height]| Vec2::new(width as f32, height as f32));
+            let room = Rect::from_min_size(egui::Pos2::ZERO, film);
+            fitted(room, kept) != room
+        });
+        // A picture of another shape does not fill its pane.
+        let shot = self.shown.get(&content).filter(|_| !is_framed);
+        shot.map_or_else(Vec::new, |shot| values::lines(content, &shot.about, state.settings.difference, point))
     }
 
     /// Samples per pixel of an up-to-date picture at full resolution; 0 before.
@@ -117,6 +153,12 @@ impl Viewport {
     /// Shows the panes in all the room that is left, and reads the pointer.
     pub fn show(&mut self, ui: &mut Ui, state: &mut State, commands: &mut Vec<Command>) {
         let area = ui.available_rect_before_wrap();
+        self.places.clear();
+        if self.is_still {
+            // Labels look as if the pointer were elsewhere.
+            let widgets = &mut ui.visuals_mut().widgets;
+            (widgets.hovered, widgets.active, widgets.open) = (widgets.inactive, widgets.inactive, widgets.inactive);
+        }
         // The focus goes to one pane or another, not to all of them.
         let response = ui.allocate_rect(area, Sense::CLICK | Sense::DRAG);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Group, true, "Pictures"));
@@ -128,27 +170,35 @@ impl Viewport {
         let settings = &state.settings;
         let panes = panes(area, settings.pane_count, settings.arrangement, state.view.divider);
         let pixels = panes[0].picture.size() * ui.ctx().pixels_per_point() * settings.resolution_scale;
+        self.places.extend(panes.iter().map(|pane| pane.visible));
         state.set_film_size(film_size(pixels.into(), ui.input(|input| input.max_texture_side)));
         self.shown.retain(|content, shot| {
             // The next reference image takes a while: until then an error is not of this picture.
             let is_stale = matches!(content, PaneContent::Error(_))
                 && (!state.measurement.is_on() || shot.about.source.epochs().any(|epoch| epoch != state.epoch()));
-            state.settings.shown_panes().contains(content) && !is_stale
+            let is_impossible = state.snapshots.obstacle(*content, state.film_size()).is_some();
+            state.settings.shown_panes().contains(content) && !is_stale && !is_impossible
         });
 
         self.read_pointer(ui, &response, state, &panes, commands);
         for (index, pane) in panes.iter().enumerate() {
             self.paint_picture(ui, state, index, *pane);
-            let painter = ui.painter().with_clip_rect(pane.visible.intersect(ui.clip_rect()));
-            self.handles.paint(&painter, state, &panes, index);
+            if !self.is_still {
+                let painter = ui.painter().with_clip_rect(pane.visible.intersect(ui.clip_rect()));
+                self.handles.paint(&painter, state, &panes, index);
+            }
         }
         self.paint_dividers(ui, state, &panes);
         self.labels.clear();
         let nothing = About::default();
         for (index, pane) in panes.iter().enumerate() {
             let about = self.shown.get(&state.settings.panes[index]).map_or(&nothing, |shot| &shot.about);
-            keyboard::pane_ui(ui, state, about, index, pane, commands);
+            keyboard::pane_ui(ui, state, about, index, pane, !self.is_still, commands);
             self.labels.extend(overlay::pane_ui(ui, state, about, index, *pane, commands));
+        }
+        if self.is_still {
+            overlay::area_ui(ui, state, area);
+            return;
         }
         if let Some(pos) = response.hover_pos().filter(|_| self.drag.is_none())
             && let Some(index) = panes.iter().position(|pane| pane.visible.contains(pos))
@@ -180,8 +230,8 @@ impl Viewport {
             let has_zoom = state.view.zoom > 1.0 && pane.visible.left() <= response.rect.left() + 1.0;
             let is_lowest = pane.visible.bottom() >= response.rect.bottom() - 4.0;
             let mut lift: f32 = if has_zoom && is_lowest { 30.0 } else { 0.0 };
-            if content.is_difference() && (pane.visible.width() < 360.0 || (to_right && to_bottom)) {
-                lift = lift.max(overlay::LEGEND_HEIGHT + 6.0);
+            if content.is_difference() && (pane.visible.width() < 390.0 || (to_right && to_bottom)) {
+                lift = lift.max(range::HEIGHT + 6.0);
             }
             values::show(ui, &self.values(index, state), pane, to_bottom, lift);
         }
@@ -191,7 +241,18 @@ impl Viewport {
         let painter = ui.painter().with_clip_rect(pane.visible.intersect(ui.clip_rect()));
         if let Some(shot) = self.shown.get(&state.settings.panes[index]) {
             let window = film_window(state.view.zoom, state.view.zoom_center);
-            painter.image(shot.texture.id(), pane.picture, window, Color32::WHITE);
+            let is_kept = matches!(state.settings.panes[index], PaneContent::Snapshot(_));
+            let place = if is_kept { fitted(pane.picture, shot.texture.size_vec2()) } else { pane.picture };
+            painter.image(shot.texture.id(), place, window, Color32::WHITE);
+        } else if let Some(text) = state.snapshots.obstacle(state.settings.panes[index], state.film_size()) {
+            let palette = Palette::of(ui);
+            let font = egui::TextStyle::Body.resolve(ui.style());
+            let width = (pane.visible.width() - 40.0).max(60.0);
+            let mut job = egui::text::LayoutJob::simple(text, font, palette.weak_text, width);
+            job.halign = egui::Align::Center;
+            let galley = painter.layout_job(job);
+            let top = pane.visible.center() - Vec2::new(0.0, galley.size().y / 2.0);
+            painter.galley(top, galley, palette.weak_text);
         } else {
             let palette = Palette::of(ui);
             let is_error = matches!(state.settings.panes[index], PaneContent::Error(_));
@@ -206,7 +267,7 @@ impl Viewport {
             painter.text(pane.visible.center(), egui::Align2::CENTER_CENTER, text, font, palette.weak_text);
         }
         overlay::paint_marker(&painter, state, pane.picture);
-        if state.settings.pane_count > 1 && index == state.view.active_pane {
+        if state.settings.pane_count > 1 && index == state.view.active_pane && !self.is_still {
             let stroke = egui::Stroke::new(1.5, Palette::of(ui).accent);
             painter.rect_stroke(pane.visible, 0.0, stroke, egui::StrokeKind::Inside);
         }
@@ -230,4 +291,12 @@ impl Viewport {
         }
         overlay::paint_handle(ui.painter(), handle);
     }
+}
+
+/// The largest rectangle in `room` that has the shape of an image of `size`; all of it where the shapes are nearly the same.
+fn fitted(room: Rect, size: Vec2) -> Rect {
+    let scale = (room.width() / size.x).min(room.height() / size.y);
+    let fitted = size * scale;
+    let is_same = (room.size() - fitted).max_elem() <= 0.01 * room.size().max_elem();
+    if is_same { room } else { Rect::from_center_size(room.center(), fitted) }
 }

@@ -1,12 +1,12 @@
 //! What lies over the pictures: each pane's label, the inspected pixel, the legend of a difference.
 
 use egui::text::LayoutJob;
-use egui::{Align2, Button, Color32, Painter, Pos2, Rect, Stroke, TextFormat, Ui, UiBuilder, Vec2, pos2, vec2};
+use egui::{Button, Color32, Painter, Pos2, Rect, Stroke, TextFormat, Ui, UiBuilder, Vec2, pos2, vec2};
 
 use super::layout::{Pane, film_window, screen_from_film};
-use super::legend;
+use super::{legend, range, snapshots};
 use crate::app::command::Command;
-use crate::app::develop::{About, Source, difference_color, flip_color};
+use crate::app::develop::{About, Source};
 use crate::app::settings::{Arrangement, DifferenceKind, PaneContent};
 use crate::app::state::State;
 use crate::app::theme::over_pictures::{ALERT, GROUND, TEXT, WEAK};
@@ -39,11 +39,16 @@ pub(super) fn pane_ui(
     label_ui(&mut child, state, about, index, commands);
 
     match state.settings.panes[index] {
-        PaneContent::Difference(..) | PaneContent::Error(_) => paint_legend(ui, state, room, to_right && to_bottom),
+        PaneContent::Difference(..)
+        | PaneContent::Error(_)
+        | PaneContent::Change(..)
+        | PaneContent::SnapshotDifference => {
+            range::show(ui, state, index, about.scale, room, to_right && to_bottom, commands);
+        }
         PaneContent::Surfaces(quantity) => {
             legend::show(ui, state, &about.source, quantity, room, to_right && to_bottom);
         }
-        PaneContent::Mode(_) => {}
+        PaneContent::Mode(_) | PaneContent::Snapshot(_) => {}
     }
     Some(child.min_rect())
 }
@@ -60,7 +65,7 @@ fn label_ui(ui: &mut Ui, state: &State, about: &About, index: usize, commands: &
     let films = &source.films[..];
     let room = ui.available_width() - 2.0 * ui.spacing().button_padding.x;
     let fits = |job: &LayoutJob| ui.painter().layout_job(job.clone()).size().x <= room;
-    let text = |detail| label_text(ui, source, content, detail);
+    let text = |detail| label_text(ui, state, source, content, detail);
     let job = Detail::ALL.into_iter().map(text).find(fits).unwrap_or_else(|| text(Detail::Names));
     let button =
         Button::new(job).fill(GROUND).stroke(Stroke::NONE).corner_radius(5).min_size(vec2(0.0, 24.0)).truncate();
@@ -68,19 +73,23 @@ fn label_ui(ui: &mut Ui, state: &State, about: &About, index: usize, commands: &
     let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
         menu_ui(ui, |ui| {
             commands.extend(content_menu_ui(ui, content).map(|new| Command::SetPaneContent(index, new)));
+            snapshots::keep_ui(ui, state, index, commands);
         });
     });
     let hint = match content {
         PaneContent::Mode(mode) => mode.about().to_owned(),
         PaneContent::Difference(a, b) => {
             let [a, b] = [a, b].map(Mode::name);
-            format!("The luminance of {a} less that of {b}, at the display's exposure.")
+            format!("The luminance of {a} less that of {b}.")
         }
         PaneContent::Error(mode) => {
             let mode = mode.name();
-            format!("The luminance of {mode} less that of the reference image, at the display's exposure.")
+            format!("The luminance of {mode} less that of the reference image.")
         }
         PaneContent::Surfaces(quantity) => quantity.about().to_owned(),
+        PaneContent::Snapshot(_) | PaneContent::Change(..) | PaneContent::SnapshotDifference => {
+            snapshots::about(state, content)
+        }
     };
     response.accessible_name(name).on_hover_text(format!("{hint}\nClick to show something else in this pane."));
     let mut events = Events::default();
@@ -135,7 +144,7 @@ impl Detail {
     const ALL: [Self; 3] = [Self::All, Self::Content, Self::Names];
 }
 
-fn label_text(ui: &Ui, source: &Source, content: PaneContent, detail: Detail) -> LayoutJob {
+fn label_text(ui: &Ui, state: &State, source: &Source, content: PaneContent, detail: Detail) -> LayoutJob {
     let palette = Palette { is_dark: true, ..Palette::of(ui) };
     let body = egui::TextStyle::Body.resolve(ui.style());
     let mono = theme::small_mono_style().resolve(ui.style());
@@ -158,6 +167,9 @@ fn label_text(ui: &Ui, source: &Source, content: PaneContent, detail: Detail) ->
             job.append("error", 9.0, TextFormat::simple(body, TEXT));
         }
         PaneContent::Surfaces(quantity) => job.append(quantity.name(), 0.0, TextFormat::simple(body, TEXT)),
+        PaneContent::Snapshot(_) | PaneContent::Change(..) | PaneContent::SnapshotDifference => {
+            snapshots::append_label(ui, state, content, &mut job);
+        }
     }
     let status = match source.samples() {
         0 => "…".to_owned(),
@@ -217,6 +229,7 @@ pub fn content_menu_ui(ui: &mut Ui, shown: PaneContent) -> Option<PaneContent> {
             entry(response.on_hover_text(hint), content);
         }
     });
+    ui.menu_button("snapshots", |ui| snapshots::entries_ui(ui, shown, &mut entry));
     if chosen.is_some() {
         ui.close();
     }
@@ -287,52 +300,6 @@ pub(super) fn paint_handle(painter: &Painter, center: Pos2) {
         painter.line_segment([tip, tip + vec2(-side * 3.0, -3.0)], stroke);
         painter.line_segment([tip, tip + vec2(-side * 3.0, 3.0)], stroke);
     }
-}
-
-/// Height of a difference's legend, in points.
-pub(super) const LEGEND_HEIGHT: f32 = 50.0;
-
-/// In the lower right corner, or in the lower left one where the label is in the way.
-fn paint_legend(ui: &Ui, state: &State, room: Rect, at_left: bool) {
-    const BAR: Vec2 = vec2(120.0, 8.0);
-    if room.width() < 180.0 || room.height() < 90.0 {
-        return;
-    }
-    let painter = ui.painter();
-    let size = vec2(BAR.x + 20.0, LEGEND_HEIGHT);
-    let frame = legend::in_corner(room, size, at_left);
-    painter.rect_filled(frame, 5.0, GROUND);
-    let bar = Rect::from_min_size(frame.min + vec2(10.0, 8.0), BAR);
-    let kind = state.settings.difference;
-    let is_signed = kind == DifferenceKind::Signed;
-    legend::paint_bar(painter, bar, |part| match kind {
-        DifferenceKind::Flip => flip_color(part),
-        DifferenceKind::Signed => difference_color(2.0 * part - 1.0, true),
-        DifferenceKind::Absolute => difference_color(part, false),
-    });
-    let end = if kind == DifferenceKind::Flip { 0.0 } else { f64::from(-state.settings.display.exposure) };
-    let end = end.exp2();
-    let font = egui::FontId::monospace(10.0);
-    let number = |value: f64| {
-        let text = format!("{value:.3}");
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    };
-    let labels = if is_signed {
-        [format!("−{}", number(end)), "0".to_owned(), format!("+{}", number(end))]
-    } else {
-        ["0".to_owned(), number(end / 2.0), number(end)]
-    };
-    let places =
-        [(bar.left(), Align2::LEFT_TOP), (bar.center().x, Align2::CENTER_TOP), (bar.right(), Align2::RIGHT_TOP)];
-    for ((x, align), text) in places.into_iter().zip(labels) {
-        painter.text(pos2(x, bar.bottom() + 3.0), align, text, font.clone(), TEXT);
-    }
-    let caption = match kind {
-        DifferenceKind::Absolute => "|Δ luminance|, linear",
-        DifferenceKind::Signed => "Δ luminance, linear",
-        DifferenceKind::Flip => "FLIP, as displayed",
-    };
-    painter.text(pos2(bar.center().x, bar.bottom() + 16.0), Align2::CENTER_TOP, caption, font, WEAK);
 }
 
 /// What belongs to all panes together.

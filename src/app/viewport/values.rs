@@ -23,7 +23,7 @@ pub fn pixel_at(size: [u32; 2], point: [f64; 2]) -> Option<[u32; 2]> {
 /// The lines that say what a picture shows at `point`; none for surfaces, before there is an image, and outside of it.
 pub fn lines(content: PaneContent, about: &About, kind: DifferenceKind, point: [f64; 2]) -> Vec<String> {
     let source = &about.source;
-    let Some(film) = source.films.first() else { return Vec::new() };
+    let Some(film) = source.images().next() else { return Vec::new() };
     let Some([x, y]) = pixel_at(film.size, point) else { return Vec::new() };
     let index = y as usize * film.size[0] as usize + x as usize;
     let rgb_text = |rgb: [f32; 3], is_signed: bool| rgb.map(|x| number(x, is_signed)).join(" ");
