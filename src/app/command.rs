@@ -9,6 +9,7 @@ use super::objects::Manipulation;
 use super::range::DifferenceRange;
 use super::settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Tab, Theme};
 use super::snapshots::SnapshotId;
+use super::state::WorldPart;
 use crate::check::Spot;
 use crate::optics::Ior;
 use crate::render::ToneCurve;
@@ -149,6 +150,9 @@ pub enum Command {
     /// The values of the pixel under the pointer, or else of the inspected one, as text to the clipboard.
     CopyValues,
     ClearRecent,
+    AskEnvironmentImage,
+    /// Puts the image of that file around the scene.
+    ReadEnvironment(PathBuf),
     /// Gives up opening a scene.
     CancelOpening,
     /// Opens the autosave at that path, which an earlier instance left behind.
@@ -174,6 +178,9 @@ pub enum Command {
     /// One step larger (1) or smaller (−1).
     StepInterfaceScale(i32),
     SelectObject(Option<String>),
+    SelectWorld(WorldPart),
+    /// The next click in a picture puts the focus there, or does not any more.
+    PickFocus(bool),
     ShowGallery(bool),
     ShowShortcuts(bool),
     ShowAbout(bool),

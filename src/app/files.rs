@@ -14,7 +14,9 @@ use super::command::{Command, ExportKind};
 use super::develop::Source;
 use super::opening::Reading;
 use crate::export::{self, Comparison, ExportError, LabelledPane, Picture};
+use crate::formats::disk;
 use crate::render::Display;
+use crate::scene::environment::EnvironmentImage;
 use crate::scene::{Description, SceneError};
 use crate::session::Snapshot;
 use crate::tracking::Mode;
@@ -29,6 +31,8 @@ const NO_DIALOG: Duration = Duration::from_millis(1000);
 pub enum Purpose {
     Open,
     SaveAs,
+    /// An image that surrounds the scene.
+    Environment,
     Export(ExportKind),
 }
 
@@ -43,26 +47,35 @@ impl Purpose {
             Self::Export(ExportKind::PanePng) => "Export the picture of the active pane",
             Self::Export(ExportKind::AllPanesPng) => "Export a comparison sheet",
             Self::Export(ExportKind::PaneExr) => "Export the active pane as linear EXR",
+            Self::Environment => "Choose an image that surrounds the scene",
             Self::Export(ExportKind::ErrorsCsv) => "Export the measured errors as CSV",
         }
     }
 
-    fn filter(self) -> (&'static str, &'static str) {
+    /// What the dialog offers, and the endings that such files have.
+    fn filter(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::Open | Self::SaveAs => ("iorect scenes", "toml"),
-            Self::Export(ExportKind::PaneExr) => ("OpenEXR", "exr"),
-            Self::Export(ExportKind::ErrorsCsv) => ("CSV", "csv"),
-            Self::Export(_) => ("PNG", "png"),
+            Self::Open | Self::SaveAs => ("iorect scenes", &["toml"]),
+            Self::Environment => ("images", &["exr", "hdr", "png", "jpg", "jpeg"]),
+            Self::Export(ExportKind::PaneExr) => ("OpenEXR", &["exr"]),
+            Self::Export(ExportKind::ErrorsCsv) => ("CSV", &["csv"]),
+            Self::Export(_) => ("PNG", &["png"]),
         }
     }
 
+    /// Of a file that is written.
     pub fn extension(self) -> &'static str {
-        self.filter().1
+        self.filter().1[0]
+    }
+
+    /// Whether the file is there already.
+    pub fn is_reading(self) -> bool {
+        matches!(self, Self::Open | Self::Environment)
     }
 
     /// The path with the extension where the user typed none.
     pub fn extended(self, path: &Path) -> PathBuf {
-        let is_whole = self == Self::Open || path.extension().is_some();
+        let is_whole = self.is_reading() || path.extension().is_some();
         if is_whole { path.to_owned() } else { path.with_extension(self.extension()) }
     }
 
@@ -71,6 +84,7 @@ impl Purpose {
         match self {
             Self::Open => Command::Open(path),
             Self::SaveAs => Command::SaveAs(path),
+            Self::Environment => Command::ReadEnvironment(path),
             Self::Export(kind) => Command::Export(kind, path),
         }
     }
@@ -80,6 +94,7 @@ impl Purpose {
         match self {
             Self::Open => Command::Open(path),
             Self::SaveAs => Command::SaveAsAnyway(path),
+            Self::Environment => Command::ReadEnvironment(path),
             Self::Export(kind) => Command::ExportAnyway(kind, path),
         }
     }
@@ -89,6 +104,7 @@ impl Purpose {
         match self {
             Self::Open => Command::AskOpen,
             Self::SaveAs => Command::AskSaveAs,
+            Self::Environment => Command::AskEnvironmentImage,
             Self::Export(kind) => Command::AskExport(kind),
         }
     }
@@ -110,6 +126,8 @@ pub enum Outcome {
     Opened(u64, Box<Description>, Option<Found>),
     /// In words for the user.
     NotOpened(u64, String),
+    /// An image to surround the scene, and its file.
+    EnvironmentRead(PathBuf, EnvironmentImage),
     Saved(PathBuf, Arc<Description>),
     Exported(PathBuf),
     /// In words for the user.
@@ -166,8 +184,8 @@ impl Files {
 
     /// Asks for a path with the system's dialog.
     pub fn ask(&self, purpose: Purpose, suggestion: &Path) {
-        let (name, extension) = purpose.filter();
-        let mut dialog = rfd::AsyncFileDialog::new().set_title(purpose.title()).add_filter(name, &[extension]);
+        let (name, extensions) = purpose.filter();
+        let mut dialog = rfd::AsyncFileDialog::new().set_title(purpose.title()).add_filter(name, extensions);
         if let Some(folder) = suggestion.parent().filter(|folder| folder.is_dir()) {
             dialog = dialog.set_directory(folder);
         }
@@ -176,7 +194,7 @@ impl Files {
         let start = Instant::now();
         // The future is made here because some systems want dialogs to be asked for from the main thread.
         let chosen: std::pin::Pin<Box<dyn Future<Output = Option<rfd::FileHandle>> + Send>> = match purpose {
-            Purpose::Open => Box::pin(dialog.pick_file()),
+            _ if purpose.is_reading() => Box::pin(dialog.pick_file()),
             _ => Box::pin(dialog.set_file_name(file_name).save_file()),
         };
         self.spawn(move || match pollster::block_on(chosen) {
@@ -189,6 +207,16 @@ impl Files {
     /// Reads a scene by path or built-in name; `id` comes back with it.
     pub fn open(&self, id: u64, name_or_path: PathBuf) {
         self.spawn(move || Some(opened(id, crate::formats::open(&name_or_path))));
+    }
+
+    /// Reads an image that is to surround the scene.
+    pub fn read_environment(&self, path: PathBuf) {
+        self.attempt(move || {
+            let told = |message: String| format!("The image {} cannot be used: {message}", path.display());
+            let bytes = disk::read(&path, disk::MAX_DATA_BYTES).map_err(|error| told(error.to_string()))?;
+            let image = crate::formats::image_from_bytes(&bytes, &path).map_err(told)?;
+            Ok::<_, String>(Outcome::EnvironmentRead(path, image))
+        });
     }
 
     /// Goes on with a scene that is being read already.

@@ -237,6 +237,16 @@ fn key_name(key: Key) -> &'static str {
     }
 }
 
+/// Home and End belong to a control while it has the focus.
+pub fn keep_home_and_end(ctx: &egui::Context, control: egui::Id) {
+    ctx.data_mut(|data| data.insert_temp(keeper(), control));
+}
+
+/// Where the control that keeps Home and End is noted.
+fn keeper() -> egui::Id {
+    egui::Id::unique("keeps Home and End")
+}
+
 /// What stands over the panes and wants keys for itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Above {
@@ -258,6 +268,8 @@ pub fn pressed(ctx: &egui::Context, state: &State, above: Above) -> Vec<Command>
     // The focus itself is what Escape puts away where nothing lies over the panes.
     let has_lost_focus = above.focused.is_some() && focused.is_none();
     let is_escape_taken = has_popup || (has_lost_focus && !is_covered && !state.document.has_gesture());
+    let keeper: Option<egui::Id> = ctx.data(|data| data.get_temp(keeper()));
+    let keeps_home = keeper.is_some() && focused == keeper;
     let mut commands = Vec::new();
     // What is selected on a label is copied as text, by the label.
     let has_text = ctx.plugin::<egui::text_selection::LabelSelectionState>().lock().has_selection();
@@ -274,7 +286,8 @@ pub fn pressed(ctx: &egui::Context, state: &State, above: Above) -> Vec<Command>
                 if is_escape_taken {
                     continue;
                 }
-            } else if (is_covered && !WHILE_COVERED.contains(&shortcut.keys))
+            } else if (keeps_home && matches!(key, Key::Home | Key::End))
+                || (is_covered && !WHILE_COVERED.contains(&shortcut.keys))
                 || (above.has_dialog && shortcut.keys != QUIT)
                 || (is_plain && (is_typing || (has_focus && key == Key::Space)))
             {

@@ -10,9 +10,11 @@ mod command;
 mod develop;
 mod document;
 mod edit;
+mod entry;
 mod files;
 mod graphics;
 mod histogram;
+mod ior_control;
 mod keys;
 mod launch;
 mod measurement;
@@ -21,6 +23,7 @@ mod navigation;
 mod objects;
 mod opening;
 mod panels;
+mod picker;
 mod quotes;
 mod range;
 mod screenshot;
@@ -28,6 +31,7 @@ mod settings;
 mod snapshots;
 mod state;
 mod tev;
+mod text_field;
 mod theme;
 mod viewport;
 mod widgets;
@@ -37,14 +41,14 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub use command::{Command, ExportKind, MediumRef};
-pub use edit::{Edit, EditKey, MediumEdit, ObjectEdit};
+pub use edit::{Edit, EditKey, MediaEdit, MediumEdit, ObjectEdit};
 pub use launch::{Launch, RunError, Screenshot, run};
 pub use measurement::{Curve, ErrorAxis, ErrorMetric, Measurement, Measurements, Point, Trend};
 pub use objects::Manipulation;
 pub use range::{DifferenceRange, RangeCurve, RangeEnd, Scale};
 pub use settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Settings, SidePanel, Tab, Theme};
 pub use snapshots::SnapshotId;
-pub use state::State;
+pub use state::{State, WorldPart};
 
 use self::autosave::{Autosaver, Edits, Found, Slot};
 use self::background::{Bell, Repaint};
@@ -232,6 +236,8 @@ impl App {
             Command::AskOpen => self.ask(Purpose::Open),
             Command::AskSaveAs => self.ask(Purpose::SaveAs),
             Command::AskExport(kind) => self.ask(Purpose::Export(kind)),
+            Command::AskEnvironmentImage => self.ask(Purpose::Environment),
+            Command::ReadEnvironment(path) => self.files.read_environment(path),
             Command::Open(name_or_path) if self.state.document.is_dirty() => {
                 self.dialogs.leaving = Some(Command::OpenAnyway(name_or_path));
             }
@@ -342,7 +348,7 @@ impl App {
         let source = document.description().source.as_ref();
         let stem = source.and_then(|source| source.path.file_stem()).map_or("scene".into(), |s| s.to_string_lossy());
         let name = match purpose {
-            Purpose::Open => String::new(),
+            Purpose::Open | Purpose::Environment => String::new(),
             Purpose::SaveAs => format!("{stem}.toml"),
             Purpose::Export(ExportKind::AllPanesPng) => format!("{stem}-comparison.png"),
             Purpose::Export(ExportKind::ShownPanes) => format!("{stem}-panes.png"),
@@ -571,6 +577,10 @@ impl App {
                         self.state.notify_error(message);
                         self.open_default_instead_of_nothing();
                     }
+                }
+                Outcome::EnvironmentRead(path, image) => {
+                    let command = Command::Edit(self.state.environment_of(path, image));
+                    self.apply(ctx, command);
                 }
                 Outcome::Saved(path, description) => {
                     self.state.document.mark_saved(path.clone(), &description);

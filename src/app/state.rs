@@ -4,6 +4,7 @@ mod apply;
 mod inspection;
 mod side_panels;
 mod view;
+mod world;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -11,6 +12,7 @@ use std::sync::Arc;
 pub use self::inspection::Inspection;
 pub use self::side_panels::Room;
 pub use self::view::Motion;
+pub use self::world::WorldPart;
 use super::autosave::Found;
 use super::command::MediumRef;
 use super::document::Document;
@@ -86,6 +88,10 @@ pub struct State {
     pub windows: Windows,
     /// The object that is highlighted in the tree, by name.
     pub selected: Option<String>,
+    /// Which part of the world is shown where the world is selected.
+    pub world_part: WorldPart,
+    /// Whether the next click in a picture puts the focus there.
+    pub is_focusing: bool,
     pub inspection: Option<Inspection>,
     /// Where something was last selected in the picture, in [0, 1]² of the film.
     last_pick: Option<[f64; 2]>,
@@ -134,6 +140,8 @@ impl State {
             next_notice: 0,
             windows: Windows::default(),
             selected: None,
+            world_part: WorldPart::Medium,
+            is_focusing: false,
             inspection: None,
             last_pick: None,
             earlier_views: Vec::new(),

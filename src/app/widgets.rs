@@ -1,12 +1,19 @@
 //! Small pieces that several panels are made of.
 
+mod vector;
+
+use std::cell::RefCell;
+
 use egui::{
     Align, AsIdSalt, Color32, ComboBox, DragValue, Key, Layout, Response, RichText, ScrollArea, Sense, Ui, Vec2,
     WidgetText,
 };
 
+pub use self::vector::{RGB, Triple, XYZ, color_ui, vector_ui};
 use super::command::Command;
+use super::entry::{self, Refusal};
 use super::modal;
+use super::text_field::refusal_popup_ui;
 use super::theme::{self, Palette, SECTION_GAP};
 
 /// A section's title with a line under it. `detail` stands at the right.
@@ -101,7 +108,8 @@ fn list_room(ui: &Ui) -> f32 {
     (ui.ctx().content_rect().height() - MARGINS).max(60.0)
 }
 
-/// A number to drag or to type, `width` points wide. Returns whether it has changed.
+/// A number to drag or to type, as a calculation too, `width` points wide. What is refused leaves the number, and a note at the field says
+/// why. Returns whether it has changed.
 pub fn number_ui(
     ui: &mut Ui,
     width: f32,
@@ -109,7 +117,10 @@ pub fn number_ui(
     label: impl Into<String>,
     about: impl Into<String>,
 ) -> bool {
-    let response = ui.add_sized([width, ui.spacing().interact_size.y], drag.update_while_editing(false));
+    let refused: RefCell<Option<Refusal>> = RefCell::new(None);
+    let read = |text: &str| entry::number(text).map_err(|refusal| refused.replace(Some(refusal))).ok();
+    let drag = drag.update_while_editing(false).custom_parser(read);
+    let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
     // egui takes what was typed before Escape one frame later.
     let pass = ui.ctx().cumulative_pass_nr();
     let escaped = response.id.with("escaped");
@@ -117,7 +128,23 @@ pub fn number_ui(
         ui.data_mut(|data| data.insert_temp(escaped, pass));
     }
     let is_given_up = ui.data(|data| data.get_temp::<u64>(escaped)).is_some_and(|at| pass <= at + 2);
+    refused_ui(ui, &response, refused.take().filter(|_| !is_given_up));
     response.accessible_name(label).on_hover_text(about.into()).changed() && !is_given_up
+}
+
+/// Says at a number's field why the text was refused that was typed last, until the user goes on.
+fn refused_ui(ui: &Ui, response: &Response, refused: Option<Refusal>) {
+    let id = response.id.with("refused");
+    if let Some(refusal) = refused {
+        ui.data_mut(|data| data.insert_temp(id, refusal));
+    } else if let Some(refusal) = ui.data(|data| data.get_temp::<Refusal>(id)) {
+        let goes_on = ui.input(|input| input.pointer.any_pressed() || input.events.iter().any(is_key));
+        if goes_on {
+            ui.data_mut(|data| data.remove::<Refusal>(id));
+        } else {
+            refusal_popup_ui(response, &refusal, "as it was");
+        }
+    }
 }
 
 /// A ring around a control that paints itself, while it has the focus of the keyboard.
@@ -126,6 +153,10 @@ pub fn focus_ring(ui: &Ui, response: &Response) {
         let stroke = egui::Stroke::new(1.5, Palette::of(ui).accent);
         ui.painter().rect_stroke(response.rect, 4.0, stroke, egui::StrokeKind::Inside);
     }
+}
+
+fn is_key(event: &egui::Event) -> bool {
+    matches!(event, egui::Event::Key { pressed: true, .. } | egui::Event::Text(_))
 }
 
 /// A button that gives a command.

@@ -25,6 +25,7 @@ use std::path::Path;
 pub use self::builtin::BuiltIn;
 pub use self::disk::Disk;
 pub use self::files::{Files, Memory};
+pub use self::suggest::closest;
 use self::suggest::suggestion;
 pub use self::toml::{parse, save, to_text};
 use crate::geometry::Mesh;

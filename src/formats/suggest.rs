@@ -3,8 +3,13 @@
 /// Longest words that are compared: that takes the product of two lengths.
 const LONGEST: usize = 100;
 
-/// `; did you mean …?`, or nothing where no name is close. Swapping two neighbours counts as one edit.
+/// `; did you mean …?`, or nothing where no name is close.
 pub(super) fn suggestion<'a>(wrong: &str, valid: impl Iterator<Item = &'a str>) -> String {
+    closest(wrong, valid).map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+}
+
+/// The valid name that was probably meant; `None` where none is close. Swapping two neighbours counts as one edit.
+pub fn closest<'a>(wrong: &str, valid: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let allowed = 1 + wrong.chars().count() / 4;
     let wrong = wrong.to_lowercase();
     let distance = |name: &str| {
@@ -16,7 +21,7 @@ pub(super) fn suggestion<'a>(wrong: &str, valid: impl Iterator<Item = &'a str>) 
         .filter_map(|name| Some((distance(name)?, name)))
         .filter(|(distance, _)| *distance <= allowed)
         .min_by_key(|(distance, _)| *distance)
-        .map_or_else(String::new, |(_, name)| format!("; did you mean `{name}`?"))
+        .map(|(_, name)| name)
 }
 
 #[cfg(test)]

@@ -9,6 +9,10 @@ use crate::spectrum::WAVELENGTH_D_UM;
 /// Indices that are taken for real: far beyond any material and any test of stability, and far from where f64 gives out.
 pub const IOR_RANGE: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
+/// Fraunhofer's F and C lines of hydrogen, in µm: Abbe's number says how much an index differs between them.
+pub const WAVELENGTH_F_UM: f64 = 0.486_13;
+pub const WAVELENGTH_C_UM: f64 = 0.656_27;
+
 /// An index of refraction, as a number or by a dispersion formula; λ in µm.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ior {
@@ -47,6 +51,14 @@ impl Ior {
             Self::Constant(n) => *n,
             _ => 1.0 + self.ior_minus_one(WAVELENGTH_D_UM),
         }
+    }
+
+    /// Abbe's number V = (n_d − 1)/(n_F − n_C), small where dispersion is strong; `None` where there is none, or n does not fall
+    /// from F to C.
+    pub fn abbe_number(&self) -> Option<f64> {
+        let [d, f, c] = [WAVELENGTH_D_UM, WAVELENGTH_F_UM, WAVELENGTH_C_UM].map(|um| self.ior_minus_one(um));
+        let abbe = d / (f - c);
+        (self.is_dispersive() && abbe.is_finite() && abbe > 0.0).then_some(abbe)
     }
 
     /// Whether n changes with wavelength.
@@ -120,6 +132,16 @@ mod tests {
         assert!((Ior::Cauchy([1.5, 0.01, 0.001]).ior_minus_one(0.5) - 0.556).abs() < 1e-15);
         // n² = 1 + 0.75·0.25/(0.25 − 0.1) = 2.25.
         assert!((Ior::Sellmeier([[0.75, 0.1]].to_vec().into()).ior_minus_one(0.5) - 0.5).abs() < 1e-15);
+    }
+
+    /// As SCHOTT's data sheets and refractiveindex.info print them.
+    #[test]
+    fn abbe_numbers() {
+        for (name, abbe) in [("n-bk7", 64.17), ("sf11", 25.76), ("fused-silica", 67.82), ("water", 55.7)] {
+            let got = catalog::find(name).unwrap().model.abbe_number().unwrap();
+            assert!((got / abbe - 1.0).abs() < 2e-3, "{name}: {got} is not {abbe}");
+        }
+        assert_eq!(Ior::Constant(1.5).abbe_number(), None);
     }
 
     #[test]

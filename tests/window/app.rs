@@ -52,7 +52,7 @@ fn an_ior_is_changed_by_its_slider_and_undone() {
 #[test]
 fn an_ior_is_changed_by_typing() {
     let mut harness = window("nested-spheres");
-    harness.get_by_role_and_label(Role::SpinButton, "IOR of glass").click();
+    harness.get_by_role_and_label(Role::TextInput, "IOR of glass").click();
     harness.run_steps(3);
     harness.event(egui::Event::Text("2.417".into()));
     harness.run_steps(2);
@@ -67,7 +67,7 @@ fn an_ior_is_changed_by_typing() {
 fn a_preset_comes_from_the_catalogue() {
     let mut harness = window("nested-spheres");
     apply(&mut harness, Command::SelectObject(Some("glass ball".into())));
-    harness.get_by_role_and_label(Role::ComboBox, "Preset").click();
+    harness.get_by_role_and_label(Role::ComboBox, "Catalogue for glass").click();
     harness.run_steps(3);
     harness.get_by_label("Diamond").click_accesskit();
     harness.run_steps(3);

@@ -155,7 +155,7 @@ fn escape_closes_windows_and_questions_one_by_one() {
 #[test]
 fn escape_gives_up_typing_a_number_and_nothing_else() {
     let mut harness = inspecting([1280.0, 720.0]);
-    harness.get_by_role_and_label(Role::SpinButton, "IOR of world").click();
+    harness.get_by_role_and_label(Role::TextInput, "IOR of world").click();
     harness.run_steps(3);
     harness.event(egui::Event::Text("1.25".into()));
     harness.run_steps(2);

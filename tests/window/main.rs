@@ -9,6 +9,7 @@ mod app;
 mod export;
 mod layout;
 mod measuring;
+mod media;
 mod recovery;
 mod screen;
 mod texts;

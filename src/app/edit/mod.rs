@@ -2,9 +2,11 @@
 //! what readers of scene files demand: whatever comes out can be saved and read again.
 
 mod media;
+mod media_list;
 mod objects;
 
 pub use self::media::{MediumEdit, ior_of};
+pub use self::media_list::MediaEdit;
 pub use self::objects::ObjectEdit;
 use super::command::MediumRef;
 use super::objects::replaced;
@@ -17,6 +19,8 @@ pub enum Edit {
     /// Of one object, by name.
     Object(String, ObjectEdit),
     Medium(MediumRef, MediumEdit),
+    /// Of the list of media.
+    Media(MediaEdit),
     /// The scene's own camera.
     Camera(CameraDescription),
     Environment(Environment),
@@ -55,8 +59,13 @@ impl Edit {
         match self {
             Self::Object(name, edit) => edit.key(name),
             Self::Medium(medium, edit) => edit.key(medium),
+            Self::Media(edit) => edit.key(),
             Self::Camera(_) => EditKey::continuous("scene camera"),
-            Self::Environment(_) => EditKey::continuous("environment"),
+            Self::Environment(environment) => EditKey::continuous(match environment {
+                Environment::Color(_) => "colour of the environment",
+                Environment::Gradient { .. } => "gradient of the environment",
+                Environment::Image { .. } => "image of the environment",
+            }),
         }
     }
 
@@ -69,6 +78,7 @@ impl Edit {
         let is_changed = match self {
             Self::Object(name, edit) => edit.apply(name, &mut edited),
             Self::Medium(medium, edit) => edit.apply(medium, &mut edited),
+            Self::Media(edit) => edit.apply(&mut edited),
             Self::Camera(camera) => {
                 let is_changed = replaced(&mut edited.camera, *camera);
                 validate::table(&edited, "camera", |v| { *camera }.fields(v)).map(|()| is_changed)

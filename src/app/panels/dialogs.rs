@@ -99,7 +99,7 @@ impl PathPrompt {
         ui.add_space(8.0);
         let path = self.text.trim();
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let verb = if self.purpose == Purpose::Open { "Open" } else { "Save" };
+            let verb = if self.purpose.is_reading() { "Open" } else { "Save" };
             let is_clicked = ui.add_enabled(!path.is_empty(), egui::Button::new(verb)).clicked();
             let is_given = (is_clicked || is_entered) && !path.is_empty();
             if is_given {

@@ -1,7 +1,9 @@
 //! The panels around the pictures, one per file. They read the state and return commands.
 
 pub mod about;
+mod camera;
 pub mod dialogs;
+mod environment;
 mod gallery;
 mod histogram;
 mod inspector;
@@ -21,6 +23,7 @@ mod shortcuts;
 mod sides;
 mod snapshots;
 mod status;
+mod world;
 
 use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Ui};
 

@@ -1,12 +1,11 @@
 //! The controls of one object: whether it is shown, its priority, and where it stands.
 
 use egui::{DragValue, Ui};
-use glam::DVec3;
 
 use crate::app::command::Command;
 use crate::app::edit::ObjectEdit;
 use crate::app::objects::{self, Manipulation};
-use crate::app::widgets::{note, number_ui, row_ui};
+use crate::app::widgets::{Triple, XYZ, note, number_ui, row_ui, vector_ui};
 use crate::scene::description::{Object, Shape, Transform};
 
 /// Decimals that are shown; what was typed is kept in full.
@@ -51,16 +50,18 @@ fn transform_ui(ui: &mut Ui, object: &Object, commands: &mut Vec<Command>) {
         commands.push(Command::object(name.to_owned(), ObjectEdit::Transform(manipulation, transform)));
     };
     let about = "Translation in scene units; it comes after scale and rotation.";
-    let field = Field { about, label: &format!("Move {name}"), speed: 0.004 * size.max(1e-9), suffix: "" };
+    let label = format!("Move {name} along");
+    let triple = Triple { speeds: [0.004 * size.max(1e-9); 3], ..Triple::new(XYZ, &label, about) };
     row_ui(ui, "Move", about, |ui| {
-        if let Some(translate) = field.show(ui, transform.translate) {
+        if let Some(translate) = vector_ui(ui, &triple, transform.translate) {
             set(Manipulation::Move, Transform { translate, ..transform });
         }
     });
     let about = "Degrees about the fixed axes x, y and z, in this order. The middle of the object stays where it is.";
-    let field = Field { about, label: &format!("Rotate {name}"), speed: 0.5, suffix: "°" };
+    let label = format!("Rotate {name} along");
+    let triple = Triple { speeds: [0.5; 3], suffix: "°", ..Triple::new(XYZ, &label, about) };
     row_ui(ui, "Rotate", about, |ui| {
-        if let Some(rotate) = field.show(ui, transform.rotate) {
+        if let Some(rotate) = vector_ui(ui, &triple, transform.rotate) {
             set(Manipulation::Rotate, objects::rotated_to(&transform, rotate, pivot));
         }
     });
@@ -83,28 +84,25 @@ fn transform_ui(ui: &mut Ui, object: &Object, commands: &mut Vec<Command>) {
     let id = ui.scope_id().with("linked");
     let mut is_linked = ui.data(|data| data.get_temp(id)).unwrap_or(false);
     row_ui(ui, "Scale", about, |ui| {
-        let mut edited = transform.scale;
         let button = egui::Button::selectable(is_linked, "=").frame_when_inactive(true);
-        let width = field_width(ui, 22.0 + ui.spacing().item_spacing.x);
-        let mut changed = None;
-        for (axis, axis_name) in ["x", "y", "z"].into_iter().enumerate() {
-            let drag = scale_drag(&mut edited[axis], transform.scale[axis]);
-            if field_ui(ui, width, drag, &format!("Scale {name}"), axis_name, about) {
-                changed = Some(axis);
-            }
-        }
+        let label = format!("Scale {name} along");
+        // Dragged by parts of themselves, and so never through 0.
+        let speeds = transform.scale.to_array().map(|factor| 0.005 * factor.abs().max(1e-6));
+        let triple = Triple { speeds, ..Triple::new(XYZ, &label, about) };
+        let reserved = 22.0 + ui.spacing().item_spacing.x;
+        let changed = triple.show(ui, transform.scale.to_array(), reserved);
         let tip = "Keep the proportions: a change of one factor changes all three alike.";
         let response = ui.add_sized([22.0, ui.spacing().interact_size.y], button);
         if response.accessible_name("Keep the proportions").on_hover_text(tip).clicked() {
             is_linked = !is_linked;
         }
-        if let Some(axis) = changed.filter(|&axis| edited[axis] != transform.scale[axis]) {
+        if let Some((axis, edited)) = changed {
             let scale = if is_linked {
                 let mut all = transform.scale * (edited[axis] / transform.scale[axis]);
                 all[axis] = edited[axis];
                 all
             } else {
-                edited
+                edited.into()
             };
             set(Manipulation::Scale, objects::scaled_to(&transform, scale, pivot));
         }
@@ -117,40 +115,4 @@ fn scale_drag(factor: &mut f64, before: f64) -> DragValue<'_> {
     let speed = 0.005 * before.abs().max(1e-6);
     // Typed, any sign will do; dragging stops short of 0.
     DragValue::new(factor).speed(speed).max_decimals(DECIMALS)
-}
-
-/// Width of one of three fields in a row, with `reserved` points left for something else.
-fn field_width(ui: &Ui, reserved: f32) -> f32 {
-    ((ui.available_width() - reserved - 2.0 * ui.spacing().item_spacing.x) / 3.0).max(20.0)
-}
-
-/// One of three fields. `label` is the accessible name, before the axis's.
-fn field_ui(ui: &mut Ui, width: f32, drag: DragValue<'_>, label: &str, axis: &str, about: &str) -> bool {
-    let padding = std::mem::replace(&mut ui.spacing_mut().button_padding.x, 3.0);
-    let (label, about) = (format!("{label} along {axis}"), format!("{about}\nThis one is {axis}."));
-    let is_changed = number_ui(ui, width, drag, label, about);
-    ui.spacing_mut().button_padding.x = padding;
-    is_changed
-}
-
-/// Three numbers, for x, y and z.
-struct Field<'a> {
-    about: &'a str,
-    label: &'a str,
-    speed: f64,
-    suffix: &'a str,
-}
-
-impl Field<'_> {
-    /// What the numbers are now, if that is new.
-    fn show(&self, ui: &mut Ui, values: DVec3) -> Option<DVec3> {
-        let mut edited = values;
-        let width = field_width(ui, 0.0);
-        let mut is_changed = false;
-        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            let drag = DragValue::new(&mut edited[axis]).speed(self.speed).suffix(self.suffix).max_decimals(DECIMALS);
-            is_changed |= field_ui(ui, width, drag, self.label, name, self.about);
-        }
-        (is_changed && edited != values).then_some(edited)
-    }
 }

@@ -5,7 +5,7 @@ use egui::{
     vec2,
 };
 
-use super::{medium, object};
+use super::{medium, object, world};
 use crate::app::command::{Command, MediumRef};
 use crate::app::edit::ObjectEdit;
 use crate::app::state::{State, medium_of};
@@ -55,7 +55,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let shown: Option<String> = ui.data(|data| data.get_temp(id)).flatten();
         let to_show = state.selected.clone().filter(|selected| shown.as_ref() != Some(selected));
         ui.data_mut(|data| data.insert_temp(id, state.selected.clone()));
-        world_row_ui(ui, state, description, commands);
+        world::rows_ui(ui, state, commands);
         let rows = rows(description, state.report.as_deref());
         let deepest = rows.iter().map(|row| row.depth).max().unwrap_or(1);
         let indent = (MOST_INDENT / deepest as f32).clamp(LEAST_INDENT, INDENT);
@@ -115,8 +115,8 @@ fn patch_of<'a>(report: &'a SceneReport, refractor: &str) -> Option<&'a Patch> {
 }
 
 /// Makes a row of the panel's width that can be selected. Returns it and the part of it at the left of the controls.
-fn selectable_row_ui(ui: &mut Ui, is_selected: bool, name: &str) -> (Rect, Response) {
-    let size = vec2(ui.available_width(), ui.spacing().interact_size.y + 2.0);
+pub fn selectable_row_ui(ui: &mut Ui, is_selected: bool, name: &str, height: f32) -> (Rect, Response) {
+    let size = vec2(ui.available_width(), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::TreeItem, true, is_selected, name));
     let visuals = ui.visuals();
@@ -132,18 +132,6 @@ fn selectable_row_ui(ui: &mut Ui, is_selected: bool, name: &str) -> (Rect, Respo
     (rect, response)
 }
 
-fn world_row_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut Vec<Command>) {
-    let is_selected = state.selected.as_deref() == Some(crate::optics::medium::WORLD);
-    let (rect, response) = selectable_row_ui(ui, is_selected, "world");
-    let tip = "The global medium: whatever is in no refractor.";
-    row_contents_ui(ui, rect, 0.0, Palette::of(ui).world(), "world", true, None);
-    medium::ior_ui(ui, controls_of(rect), description, &MediumRef::World, "world", commands);
-    if response.on_hover_text(tip).clicked() {
-        let next = (!is_selected).then(|| crate::optics::medium::WORLD.to_owned());
-        commands.push(Command::SelectObject(next));
-    }
-}
-
 fn refractor_row_ui(
     ui: &mut Ui,
     state: &State,
@@ -156,7 +144,7 @@ fn refractor_row_ui(
     let medium_name = object.refractor().map_or("", |refractor| &refractor.medium);
     let palette = Palette::of(ui);
     let is_selected = state.selected.as_deref() == Some(&object.name);
-    let (rect, response) = selectable_row_ui(ui, is_selected, &object.name);
+    let (rect, response) = selectable_row_ui(ui, is_selected, &object.name, medium::ROW_HEIGHT);
     if !ui.is_rect_visible(rect) {
         // A hundred shells are a long list: what is scrolled away costs nothing.
         return response;
@@ -166,9 +154,13 @@ fn refractor_row_ui(
     let color = medium::color(&palette, description, medium_name);
     let patch = state.report.as_deref().and_then(|report| patch_of(report, &object.name));
     let doubt = patch.filter(|patch| patch.confidence < 1.0).map(|patch| patch.confidence);
-    row_contents_ui(ui, rect, depth as f32 * indent, color, &object.name, object.visible, doubt);
+    let marks = |ui: &mut Ui| {
+        swatch_ui(ui, color);
+        medium::links_ui(ui, description, medium_name);
+    };
+    row_contents_ui(ui, rect, depth as f32 * indent, &object.name, object.visible, doubt, marks);
     let medium = MediumRef::Named(medium_name.to_owned());
-    medium::ior_ui(ui, controls_of(rect), description, &medium, &object.name, commands);
+    medium::row_ui(ui, controls_of(rect), description, &medium, &object.name, commands);
     let response = response.on_hover_ui(|ui| {
         ui.strong(&object.name);
         ui.label(format!("medium: {medium_name}"));
@@ -184,21 +176,21 @@ fn refractor_row_ui(
 
 /// The part of a row that the IOR's controls take.
 fn controls_of(row: Rect) -> Rect {
-    Rect::from_min_max(pos2(row.right() - medium::IOR_WIDTH - 4.0, row.top()), row.max - vec2(2.0, 0.0))
+    Rect::from_min_max(pos2(row.right() - medium::ROW_WIDTH - 4.0, row.top()), row.max - vec2(2.0, 0.0))
 }
 
 fn row_contents_ui(
     ui: &mut Ui,
     row: Rect,
     indent: f32,
-    color: egui::Color32,
     name: &str,
     visible: bool,
     doubt: Option<f64>,
+    marks: impl FnOnce(&mut Ui),
 ) {
     let left = Rect::from_min_max(row.min + vec2(4.0 + indent, 0.0), pos2(controls_of(row).left() - 4.0, row.bottom()));
     let mut contents = ui.new_child(UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center)));
-    swatch_ui(&mut contents, color);
+    marks(&mut contents);
     if let Some(confidence) = doubt {
         let color = Palette::of(&contents).warning;
         let tip = format!("The rays did not agree: {:.0} % for this place in the tree.", confidence * 100.0);
@@ -286,15 +278,14 @@ fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut
         return;
     };
     if selected == crate::optics::medium::WORLD {
-        section_ui(ui, "World", "global medium");
-        medium::details_ui(ui, description, &MediumRef::World, commands);
+        world::card_ui(ui, state, commands);
         return;
     }
     let Some(object) = state.selected_object() else { return };
     if let Some(medium) = medium_of(description, selected) {
         section_ui(ui, selected, medium.name());
         object::show(ui, object, commands);
-        medium::details_ui(ui, description, &medium, commands);
+        medium::object_ui(ui, description, selected, medium.name(), commands);
         fact_ui(ui, "Outside", outside(state, selected), "The medium that rectification found on the other side.");
         if let Some(patch) = state.report.as_deref().and_then(|report| patch_of(report, selected)) {
             let text = format!("{:.1} % of {} rays", patch.confidence * 100.0, patch.rays);
@@ -354,7 +345,7 @@ fn plain_rows_ui(
 fn plain_row_ui(ui: &mut Ui, state: &State, object: &Object, commands: &mut Vec<Command>) -> Response {
     let name = &object.name;
     let is_selected = state.selected.as_ref() == Some(name);
-    let (rect, response) = selectable_row_ui(ui, is_selected, name);
+    let (rect, response) = selectable_row_ui(ui, is_selected, name, ui.spacing().interact_size.y + 2.0);
     let color = opaque(crate::render::Display::default().encode(color_of(&object.role).map(|c| c as f32)));
     let left = rect.shrink2(vec2(4.0, 0.0));
     let mut contents = ui.new_child(UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center)));

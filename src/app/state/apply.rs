@@ -15,12 +15,16 @@ impl State {
             Command::Drag(edit) if self.document.has_gesture() => self.edit(&edit, now_secs),
             Command::EndDrag => self.document.end_gesture(),
             Command::Undo => {
+                let camera = self.document.description().camera;
                 if self.document.cancel_gesture() || self.document.undo() {
+                    self.follow_camera(camera);
                     self.invalidate();
                 }
             }
             Command::Redo => {
+                let camera = self.document.description().camera;
                 if self.document.redo() {
+                    self.follow_camera(camera);
                     self.invalidate();
                 }
             }
@@ -52,6 +56,7 @@ impl State {
                 let margin = 0.5 / self.view.zoom;
                 self.view.zoom_center = center.map(|x| x.clamp(margin, 1.0 - margin));
             }
+            Command::Inspect(Some(point)) if self.is_focusing => self.focus_at(point, now_secs),
             Command::Inspect(point) => self.inspect(point),
             Command::LookAt(point) => self.look_at(point),
             Command::SelectAt(point) => self.select_at(point),
@@ -109,6 +114,11 @@ impl State {
             Command::SetTheme(theme) => self.settings.theme = theme,
             Command::SetInterfaceScale(scale) => self.settings.interface_scale = scale,
             Command::SelectObject(object) => self.selected = object,
+            Command::SelectWorld(part) => {
+                self.selected = Some(crate::optics::medium::WORLD.to_owned());
+                self.world_part = part;
+            }
+            Command::PickFocus(is_focusing) => self.is_focusing = is_focusing,
             Command::ShowGallery(show) => self.windows = Windows { gallery: show, ..Windows::default() },
             Command::ShowShortcuts(show) => self.windows = Windows { shortcuts: show, ..Windows::default() },
             Command::ShowAbout(show) => self.windows = Windows { about: show, ..Windows::default() },
@@ -121,6 +131,8 @@ impl State {
             | Command::Nothing
             | Command::StepInterfaceScale(_)
             | Command::AskOpen
+            | Command::AskEnvironmentImage
+            | Command::ReadEnvironment(_)
             | Command::CancelOpening
             | Command::CancelPreparation
             | Command::RestoreEdits(_)
@@ -150,7 +162,9 @@ impl State {
         match edit.apply(self.document.description()) {
             Ok(None) => {}
             Ok(Some(edited)) => {
+                let camera = self.document.description().camera;
                 self.document.edit(edit.key(), now_secs, edited);
+                self.follow_camera(camera);
                 self.invalidate();
             }
             Err(why) => self.notify_error(why),
@@ -180,6 +194,8 @@ impl State {
             self.invalidate();
         } else if self.windows != Windows::default() {
             self.windows = Windows::default();
+        } else if self.is_focusing {
+            self.is_focusing = false;
         } else if self.room() == Room::Over && self.settings.has_narrow_panel {
             self.settings.has_narrow_panel = false;
         } else if self.notices.pop().is_some() {
