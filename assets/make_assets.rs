@@ -2,17 +2,55 @@
 //!
 //! - `assets/models/brilliant.obj`: a round brilliant cut diamond with the proportions of Tolkowsky (1919).
 //! - `assets/models/ice-cube.obj`: a cube whose edges and corners have melted round.
-//! - `assets/scenes/luneburg.toml`: a Luneburg lens as 100 concentric shells.
+//! - `assets/scenes/luneburg.toml`: a Luneburg lens as concentric shells.
+//! - `assets/environments/evening.exr`: `sunset.exr` with a dimmed sun, in warmer colours.
 
+use std::error::Error;
 use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::Path;
 
-fn main() -> std::io::Result<()> {
+use exr::prelude::{
+    Blocks, Compression, Encoding, Image, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage, f16,
+};
+
+fn main() -> Result<(), Box<dyn Error>> {
     let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
     std::fs::write(assets.join("models/brilliant.obj"), brilliant())?;
     std::fs::write(assets.join("models/ice-cube.obj"), ice_cube())?;
-    std::fs::write(assets.join("scenes/luneburg.toml"), luneburg())
+    std::fs::write(assets.join("scenes/luneburg.toml"), luneburg())?;
+    let environments = assets.join("environments");
+    let mut picture = image::open(environments.join("sunset.exr"))?.to_rgb32f();
+    picture.pixels_mut().for_each(|pixel| pixel.0 = evening(pixel.0));
+    std::fs::write(environments.join("evening.exr"), encode(&picture)?)?;
+    Ok(())
+}
+
+/// A pixel of the evening, from one of the sunset. It is dimmed to no more than the sky beside the sun, which changes the sun and little else:
+/// through glass a sun is found by few paths, and pictures stay noisy for long. Then the balance of white is moved, so that the sky is near white.
+pub fn evening(sunset: [f32; 3]) -> [f32; 3] {
+    const MOST: f32 = 6.0;
+    const BALANCE: [f32; 3] = [1.4, 1.1, 0.78];
+    let most = sunset.into_iter().fold(0.0, f32::max);
+    let dimmed = if most > MOST { MOST / most } else { 1.0 };
+    let [r, g, b] = sunset;
+    [r * BALANCE[0], g * BALANCE[1], b * BALANCE[2]].map(|value| value * dimmed)
+}
+
+/// An OpenEXR picture in half precision.
+fn encode(picture: &image::Rgb32FImage) -> exr::error::Result<Vec<u8>> {
+    let (width, height) = picture.dimensions();
+    let pixel = |at: Vec2<usize>| {
+        let [r, g, b] = picture.get_pixel(at.x() as u32, at.y() as u32).0.map(f16::from_f32);
+        (r, g, b)
+    };
+    let encoding =
+        Encoding { compression: Compression::PIZ, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+    let size = (width as usize, height as usize);
+    let layer = exr::prelude::Layer::new(size, LayerAttributes::default(), encoding, SpecificChannels::rgb(pixel));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    Image::from_layer(layer).write().to_buffered(&mut bytes)?;
+    Ok(bytes.into_inner())
 }
 
 /// A round brilliant of girdle radius 1, table up: 33 facets above the girdle, 24 below, and the girdle's 16. Its origin lies in the
@@ -83,7 +121,7 @@ pub fn brilliant() -> String {
 /// those of a cube that is divided by equal angles.
 pub fn ice_cube() -> String {
     const EXPONENT: i32 = 6;
-    const DIVISIONS: i32 = 10;
+    const DIVISIONS: i32 = 20;
     let mut text = String::from(
         "# A cube of half edge 1 with round edges, |x|^6 + |y|^6 + |z|^6 = 1. Made by `cargo run --example make_assets`.\no ice-cube\n",
     );
@@ -133,10 +171,10 @@ pub fn ice_cube() -> String {
 
 /// Shells of the Luneburg lens n(r) = √(2 − r²), each with the index in the middle of its layer.
 pub fn luneburg() -> String {
-    const SHELLS: i32 = 100;
+    const SHELLS: i32 = 30;
     let mut text = String::from(
-        r#"# A Luneburg lens, n(r) = √(2 − r²), as 100 concentric shells: parallel light meets in a point of the far side. Stepwise graded
-# media are nested dielectrics a hundred deep. Made by `cargo run --example make_assets`.
+        r#"# A Luneburg lens, n(r) = √(2 − r²), as 30 concentric shells: parallel light meets in a point of the far side. Stepwise graded
+# media are nested dielectrics thirty deep. Made by `cargo run --example make_assets`.
 name = "Luneburg lens"
 
 [camera]
@@ -145,14 +183,45 @@ target = [0.0, 0.98, 0.0]
 vertical_fov = 30.0
 
 [environment]
-image = "../environments/sunset.exr"
-rotation = -35.0
-scale = 1.1
+image = "../environments/evening.exr"
+rotation = -60.0
+scale = 1.2
 
-[[solid]]
-name = "floor"
-shape = { quad = { center = [0.0, 0.0, 0.0], edge_u = [0.0, 0.0, 40.0], edge_v = [40.0, 0.0, 0.0] } }
-checker = { a = [0.72, 0.72, 0.7], b = [0.1, 0.28, 0.3], size = 0.5 }
+# A table of frosted glass with light below it.
+[[light]]
+name = "pane 1"
+shape = { quad = { center = [-3.000, 0.0, 0.5], edge_u = [0.0, 0.0, 7.8], edge_v = [0.97, 0.0, 0.0] } }
+radiance = [0.66, 0.46, 0.27]
+
+[[light]]
+name = "pane 2"
+shape = { quad = { center = [-2.000, 0.0, 0.5], edge_u = [0.0, 0.0, 7.8], edge_v = [0.97, 0.0, 0.0] } }
+radiance = [0.56, 0.38, 0.22]
+
+[[light]]
+name = "pane 3"
+shape = { quad = { center = [-1.000, 0.0, 0.5], edge_u = [0.0, 0.0, 7.8], edge_v = [0.97, 0.0, 0.0] } }
+radiance = [0.62, 0.43, 0.25]
+
+[[light]]
+name = "pane 4"
+shape = { quad = { center = [0.000, 0.0, 0.5], edge_u = [0.0, 0.0, 7.8], edge_v = [0.97, 0.0, 0.0] } }
+radiance = [0.66, 0.46, 0.27]
+
+[[light]]
+name = "pane 5"
+shape = { quad = { center = [1.000, 0.0, 0.5], edge_u = [0.0, 0.0, 7.8], edge_v = [0.97, 0.0, 0.0] } }
+radiance = [0.56, 0.38, 0.22]
+
+[[light]]
+name = "pane 6"
+shape = { quad = { center = [2.000, 0.0, 0.5], edge_u = [0.0, 0.0, 7.8], edge_v = [0.97, 0.0, 0.0] } }
+radiance = [0.62, 0.43, 0.25]
+
+[[light]]
+name = "pane 7"
+shape = { quad = { center = [3.000, 0.0, 0.5], edge_u = [0.0, 0.0, 7.8], edge_v = [0.97, 0.0, 0.0] } }
+radiance = [0.66, 0.46, 0.27]
 "#,
     );
     for k in 0..SHELLS {
@@ -163,7 +232,7 @@ checker = { a = [0.72, 0.72, 0.7], b = [0.1, 0.28, 0.3], size = 0.5 }
         _ = write!(
             text,
             "\n[[medium]]\nname = \"layer {k}\"\nior = {n:.10}\n\n[[refractor]]\nname = \"shell {k}\"\nmedium = \"layer {k}\"\n\
-             shape = {{ sphere = {{ center = [0.0, 1.02, 0.0], radius = {radius:.2} }} }}\n"
+             shape = {{ sphere = {{ center = [0.0, 1.02, 0.0], radius = {radius:.4} }} }}\n"
         );
     }
     text

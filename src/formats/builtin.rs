@@ -42,7 +42,7 @@ const SCENES: &[Builtin] = builtins! {
     "diamond-in-water": "A diamond in water has less fire than a dry one, except for naive.",
     "world-oil": "The world is oil: a glass rod of the oil's IOR vanishes, a denser one does not.",
     "lamp-in-ice": "A lamp in ice in water: light that starts inside the nest.",
-    "luneburg": "A Luneburg lens of 100 concentric shells: the deepest nest here.",
+    "luneburg": "A Luneburg lens of 30 concentric shells: the deepest nest here.",
     "plain-glass": "Nothing is nested and the world is vacuum: all modes agree.",
     "half-submerged": "A glass ball and a glass rod, half in water and half in air: each of their patches knows which.",
 };
@@ -55,6 +55,7 @@ macro_rules! assets {
 
 /// Files that the scenes name, by their path under `assets/`.
 const ASSETS: &[(&str, &[u8])] = assets! {
+    "environments/evening.exr",
     "environments/forest.exr",
     "environments/studio.exr",
     "environments/sunset.exr",

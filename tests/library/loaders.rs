@@ -218,6 +218,16 @@ fn computed_assets_are_what_their_command_makes() {
     assert_eq!(read("models/brilliant.obj"), make_assets::brilliant());
     assert_eq!(read("models/ice-cube.obj"), make_assets::ice_cube());
     assert_eq!(read("scenes/luneburg.toml"), make_assets::luneburg());
+    let image = |name: &str| image::open(assets.join("environments").join(name)).unwrap().to_rgb32f();
+    let (sunset, evening) = (image("sunset.exr"), image("evening.exr"));
+    assert_eq!(evening.dimensions(), sunset.dimensions());
+    for (made, from) in evening.pixels().zip(sunset.pixels()) {
+        let expected = make_assets::evening(from.0);
+        for (made, expected) in made.0.into_iter().zip(expected) {
+            // Stored in half precision.
+            assert!((made - expected).abs() <= 1e-3 * expected + 1e-7, "{made} for {expected}");
+        }
+    }
 }
 
 #[test]

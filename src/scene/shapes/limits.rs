@@ -12,6 +12,6 @@ pub const MAX_SEGMENTS: u32 = 8192;
 pub const MAX_SUBDIVISIONS: u32 = 8;
 
 /// Segments around the axis where a scene gives none.
-pub const DEFAULT_SEGMENTS: u32 = 128;
+pub const DEFAULT_SEGMENTS: u32 = 192;
 /// Rings of a torus where a scene gives none.
-pub const DEFAULT_RINGS: u32 = 64;
+pub const DEFAULT_RINGS: u32 = 96;
