@@ -525,7 +525,7 @@ fn an_object_is_picked_hidden_framed_and_found_again() {
         harness.run_steps(30);
         seen.push(selected(&harness));
     }
-    assert_eq!(seen, ["glass ball", "water ball", "air ball", "floor"]);
+    assert_eq!(seen, ["glass ball", "water ball", "air ball", "plank 4"]);
     assert!(harness.state().state().inspection.is_none(), "selecting is not inspecting");
 
     apply(&mut harness, Command::SelectObject(Some("air ball".into())));
