@@ -17,6 +17,8 @@ pub struct Builtin {
     pub about: &'static str,
     /// The scene file.
     pub text: &'static str,
+    /// A small picture of it, a PNG of 192×144 pixels.
+    pub thumbnail: &'static [u8],
 }
 
 /// Folder that the paths of built-in scenes begin with; no such folder exists.
@@ -28,6 +30,7 @@ macro_rules! builtins {
             name: $name,
             about: $about,
             text: include_str!(concat!("../../assets/scenes/", $name, ".toml")),
+            thumbnail: include_bytes!(concat!("../../assets/thumbnails/", $name, ".png")),
         }),*]
     };
 }
@@ -114,6 +117,17 @@ mod tests {
             assert!(!description.objects.refractors().is_empty(), "{} shows no dielectric", scene.name);
             assert!(description.source.is_some_and(|source| source.is_builtin));
             assert!(scene.about.ends_with('.') && scene.about.len() < 120, "{}", scene.about);
+        }
+    }
+
+    #[test]
+    fn every_scene_has_a_small_picture() {
+        let mut seen = BTreeSet::new();
+        for scene in all() {
+            let picture = image::load_from_memory(scene.thumbnail).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
+            assert_eq!((picture.width(), picture.height()), (192, 144), "{}", scene.name);
+            assert!(scene.thumbnail.len() <= 64 * 1024, "{}: {} bytes", scene.name, scene.thumbnail.len());
+            assert!(seen.insert(scene.thumbnail), "{} shows another scene", scene.name);
         }
     }
 
