@@ -39,10 +39,14 @@ pub fn section_first_ui(ui: &mut Ui, title: &str, detail: &str) {
 
 /// A row with a name at the left and a control that takes the rest of the width.
 pub fn row_ui<R>(ui: &mut Ui, name: &str, about: &str, add: impl FnOnce(&mut Ui) -> R) -> R {
-    const NAME_WIDTH: f32 = 84.0;
+    sized_row_ui(ui, 84.0, name, about, add)
+}
+
+/// [`row_ui`] with a width for the name.
+pub fn sized_row_ui<R>(ui: &mut Ui, name_width: f32, name: &str, about: &str, add: impl FnOnce(&mut Ui) -> R) -> R {
     ui.horizontal(|ui| {
         let height = ui.spacing().interact_size.y;
-        let (rect, response) = ui.allocate_exact_size(Vec2::new(NAME_WIDTH, height), Sense::hover());
+        let (rect, response) = ui.allocate_exact_size(Vec2::new(name_width, height), Sense::hover());
         let mut label =
             ui.new_child(egui::UiBuilder::new().max_rect(rect).layout(Layout::left_to_right(Align::Center)));
         label.add(egui::Label::new(name).truncate());

@@ -4,7 +4,7 @@ use egui::epaint::{ClippedShape, Shape, TextShape};
 use egui::{Pos2, Rect};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use iorect::app::{App, Command, MediumRef, Settings, Tab, Theme};
+use iorect::app::{App, Command, MediumRef, Preset, Settings, Tab, Theme};
 
 use crate::harness::{apply, every_pane_has_an_image, quick, until, window, window_of};
 
@@ -65,6 +65,14 @@ fn no_text_is_cut_off_in_any_tab_at_any_size() {
             apply(&mut harness, command.clone());
             harness.run_steps(6);
             look(&harness, &format!("{command:?}"));
+        }
+        apply(&mut harness, Command::ShowMessages(false));
+        // Legends of many patches shorten names where there is little room.
+        for preset in Preset::ALL.into_iter().filter(|preset| *preset != Preset::Surfaces) {
+            apply(&mut harness, Command::SetPreset(preset));
+            apply(&mut harness, Command::ShowTab(Tab::Render));
+            harness.run_steps(6);
+            look(&harness, &format!("{preset:?}"));
         }
         faults.sort();
         faults.dedup();

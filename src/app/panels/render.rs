@@ -10,7 +10,7 @@ use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
 use crate::app::viewport::{Viewport, content_menu_ui, event_meaning, event_name};
 use crate::app::widgets::{
     combo_ui, note, number_ui, row_ui, section_first_ui, section_ui, segmented_row_ui, short_count, short_seconds,
-    value,
+    sized_row_ui, value,
 };
 use crate::export::words::grouped;
 use crate::render::ToneCurve;
@@ -64,10 +64,17 @@ fn panes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(ui);
     for (index, content) in settings.shown_panes().iter().enumerate() {
         let name = format!("Pane {}", index + 1);
-        row_ui(ui, &name, "What this pane shows.", |ui| {
+        // Two names of modes side by side need much room.
+        sized_row_ui(ui, 46.0, &name, "What this pane shows.", |ui| {
             let text = match content {
                 PaneContent::Mode(mode) => RichText::new(format!("{DOT} {}", mode.name())).color(palette.mode(*mode)),
-                _ => RichText::new(content.to_string()),
+                _ => {
+                    let text = content.to_string();
+                    let font = egui::TextStyle::Button.resolve(ui.style());
+                    let width = ui.painter().layout_no_wrap(text.clone(), font, palette.weak_text).size().x;
+                    let room = ui.available_width() - ui.spacing().icon_width - 24.0;
+                    if width > room { RichText::new(text).small() } else { RichText::new(text) }
+                }
             };
             combo_ui(ui, ("pane", index), text, |ui| {
                 commands.extend(content_menu_ui(ui, *content).map(|new| Command::SetPaneContent(index, new)));
