@@ -14,6 +14,11 @@ pub fn srgb_from_linear(x: f32) -> f32 {
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
 
+/// Luminance of linear Rec. 709.
+pub fn luminance(rgb: [f32; 3]) -> f32 {
+    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
+}
+
 /// From `a` at 0 to `b` at 1, in encoded components.
 pub fn mixed(a: [u8; 3], b: [u8; 3], part: f32) -> [u8; 3] {
     std::array::from_fn(|i| (f32::from(a[i]) + part * (f32::from(b[i]) - f32::from(a[i]))).round() as u8)

@@ -18,12 +18,14 @@ fn open_window(_: &WindowArguments) -> Result<(), WindowError> {
 #[cfg(feature = "window")]
 fn open_window(arguments: &WindowArguments) -> Result<(), WindowError> {
     let screenshot = arguments.screenshot.clone().map(|path| Screenshot { path, samples: arguments.samples });
+    let is_scripted = screenshot.is_some() || arguments.measure_frames.is_some();
     let launch = Launch {
         scene: arguments.scene.clone(),
         size: arguments.window_size.map(|size| [size.width, size.height]),
         measures: arguments.tab.as_deref() == Some("measure"),
-        settings: screenshot.as_ref().map(|_| settings_for(arguments)),
+        settings: is_scripted.then(|| settings_for(arguments)),
         screenshot,
+        measure_frames: arguments.measure_frames.clone(),
     };
     app::run(launch).map_err(|error| match error {
         RunError::NoWindow(reason) => WindowError::NoWindow(reason),
@@ -47,6 +49,8 @@ fn settings_for(shot: &WindowArguments) -> Settings {
             _ => Tab::Render,
         },
         narrow_panel: if shot.tab.is_some() { SidePanel::Render } else { defaults.narrow_panel },
+        // As many samples as are asked for.
+        noise_target: None,
         ..defaults
     }
 }

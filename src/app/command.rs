@@ -108,6 +108,9 @@ pub enum Command {
     SetResolutionScale(f32),
     SetMaxDepth(Option<u32>),
     SetSampleLimit(Option<u32>),
+    /// Mean relative error of a pixel at which rendering stops.
+    SetNoiseTarget(Option<f64>),
+    SetDenoise(bool),
     TogglePause,
     Restart,
     /// Gives up preparing the scene, and goes back to the last one that was prepared.

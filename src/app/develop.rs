@@ -8,6 +8,7 @@ use std::time::Instant;
 use egui::{Color32, ColorImage};
 
 use super::background::{Background, Bell, Desk, Repaint};
+use super::enlarge::enlarged;
 use super::histogram::{self, Histogram};
 use super::range::{self, DifferenceRange, RangeEnd, Scale};
 use super::settings::{DifferenceKind, PaneContent};
@@ -17,6 +18,7 @@ use crate::color::along;
 use crate::export::color_map::{diverging, luminance};
 use crate::measure::flip;
 use crate::render::Display;
+use crate::render::denoise::denoised;
 use crate::session::{Board, Halves, PaintedSurfaces, Snapshot};
 
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -28,10 +30,12 @@ pub struct Recipe {
     pub snapshots: Snapshots,
     /// The pane whose pixels are counted.
     pub histogram_of: Option<PaneContent>,
+    /// Whether noise is smoothed away in pictures of modes.
+    pub denoise: bool,
 }
 
-/// FLIP takes far longer than everything else here: after it the thread pauses for this many times the time it took.
-const FLIP_REST: u32 = 3;
+/// FLIP and denoising take far longer than everything else here: after them the thread pauses for this many times the time it took.
+const REST: u32 = 3;
 
 /// A picture, ready to be uploaded.
 #[derive(Debug, Clone)]
@@ -52,6 +56,8 @@ pub struct About {
     pub histogram: Option<Arc<Histogram>>,
     /// FLIP of every pixel, for a difference that shows it.
     pub flip: Option<Arc<Vec<f32>>>,
+    /// Whether noise was smoothed away.
+    pub is_denoised: bool,
 }
 
 /// What a picture was made from.
@@ -97,6 +103,12 @@ impl Source {
         self.films.iter().map(|film| film.epoch).chain(self.painted.iter().map(|painted| painted.epoch))
     }
 
+    /// The size of the whole picture, of which a preview has fewer pixels; `None` where there is none.
+    pub fn full_size(&self) -> Option<[u32; 2]> {
+        let painted = self.painted.iter().map(|painted| painted.full_size);
+        self.images().map(|film| film.full_size).chain(painted).next()
+    }
+
     /// Whether any of it is at a lower resolution.
     pub fn is_preview(&self) -> bool {
         self.films.iter().any(|film| film.is_preview()) || self.painted.iter().any(|painted| painted.is_preview())
@@ -140,26 +152,28 @@ fn run(desk: &Desk<Recipe, Pictures>, board: &Board, wake: &Repaint) {
         let begin = Instant::now();
         let is_resting = begin < rest_until;
         has_put_off = false;
-        let mut has_flip = false;
+        let mut has_slow = false;
         for (content, source) in sources {
             let how = How::of(content, &recipe, scales.get(&content).copied());
             if made.get(&content).is_some_and(|(old, known)| old.is(&source) && *known == how) {
                 continue;
             }
-            if content.is_difference() && recipe.difference == DifferenceKind::Flip {
+            let is_denoised = how.denoise && source.films.iter().any(|film| film.variances.is_some());
+            let is_slow = how.difference == Some(DifferenceKind::Flip) || is_denoised;
+            if is_slow {
                 if is_resting {
                     has_put_off = true;
                     continue;
                 }
-                has_flip = true;
+                has_slow = true;
             }
             if let Some(picture) = develop(&source, how) {
                 made.insert(content, (source, how));
                 batch.insert(content, picture);
             }
         }
-        if has_flip {
-            rest_until = Instant::now() + begin.elapsed() * FLIP_REST;
+        if has_slow {
+            rest_until = Instant::now() + begin.elapsed() * REST;
         }
         if !batch.is_empty() {
             desk.put(|finished| finished.append(&mut batch));
@@ -176,6 +190,8 @@ struct How {
     difference: Option<DifferenceKind>,
     scale: Option<Scale>,
     has_histogram: bool,
+    /// Whether noise is smoothed away.
+    denoise: bool,
 }
 
 impl How {
@@ -190,6 +206,7 @@ impl How {
             difference,
             scale,
             has_histogram: recipe.histogram_of == Some(content),
+            denoise: recipe.denoise && matches!(content, PaneContent::Mode(_)),
         }
     }
 }
@@ -277,8 +294,14 @@ fn develop(source: &Source, how: How) -> Option<Picture> {
     let size = first.size;
     let display = how.display.unwrap_or_default();
     let Some(kind) = how.difference else {
-        let pixels = first.rgb.iter().map(|rgb| display.encode(*rgb));
+        let smooth = first.variances.as_ref().filter(|_| how.denoise);
+        let smooth = smooth.map(|variances| denoised(&first.rgb, size[0] as usize, variances));
+        let pixels = smooth.as_ref().unwrap_or(&first.rgb).iter().map(|rgb| display.encode(*rgb));
         let mut picture = finish(size, pixels.map(opaque).collect());
+        picture.about.is_denoised = smooth.is_some();
+        if first.is_preview() {
+            picture.image = Arc::new(enlarged(Arc::unwrap_or_clone(picture.image), first.full_size));
+        }
         if how.has_histogram {
             let counted = histogram::Radiance::of(&first.rgb);
             picture.about.histogram = Some(Arc::new(Histogram::Radiance(Box::new(counted))));

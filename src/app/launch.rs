@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use super::frame_clock::FrameClock;
 use super::graphics::{self, WindowSize};
 use super::opening::{Reading, Waited};
 use super::screenshot::Camera as WindowCamera;
 use super::{App, Command, Settings, autosave, panels};
 use crate::scene::SceneError;
-use crate::session::GroundTruthDemand;
+use crate::session::{GroundTruthDemand, priority};
 
 /// A scene that is not read within this time is read while the window is open.
 const PATIENCE: Duration = Duration::from_millis(500);
@@ -21,7 +22,7 @@ pub enum RunError {
     NoWindow(String),
     #[error(transparent)]
     Scene(#[from] SceneError),
-    #[error("the picture of the window could not be written: {0}")]
+    #[error("what was to be written of the window could not be: {0}")]
     Screenshot(String),
 }
 
@@ -34,6 +35,8 @@ pub struct Launch {
     pub size: Option<[u32; 2]>,
     /// Takes a picture of the window and quits.
     pub screenshot: Option<Screenshot>,
+    /// Measures how long frames take while panes render, writes that as JSON to the file and quits.
+    pub measure_frames: Option<PathBuf>,
     /// Settings instead of the remembered ones, which are then neither read nor written.
     pub settings: Option<Settings>,
     /// Whether to begin with a ground truth and measure.
@@ -54,7 +57,12 @@ pub struct Screenshot {
 /// # Errors
 /// When there is no display or no way to draw on it, when the scene cannot be read, or when a screenshot cannot be written.
 pub fn run(launch: Launch) -> Result<(), RunError> {
-    let is_scripted = launch.settings.is_some() || launch.screenshot.is_some();
+    let is_scripted = launch.settings.is_some() || launch.screenshot.is_some() || launch.measure_frames.is_some();
+    // What everything else works on, such as preparing scenes. Where there is such a pool already, it is used as it is.
+    let polite = rayon::ThreadPoolBuilder::new().start_handler(|_| priority::yield_to_the_window());
+    if let Err(error) = polite.build_global() {
+        log::debug!("threads are as they were: {error}");
+    }
     let name = launch.scene.unwrap_or_else(|| crate::formats::builtin::DEFAULT.into());
     let scene = read(&name, is_scripted)?;
     let size = launch.size.map_or([1600.0, 960.0], graphics::first_size);
@@ -101,6 +109,7 @@ pub fn run(launch: Launch) -> Result<(), RunError> {
             if launch.measures {
                 app.state.apply(Command::SetGroundTruth(GroundTruthDemand::On), 0.0);
             }
+            app.frame_clock = launch.measure_frames.map(|path| FrameClock::new(path, Arc::clone(&result)));
             app.window_camera = launch.screenshot.map(|shot| WindowCamera::new(shot, result));
             Ok(Box::new(app))
         }),

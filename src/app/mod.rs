@@ -10,8 +10,10 @@ mod command;
 mod develop;
 mod document;
 mod edit;
+mod enlarge;
 mod entry;
 mod files;
+mod frame_clock;
 mod graphics;
 mod histogram;
 mod ior_control;
@@ -24,6 +26,7 @@ mod objects;
 mod opening;
 mod panels;
 mod picker;
+mod progress;
 mod quotes;
 mod range;
 mod screenshot;
@@ -55,6 +58,7 @@ use self::background::{Bell, Repaint};
 use self::capture::{Capture, Subject};
 use self::develop::{Developer, Recipe, Source};
 use self::files::{ExportJob, Files, Outcome, Purpose};
+use self::frame_clock::FrameClock;
 use self::graphics::{Refusals, WindowSize};
 use self::measurement::measurer::{self, Measurer, Plan};
 use self::opening::{Opening, Reading};
@@ -103,6 +107,7 @@ pub struct App {
     capture: Option<Capture>,
     /// Whether the present frame is drawn for it.
     is_still_frame: bool,
+    frame_clock: Option<FrameClock>,
     /// Whether the user has agreed to lose unsaved changes.
     may_close: bool,
     /// Whether the window is being closed, and nothing is to be kept that no file has.
@@ -180,6 +185,7 @@ impl App {
             window_camera: None,
             capture: None,
             is_still_frame: false,
+            frame_clock: None,
             may_close: false,
             is_closing: false,
             title: String::new(),
@@ -213,7 +219,12 @@ impl App {
 
     /// How the difference in pane `index` is coloured, and its mean; `None` where there is none, or where another kind is wanted by now.
     pub fn difference_shown(&self, index: usize) -> Option<(DifferenceKind, f64)> {
-        self.viewport.difference(self.state.settings.panes[index], self.state.epoch())
+        self.viewport.difference(self.state.settings.panes[index], self.state.picture_floor())
+    }
+
+    /// Where the whole picture of the first pane is on the screen, in points; parts of it may lie outside of the pane.
+    pub fn picture(&self) -> Option<egui::Rect> {
+        self.viewport.picture
     }
 
     /// The scale of the colours of the difference in pane `index`; `None` for anything else, and for FLIP.
@@ -545,6 +556,7 @@ impl App {
             self.state.scene_ready(report);
         }
         self.state.preparation = board.preparation();
+        self.state.films = board.snapshots();
         self.state.measurement.set_truth(board.ground_truth());
         if let Some(results) = self.measurer.take_finished() {
             self.state.measurement.results = results;
@@ -556,7 +568,8 @@ impl App {
         if let Some(refusal) = self.refusals.take() {
             self.state.notify_error(format!("The graphics card cannot show this: {refusal}"));
         }
-        self.viewport.upload(ctx, self.developer.take_finished(), self.state.epoch_floor);
+        let (floor, picture_floor) = (self.state.epoch_floor, self.state.picture_floor());
+        self.viewport.upload(ctx, self.developer.take_finished(), floor, picture_floor);
         while let Some(outcome) = self.files.poll() {
             match outcome {
                 Outcome::Chosen(purpose, path) | Outcome::IsFree(purpose, path) => {
@@ -657,7 +670,8 @@ fn remembered(cc: &eframe::CreationContext<'_>) -> Option<Settings> {
 }
 
 impl eframe::App for App {
-    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
+        let begin = Instant::now();
         let ctx = ui.ctx().clone();
         self.set_appearance(&ctx);
         self.collect(&ctx);
@@ -686,9 +700,11 @@ impl eframe::App for App {
             range: settings.difference_range,
             snapshots: self.state.snapshots.clone(),
             histogram_of: settings.show_histogram.then(|| settings.panes[self.state.view.active_pane]),
+            denoise: settings.denoise,
         });
         self.measurer.set_order(&Plan {
             is_on: self.state.measurement.is_on(),
+            is_paused: self.state.is_paused,
             epoch: self.state.epoch(),
             metric: settings.error_metric,
             display: settings.display,
@@ -698,6 +714,11 @@ impl eframe::App for App {
         self.keep_edits();
         if let Some(request) = self.state.take_request() {
             self.worker.submit(request);
+        }
+        if let Some(clock) = &mut self.frame_clock {
+            let samples = |content: &PaneContent| self.viewport.samples(*content, &self.state);
+            let samples = self.state.settings.shown_panes().iter().map(samples).min().unwrap_or(0);
+            clock.tick(&ctx, begin.elapsed().as_secs_f64(), frame.info().cpu_usage, &self.state, samples);
         }
         if let Some(camera) = &mut self.window_camera {
             let samples = |content: &PaneContent| self.viewport.samples(*content, &self.state);

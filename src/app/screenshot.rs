@@ -54,7 +54,7 @@ impl Camera {
     }
 }
 
-fn lock(receipt: &Receipt) -> std::sync::MutexGuard<'_, Option<Result<(), String>>> {
+pub fn lock(receipt: &Receipt) -> std::sync::MutexGuard<'_, Option<Result<(), String>>> {
     receipt.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -15,6 +15,8 @@ use crate::tracking::Mode;
 
 /// Most panes that can be shown.
 pub const MAX_PANES: usize = 4;
+/// Mean relative error of a pixel at which rendering stops, unless told otherwise.
+pub const DEFAULT_NOISE_TARGET: f64 = 0.01;
 /// Recent files that are remembered.
 const MAX_RECENT: usize = 10;
 
@@ -264,6 +266,10 @@ pub struct Settings {
     pub resolution_scale: f32,
     pub max_depth: Option<u32>,
     pub sample_limit: Option<u32>,
+    /// Mean relative error of a pixel at which rendering stops; `None`: only the limit of samples counts.
+    pub noise_target: Option<f64>,
+    /// Whether noise is smoothed away in what is displayed.
+    pub denoise: bool,
     pub theme: Theme,
     pub interface_scale: InterfaceScale,
     pub show_scene_panel: bool,
@@ -297,6 +303,8 @@ impl Default for Settings {
             resolution_scale: 1.0,
             max_depth: None,
             sample_limit: Some(4096),
+            noise_target: Some(DEFAULT_NOISE_TARGET),
+            denoise: false,
             theme: Theme::Dark,
             interface_scale: InterfaceScale::Automatic,
             show_scene_panel: true,
@@ -335,6 +343,7 @@ impl Settings {
         self.difference_range = self.difference_range.repaired();
         self.max_depth = self.max_depth.map(|depth| depth.max(1));
         self.sample_limit = self.sample_limit.map(|limit| limit.max(1));
+        self.noise_target = self.noise_target.filter(|target| (1e-6..=1.0).contains(target));
         self.recent.truncate(MAX_RECENT);
         self
     }

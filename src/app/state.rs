@@ -1,14 +1,18 @@
 //! The application's state. Commands change it in one place, [`State::apply`]. Knows nothing of widgets.
 
 mod apply;
+mod film_size;
 mod inspection;
 mod side_panels;
 mod view;
 mod world;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use self::film_size::FilmSize;
+pub use self::film_size::magnification;
 pub use self::inspection::Inspection;
 pub use self::side_panels::Room;
 pub use self::view::Motion;
@@ -26,7 +30,7 @@ use crate::render::ImageSettings;
 use crate::scene::camera::Camera;
 use crate::scene::description::{CameraDescription, Object};
 use crate::scene::{Description, SceneError};
-use crate::session::{Preparation, Request, SceneReport};
+use crate::session::{Preparation, Request, SceneReport, Snapshot};
 use crate::tracking::Mode;
 
 /// Largest magnification of the picture.
@@ -105,6 +109,8 @@ pub struct State {
     pub is_live_in_tev: bool,
     /// Pictures that are kept.
     pub snapshots: Snapshots,
+    /// The latest film of each mode that is rendered.
+    pub films: BTreeMap<Mode, Arc<Snapshot>>,
     /// What is measured, and how far that is.
     pub measurement: Measurement,
     /// What is doubtful in the scene, as last found out: while an edit is being looked at, what was found before it.
@@ -113,11 +119,14 @@ pub struct State {
     has_problem_strip: bool,
     /// What room the window has for side panels.
     room: Room,
-    /// Size of a film, in pixels.
-    film_size: [u32; 2],
+    size: FilmSize,
     epoch: u64,
     /// Images of earlier epochs belong to another scene and are not shown.
     pub epoch_floor: u64,
+    /// Images of this epoch and later ones show the scene as it is from where the camera is, whatever their size.
+    picture_floor: u64,
+    /// How often films were begun anew though nothing had changed.
+    restarts: u64,
     /// Whether the worker should be told.
     has_news: bool,
 }
@@ -149,13 +158,16 @@ impl State {
             preparation: None,
             is_live_in_tev: false,
             snapshots: Snapshots::default(),
+            films: BTreeMap::new(),
             measurement: Measurement::default(),
             problems: None,
             has_problem_strip: false,
             room: Room::default(),
-            film_size: [0; 2],
+            size: FilmSize::default(),
             epoch: 1,
             epoch_floor: 1,
+            picture_floor: 1,
+            restarts: 0,
             has_news: true,
         }
     }
@@ -187,44 +199,51 @@ impl State {
         self.opening = None;
     }
 
-    /// The present epoch: images of it show what the state says.
+    /// The present epoch: images of it show what the state says, in the size that it says.
     pub fn epoch(&self) -> u64 {
         self.epoch
     }
 
-    pub fn film_size(&self) -> [u32; 2] {
-        self.film_size
+    /// Images of this epoch and later ones show what the state says, whatever their size.
+    pub fn picture_floor(&self) -> u64 {
+        self.picture_floor
     }
 
-    /// The images are out of date.
-    fn invalidate(&mut self) {
+    /// Other images are wanted.
+    fn next_epoch(&mut self) {
         self.epoch += 1;
         self.has_news = true;
     }
 
-    /// Says how large the panes are, in pixels.
-    pub fn set_film_size(&mut self, size: [u32; 2]) {
-        if size != self.film_size {
-            self.film_size = size;
-            self.invalidate();
-        }
+    /// The images are out of date.
+    fn invalidate(&mut self) {
+        self.next_epoch();
+        self.picture_floor = self.epoch;
+        self.size.begin();
+    }
+
+    /// The noise at which rendering stops. Where errors are measured it goes on to the limit of samples.
+    pub fn noise_target(&self) -> Option<f64> {
+        self.settings.noise_target.filter(|_| !self.measurement.is_on())
     }
 
     /// A request for the worker, if anything has changed since the last one and there is room for an image.
     pub fn take_request(&mut self) -> Option<Request> {
-        if !self.has_news || !self.has_scene || self.film_size.contains(&0) {
+        if !self.has_news || !self.has_scene || self.size.film.contains(&0) {
             return None;
         }
         self.has_news = false;
         Some(Request {
             epoch: self.epoch,
+            restarts: self.restarts,
             description: Arc::clone(self.document.description()),
             camera: self.film_camera(),
             modes: self.settings.modes(),
             surfaces: self.settings.surfaces(),
-            size: self.film_size,
+            size: self.size.film,
             settings: ImageSettings { max_depth: self.settings.max_depth, ..ImageSettings::new(Mode::Rectified, 0) },
             sample_limit: self.settings.sample_limit,
+            noise_target: self.noise_target(),
             is_paused: self.is_paused,
             ground_truth: self.measurement.demand,
         })

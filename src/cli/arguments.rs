@@ -76,6 +76,9 @@ pub struct WindowArguments {
     /// Take a picture of the window and quit
     #[arg(long, hide = true, value_name = "FILE.png")]
     pub screenshot: Option<PathBuf>,
+    /// Measure how long the window takes for a frame while panes render, write that and quit
+    #[arg(long, hide = true, value_name = "FILE.json", conflicts_with = "screenshot")]
+    pub measure_frames: Option<PathBuf>,
     /// Size of the window in pixels
     #[arg(long, hide = true, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub window_size: Option<Size>,
@@ -311,7 +314,7 @@ pub struct ReportArguments {
     /// Small images and few runs
     #[arg(long)]
     pub quick: bool,
-    /// What to measure, separated by commas: error, stability, left-out, editing, growth [default: all of it]
+    /// What to measure, separated by commas: error, stability, left-out, editing, first-look, growth [default: all of it]
     #[arg(long, value_name = "PARTS", value_delimiter = ',')]
     pub only: Vec<Part>,
     /// Seed of the random numbers
@@ -320,6 +323,9 @@ pub struct ReportArguments {
     /// Threads to measure on [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub threads: Option<u32>,
+    /// What the window has measured of its frames (written by iorect --measure-frames), to be shown too
+    #[arg(long, hide = true, value_name = "FILE.json")]
+    pub frames: Option<PathBuf>,
     /// Print the whole report as JSON
     #[arg(long)]
     pub json: bool,

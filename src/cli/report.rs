@@ -16,6 +16,7 @@ use crate::export::words::duration;
 use crate::formats::{self, builtin};
 use crate::report::data::Report;
 use crate::report::extent::Extent;
+use crate::report::frame_times::FrameTimes;
 use crate::report::make::{Part, ReportError, Request, Subject, make};
 use crate::report::progress::Progress;
 use crate::report::store::Store;
@@ -41,7 +42,9 @@ pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
         _ => Extent::full(arguments.seed, threads),
     };
     let parts = if arguments.only.is_empty() { Part::ALL.to_vec() } else { arguments.only.clone() };
-    let request = Request { subjects, parts, extent, seed: arguments.seed, command: command_line() };
+    let frames = arguments.frames.as_deref().map(FrameTimes::read).transpose();
+    let frames = frames.map_err(|error| Failure::wrong(error.to_string()))?;
+    let request = Request { subjects, parts, extent, seed: arguments.seed, command: command_line(), frames };
     let bar = bar(STEPS, "{bar:30.cyan/dim} {percent:>3} % · {elapsed}, {eta} left · {wide_msg}");
     bar.enable_steady_tick(Duration::from_millis(250));
     let tell = |what: &str, part: f64| {

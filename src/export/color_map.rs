@@ -13,10 +13,7 @@ pub fn diverging(x: f32) -> [u8; 3] {
     along(&STOPS, 3.0 + steps_from_middle.copysign(x))
 }
 
-/// Luminance of linear Rec. 709.
-pub fn luminance(rgb: [f32; 3]) -> f32 {
-    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
-}
+pub use crate::color::luminance;
 
 /// The smallest of 1, 2 or 5 times a power of ten that is at least `x`, for the ends of a scale; 1e-6 at least, so that noise in the
 /// last digits of equal images is not blown up to full colour.

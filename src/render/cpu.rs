@@ -66,13 +66,16 @@ impl WithTracker for Pass<'_, '_> {
         let size = DVec2::new(f64::from(film.width), f64::from(film.height));
         let samples = film.next_samples(self.samples);
 
-        let events = (film.rows().into_par_iter().enumerate())
+        let rows: Vec<Option<Events>> = (film.rows().into_par_iter().enumerate())
             .map_init(Batch::<T::State>::default, |batch, (row, mut target)| {
                 batch.events = Events::default();
                 let first_pixel = row * width as usize;
+                let before = target.saved();
+                let ahead = target.ahead;
+                let samples_of = |pixel: usize| samples.of_pixel(pixel, ahead);
                 // Where the next radiance goes.
                 let mut columns = (0..width as usize)
-                    .flat_map(|column| std::iter::repeat_n(column, samples.of_pixel(first_pixel + column).len()));
+                    .flat_map(|column| std::iter::repeat_n(column, samples_of(first_pixel + column).len()));
                 let mut trace = |batch: &mut Batch<T::State>| {
                     tracer.trace(batch);
                     let mut events = Events::default();
@@ -85,10 +88,11 @@ impl WithTracker for Pass<'_, '_> {
                     // A row can take a third of a second, which is too long to wait for an image that is out of date.
                     if self.cancel.load(Ordering::Relaxed) {
                         drop(batch.drain());
-                        return Events::default();
+                        target.restore(&before);
+                        return None;
                     }
                     let pixel = first_pixel + column as usize;
-                    for sample in samples.of_pixel(pixel) {
+                    for sample in samples_of(pixel) {
                         let sampler = Sampler::of(settings.sampler, settings.seed, pixel as u32, sample);
                         let [x, y] = sampler.get_2d(dimension::PIXEL);
                         let at = DVec2::new(f64::from(column) + x, row as f64 + y);
@@ -100,18 +104,10 @@ impl WithTracker for Pass<'_, '_> {
                     }
                 }
                 trace(batch);
-                batch.events
+                Some(batch.events)
             })
-            .reduce(Events::default, |mut a, b| {
-                a += b;
-                a
-            });
-        if self.cancel.load(Ordering::Relaxed) {
-            return false;
-        }
-        film.events += events;
-        film.samples += self.samples;
-        true
+            .collect();
+        film.finish_pass(self.samples, &rows)
     }
 }
 

@@ -30,6 +30,8 @@ pub struct Film {
     pub allocation: Option<Arc<Allocation>>,
     /// The sums once more and without rounding, where parts of the image are to be put together later.
     pub exact: Option<ExactSums>,
+    /// Samples that each row has beyond `samples`, because a pass was cancelled; empty where none was.
+    pub ahead: Vec<u32>,
 }
 
 impl Film {
@@ -46,6 +48,7 @@ impl Film {
             pilot: None,
             allocation: None,
             exact: None,
+            ahead: Vec::new(),
         }
     }
 
@@ -88,17 +91,44 @@ impl Film {
         NextSamples { allocation: self.allocation.clone(), first, last: first + samples }
     }
 
+    /// Whether a cancelled pass leaves it as good as before, to be gone on with.
+    pub fn is_resumable(&self) -> bool {
+        self.pilot.is_none() && self.exact.is_none()
+    }
+
+    /// Takes note of a pass of `samples`: what happened in each row, `None` where it was cancelled. `true` if the pass is complete.
+    pub(super) fn finish_pass(&mut self, samples: u32, rows: &[Option<Events>]) -> bool {
+        rows.iter().flatten().for_each(|events| self.events += *events);
+        let is_complete = rows.iter().all(Option::is_some);
+        if !is_complete {
+            self.ahead.resize(rows.len(), 0);
+        }
+        for (ahead, row) in self.ahead.iter_mut().zip(rows) {
+            *ahead = match row {
+                _ if is_complete => ahead.saturating_sub(samples),
+                Some(_) => samples.max(*ahead),
+                None => *ahead,
+            };
+        }
+        if is_complete {
+            self.samples += samples;
+        }
+        is_complete
+    }
+
     /// Its rows, to be added to.
     pub(super) fn rows(&mut self) -> Vec<FilmRow<'_>> {
         let width = self.width as usize;
         let mut pilot = self.pilot.as_mut().map(|pilot| pilot.rows(width));
         let mut exact = self.exact.as_mut().map(|exact| exact.rows(width));
+        let mut ahead = self.ahead.iter();
         (self.sums.chunks_mut(width).zip(self.counts.chunks_mut(width)))
             .map(|(sums, counts)| FilmRow {
                 sums,
                 counts,
                 pilot: pilot.as_mut().and_then(Iterator::next),
                 exact: exact.as_mut().and_then(Iterator::next),
+                ahead: ahead.next().copied().unwrap_or(0),
             })
             .collect()
     }
@@ -139,11 +169,13 @@ pub(super) struct NextSamples {
 }
 
 impl NextSamples {
+    /// Of a pixel in a row that is so many samples ahead.
     #[inline]
-    pub(super) fn of_pixel(&self, pixel: usize) -> std::ops::Range<u32> {
+    pub(super) fn of_pixel(&self, pixel: usize, ahead: u32) -> std::ops::Range<u32> {
+        let first = self.first + ahead;
         match &self.allocation {
-            Some(allocation) => allocation.samples(pixel, self.first)..allocation.samples(pixel, self.last),
-            None => self.first..self.last,
+            Some(allocation) => allocation.samples(pixel, first)..allocation.samples(pixel, self.last),
+            None => first..self.last,
         }
     }
 }
@@ -154,9 +186,22 @@ pub(super) struct FilmRow<'a> {
     counts: &'a mut [u32],
     pilot: Option<PilotRow<'a>>,
     exact: Option<ExactRow<'a>>,
+    /// Samples that the row has beyond those of the film.
+    pub(super) ahead: u32,
 }
 
 impl FilmRow<'_> {
+    /// Its sums and counts as they are, for [`Self::restore`].
+    pub(super) fn saved(&self) -> (Vec<DVec3>, Vec<u32>) {
+        (self.sums.to_vec(), self.counts.to_vec())
+    }
+
+    /// Takes back what was added since.
+    pub(super) fn restore(&mut self, (sums, counts): &(Vec<DVec3>, Vec<u32>)) {
+        self.sums.copy_from_slice(sums);
+        self.counts.copy_from_slice(counts);
+    }
+
     /// Adds a sample whose path had so many segments. One that is not finite, or too large for exact sums, is counted in `events` and left out.
     #[inline]
     pub(super) fn add(&mut self, column: usize, radiance: Spectrum, segments: u32, events: &mut Events) {

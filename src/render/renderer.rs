@@ -27,7 +27,8 @@ pub trait Renderer: Sync {
     /// Adds `samples` samples to every pixel of `film`; with an allocation, in the mean. The result depends on the task and on the film's size
     /// and earlier samples, not on how work is divided.
     ///
-    /// Returns `false` when `cancel` was set before all was done: the film is then incomplete and should be dropped.
+    /// Returns `false` when `cancel` was set before all was done. A film that [`Film::is_resumable`] has kept each row that was finished
+    /// and can be gone on with: the next pass takes what is missing. Another one is spoilt.
     fn pass(&self, task: &RenderTask<'_>, film: &mut Film, samples: u32, cancel: &AtomicBool) -> bool;
 }
 

@@ -46,6 +46,8 @@ pub fn tables(report: &Report) -> Vec<Table> {
         maps(report),
         left_out(report),
         editing(report),
+        first_look(report),
+        frames(report),
         growth(report),
         exponents(report),
     ];
@@ -173,6 +175,59 @@ fn editing(report: &Report) -> Option<Table> {
         ("pane_height", "pixels down a pane"),
     ];
     Table::new("editing.csv", "How long the picture takes to follow an edit", columns, rows)
+}
+
+fn first_look(report: &Report) -> Option<Table> {
+    let measured = report.scenes.iter().filter_map(|scene| Some((&scene.name, scene.first_look.as_ref()?)));
+    let rows = measured.flat_map(|(scene, look)| {
+        look.modes.iter().flat_map(move |mode| {
+            let settings = (look.size, look.converged_samples, look.prepare_secs);
+            mode.points.iter().map(move |point| {
+                let clean = (mode.clean_secs, mode.clean_samples);
+                (scene, mode.mode, point.samples, point.secs, point.flip, clean, settings)
+            })
+        })
+    });
+    let columns = [
+        ("scene", "name of the scene"),
+        ("mode", "mode of the picture"),
+        ("samples", "samples per pixel"),
+        ("secs", "seconds that all modes together had been rendered by then"),
+        ("flip", "mean FLIP against the converged image"),
+        ("clean_secs", "seconds by which FLIP was below 0.05, interpolated; empty where it was given up before"),
+        ("clean_samples", "samples per pixel by then"),
+        ("width", "pixels across the picture"),
+        ("height", "pixels down the picture"),
+        ("converged_samples", "samples per pixel of the converged image, which has another seed"),
+        ("prepare_secs", "seconds of building the tree and of rectification, which come before"),
+    ];
+    Table::new("first-look.csv", "How soon the pictures of the first panes look clean", columns, rows)
+}
+
+fn frames(report: &Report) -> Option<Table> {
+    let rows = report.frames.iter().flat_map(|frames| {
+        let spreads = [("interface", Some(frames.interface)), ("whole", frames.whole)];
+        spreads.into_iter().filter_map(move |(what, spread)| {
+            let spread = spread?;
+            let times = [spread.median_ms, spread.percentile_95_ms, spread.most_ms];
+            Some((what, times, frames.frames, frames.panes, frames.window, frames.pane, frames.samples, &frames.scene))
+        })
+    });
+    let columns = [
+        ("what", "interface: panels, pictures and input; whole: with drawing"),
+        ("median_ms", "median milliseconds of a frame"),
+        ("percentile_95_ms", "95 of 100 frames take at most this"),
+        ("most_ms", "the longest"),
+        ("frames", "frames, one after the other"),
+        ("panes", "panes that rendered meanwhile"),
+        ("window_width", "pixels across the window"),
+        ("window_height", "pixels down the window"),
+        ("pane_width", "pixels across a pane"),
+        ("pane_height", "pixels down a pane"),
+        ("samples", "samples per pixel that were taken meanwhile"),
+        ("scene", "name of the scene"),
+    ];
+    Table::new("frames.csv", "How long the window takes for a frame while panes render", columns, rows)
 }
 
 fn growth(report: &Report) -> Option<Table> {

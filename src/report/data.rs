@@ -4,6 +4,8 @@ use serde::Serialize;
 
 use super::editing::Editing;
 use super::experiment::SceneErrors;
+use super::first_look::FirstLook;
+use super::frame_times::FrameTimes;
 use super::growth::Growth;
 use super::left_out::LeftOut;
 use super::machine::Machine;
@@ -53,6 +55,7 @@ pub struct SceneReport {
     pub errors: Option<SceneErrors>,
     pub left_out: Option<LeftOut>,
     pub editing: Option<Editing>,
+    pub first_look: Option<FirstLook>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -61,4 +64,6 @@ pub struct Report {
     pub scenes: Vec<SceneReport>,
     pub stability: Option<Stability>,
     pub growth: Vec<Growth>,
+    /// As the window has measured them, where that is given.
+    pub frames: Option<FrameTimes>,
 }

@@ -127,6 +127,7 @@ pub fn measure(
 fn first_request(description: &Arc<Description>, modes: Vec<Mode>, size: [u32; 2]) -> Request {
     Request {
         epoch: 1,
+        restarts: 0,
         description: Arc::clone(description),
         camera: description.camera,
         modes,
@@ -134,6 +135,7 @@ fn first_request(description: &Arc<Description>, modes: Vec<Mode>, size: [u32; 2
         size,
         settings: ImageSettings::new(Mode::Rectified, 0),
         sample_limit: Some(4096),
+        noise_target: None,
         is_paused: false,
         ground_truth: GroundTruthDemand::Off,
     }

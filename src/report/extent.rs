@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::editing::EditingPlan;
 use super::experiment::Effort;
+use super::first_look::{self, FirstLookPlan};
 use super::growth::{GrowthPlan, Timing};
 use super::left_out::LeftOutPlan;
 use super::pictures::PicturePlan;
@@ -36,6 +37,7 @@ pub struct Extent {
     pub stability: StabilityPlan,
     pub left_out: LeftOutPlan,
     pub editing: EditingPlan,
+    pub first_look: FirstLookPlan,
     pub growth: GrowthPlan,
 }
 
@@ -66,6 +68,7 @@ impl Extent {
             stability: StabilityPlan::all(stability::Effort::Quick),
             left_out: LeftOutPlan { width: 96, height: 54, seed, pairs: 6, slice_secs: 0.02, each: false },
             editing: EditingPlan { size: PANE, edits: 3, within_secs: 0.1 },
+            first_look: FirstLookPlan { size: [121, 108], converged_samples: 128, most_secs: 3.0, seed },
             growth: GrowthPlan {
                 sizes: sizes(1_000_000, threads),
                 timing: Timing { side: 32, seed, slices: 3, slice_secs: 0.03 },
@@ -82,6 +85,7 @@ impl Extent {
             stability: StabilityPlan::all(stability::Effort::Full),
             left_out: LeftOutPlan { width: 192, height: 108, seed, pairs: 15, slice_secs: 0.25, each: true },
             editing: EditingPlan { size: PANE, edits: 12, within_secs: 0.7 },
+            first_look: FirstLookPlan { size: first_look::PANE, converged_samples: 1024, most_secs: 600.0, seed },
             growth: GrowthPlan {
                 sizes: sizes(10_000_000, threads),
                 timing: Timing { side: 64, seed, slices: 9, slice_secs: 0.2 },
@@ -108,6 +112,7 @@ impl Extent {
             stability: StabilityPlan { effort: stability::Effort::Quick, cases: 11, sweeps: 1, has_maps: false },
             left_out: LeftOutPlan { width: 16, height: 9, seed, pairs: 2, slice_secs: 1e-4, each: true },
             editing: EditingPlan { size: [32, 18], edits: 1, within_secs: 0.01 },
+            first_look: FirstLookPlan { size: [24, 16], converged_samples: 64, most_secs: 1e9, seed },
             growth: GrowthPlan {
                 sizes: [(0..6).map(|k| 500 << k).collect(), few.clone(), few, doublings(threads.min(2))],
                 timing: Timing { side: 8, seed, slices: 1, slice_secs: 1e-5 },

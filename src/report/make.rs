@@ -11,6 +11,8 @@ use super::data::{Origin, Report, SceneReport};
 use super::editing::{self, EditingError};
 use super::experiment::{ExperimentError, scene_errors};
 use super::extent::{Extent, StabilityPlan};
+use super::first_look;
+use super::frame_times::FrameTimes;
 use super::growth::{self, Growth, GrowthPlan, Quantity};
 use super::left_out;
 use super::machine::{self, Machine};
@@ -22,6 +24,7 @@ use crate::export::ExportError;
 use crate::export::words::grouped;
 use crate::formats::builtin;
 use crate::geometry::Ray;
+use crate::measure::MetricError;
 use crate::rectify::start::start;
 use crate::scene::camera::Camera;
 use crate::scene::fingerprint::Hasher;
@@ -34,11 +37,13 @@ pub enum Part {
     Stability,
     LeftOut,
     Editing,
+    FirstLook,
     Growth,
 }
 
 impl Part {
-    pub const ALL: [Self; 5] = [Self::Error, Self::Stability, Self::LeftOut, Self::Editing, Self::Growth];
+    pub const ALL: [Self; 6] =
+        [Self::Error, Self::Stability, Self::LeftOut, Self::Editing, Self::FirstLook, Self::Growth];
 
     /// As on the command line.
     pub fn name(self) -> &'static str {
@@ -47,6 +52,7 @@ impl Part {
             Self::Stability => "stability",
             Self::LeftOut => "left-out",
             Self::Editing => "editing",
+            Self::FirstLook => "first-look",
             Self::Growth => "growth",
         }
     }
@@ -78,6 +84,8 @@ pub struct Request {
     pub seed: u64,
     /// As it was typed.
     pub command: String,
+    /// What the window has measured of itself.
+    pub frames: Option<FrameTimes>,
 }
 
 #[derive(Debug, thiserror::Error)]
@@ -90,6 +98,8 @@ pub enum ReportError {
     Experiment(#[from] ExperimentError),
     #[error(transparent)]
     Editing(#[from] EditingError),
+    #[error("images cannot be compared: {0}")]
+    FirstLook(#[from] MetricError),
     #[error("the report was interrupted")]
     Interrupted,
 }
@@ -134,7 +144,7 @@ pub fn make(request: &Request, store: &Store, progress: &Progress<'_>) -> Result
         pieces_reused: tally.reused.get(),
         pieces_made: tally.made.get(),
     };
-    Ok(Report { origin, scenes, stability, growth })
+    Ok(Report { origin, scenes, stability, growth, frames: request.frames.clone() })
 }
 
 impl Request {
@@ -152,7 +162,11 @@ impl Request {
 fn weight_of(request: &Request) -> f64 {
     let has = |part: Part| if request.parts.contains(&part) { 1.0 } else { 0.0 };
     let errors = has(Part::Error) * request.extent.errors.secs.min(MOST_ERRORS);
-    let scene = PICTURES + errors + has(Part::LeftOut) * LEFT_OUT + has(Part::Editing) * EDITING;
+    let scene = PICTURES
+        + errors
+        + has(Part::LeftOut) * LEFT_OUT
+        + has(Part::Editing) * EDITING
+        + has(Part::FirstLook) * FIRST_LOOK;
     let checks = stability::cases().len().min(request.extent.stability.cases)
         + stability::sweeps().len().min(request.extent.stability.sweeps)
         + 1;
@@ -163,6 +177,7 @@ fn weight_of(request: &Request) -> f64 {
 const PICTURES: f64 = 1.0;
 const LEFT_OUT: f64 = 0.5;
 const EDITING: f64 = 1.0;
+const FIRST_LOOK: f64 = 5.0;
 const CHECK: f64 = 0.4;
 /// Largest weight of error against time.
 const MOST_ERRORS: f64 = 1000.0;
@@ -200,6 +215,12 @@ fn scene(
             Ok(editing::measure(&subject.description, &extent.editing, progress)?)
         })
     })?;
+    let first_look = request.asks_for(Part::FirstLook, || {
+        let what = [name, "the first look"];
+        tally.piece(what, FIRST_LOOK, "first-look", &(fingerprint, extent.first_look), |progress| {
+            Ok(first_look::measure(prepared, &camera, &extent.first_look, progress)?)
+        })
+    })?;
     // The experiment keeps its pieces by itself.
     let errors = request.asks_for(Part::Error, || {
         tally.part([name, "error against time"], extent.errors.secs.min(MOST_ERRORS), |progress| {
@@ -222,6 +243,7 @@ fn scene(
         errors,
         left_out,
         editing,
+        first_look,
     })
 }
 

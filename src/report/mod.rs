@@ -1,6 +1,6 @@
 //! Measurements of whole scenes, and the page that shows them.
 //!
-//! [`make`] takes the measurements ([`experiment`], [`stability`], [`left_out`], [`editing`], [`growth`], and
+//! [`make`] takes the measurements ([`experiment`], [`stability`], [`left_out`], [`editing`], [`first_look`], [`growth`], and
 //! [`pictures`] to look at), piece by piece; [`store`] keeps finished pieces, so that an interruption costs one of them at most. What comes of it is [`data`]: plain, whole, and all
 //! that [`page`] and [`csv`] see. Numbers are worked out where they are measured and shown as they are: the page computes none.
 
@@ -9,6 +9,8 @@ pub mod data;
 pub mod editing;
 pub mod experiment;
 pub mod extent;
+pub mod first_look;
+pub mod frame_times;
 pub mod growth;
 pub mod left_out;
 pub mod machine;

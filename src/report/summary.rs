@@ -34,6 +34,7 @@ pub fn findings(report: &Report) -> Vec<Finding> {
         sweeps(report),
         left_out(report),
         prepared(report),
+        first_look(report),
         editing(report),
         largest(report, Quantity::Triangles),
         largest(report, Quantity::Nesting),
@@ -204,6 +205,17 @@ fn editing(report: &Report) -> Option<Finding> {
     let parts: Vec<String> = Edit::ALL.into_iter().filter_map(part).collect();
     let what = "From an edit to a new image in each of four panes";
     (!parts.is_empty()).then(|| Finding::new(None, what, parts.join("; ")))
+}
+
+fn first_look(report: &Report) -> Option<Finding> {
+    let looks: Vec<_> = report.scenes.iter().filter_map(|scene| Some((scene, scene.first_look.as_ref()?))).collect();
+    let clean: Vec<_> = looks.iter().filter_map(|(scene, look)| Some((*scene, look.all_clean_secs()?))).collect();
+    let [(_, least), (scene, most)] = ends(&clean, |secs| *secs)?;
+    let range = span(*least, *most, time);
+    let where_most = if clean.len() > 1 { format!(", the longest in {}", scene.name) } else { String::new() };
+    let others = looks.len() - clean.len();
+    let others = if others > 0 { format!("; {others} scenes were given up before") } else { String::new() };
+    Some(Finding::new(None, "From the first ray to pictures that look clean", format!("{range}{where_most}{others}")))
 }
 
 fn prepared(report: &Report) -> Option<Finding> {

@@ -413,6 +413,16 @@ pub fn changed_objects(a: &Description, b: &Description) -> Option<Vec<ObjectId>
     })
 }
 
+/// Whether two scenes look the same from everywhere: all that decides an image but the camera is equal. Meshes and images that are not the
+/// same allocation are taken to be different.
+pub fn looks_the_same(a: &Description, b: &Description) -> bool {
+    a.world == b.world
+        && a.media == b.media
+        && is_same_environment(&a.environment, &b.environment)
+        && changed_objects(a, b).is_some_and(|changed| changed.is_empty())
+        && a.objects.iter().zip(&*b.objects).all(|(a, b)| a.role == b.role)
+}
+
 fn is_same_shape(a: &Shape, b: &Shape) -> bool {
     match (a, b) {
         // Meshes are large and shared: the same one, or taken to be different.

@@ -23,10 +23,14 @@ pub struct Snapshot {
     pub rgb: Vec<[f32; 3]>,
     /// Samples per pixel.
     pub samples: u32,
+    /// The mean over all pixels of their error relative to their brightness, estimated; `None` before two samples.
+    pub noise: Option<f64>,
+    /// Variance of the luminance of each pixel, roughly; `None` before two samples.
+    pub variances: Option<Vec<f32>>,
     pub events: Events,
     /// Time spent rendering this film, in seconds.
     pub seconds: f64,
-    /// Whether the sample limit has been reached.
+    /// Whether the limit of samples or of noise has been reached.
     pub is_done: bool,
 }
 
@@ -48,7 +52,19 @@ impl Snapshot {
     /// One sample of every pixel.
     pub fn of(mode: Mode, size: [u32; 2], rgb: Vec<[f32; 3]>) -> Arc<Self> {
         let events = Events::default();
-        Arc::new(Self { epoch: 1, mode, size, full_size: size, rgb, samples: 1, events, seconds: 1.0, is_done: false })
+        Arc::new(Self {
+            epoch: 1,
+            mode,
+            size,
+            full_size: size,
+            rgb,
+            samples: 1,
+            noise: None,
+            variances: None,
+            events,
+            seconds: 1.0,
+            is_done: false,
+        })
     }
 }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::job::{Job, LaneMessage, attempted, cancellable};
+use super::lane::Pools;
 use super::mailbox::{Mailbox, Taken};
 use super::{Board, News, Wake};
 use crate::render::{Film, RenderTask};
@@ -55,12 +56,6 @@ const SETTLING: Duration = Duration::from_millis(300);
 /// Time that a slice of samples should take, in seconds.
 const SLICE_SECONDS: f64 = 0.15;
 const MOST_SAMPLES_OF_A_SLICE: f64 = 64.0;
-
-/// The pools to render with: beside panes that are being rendered, and with the machine to itself.
-pub(super) struct Pools {
-    pub(super) beside: rayon::ThreadPool,
-    pub(super) alone: rayon::ThreadPool,
-}
 
 struct Progress {
     job: Job,
@@ -121,7 +116,8 @@ impl Progress {
     }
 
     fn has_work(&self) -> bool {
-        self.job.request.ground_truth == GroundTruthDemand::On && !self.truth.is_done
+        let request = &self.job.request;
+        request.ground_truth == GroundTruthDemand::On && !request.is_paused && !self.truth.is_done
     }
 
     /// Some samples for both halves. `false` when another picture is wanted.
@@ -132,14 +128,19 @@ impl Progress {
         let pool = if self.is_alone(board) { &pools.alone } else { &pools.beside };
         let job = &self.job;
         let begin = Instant::now();
-        for (half, film) in self.films.iter_mut().enumerate() {
+        for (half, film) in self.films.iter_mut().enumerate().filter(|(_, film)| film.samples <= self.truth.samples) {
+            let samples = self.truth.samples + samples - film.samples;
             let settings = job.settings(Mode::Reference, seed_of(job.request.settings.seed, half));
             let task = RenderTask { prepared: &job.prepared, camera: &job.camera, settings: &settings };
-            let is_other = |message: &LaneMessage| message.as_ref().is_none_or(|other| !job.shows_the_same(other));
+            let is_other = |message: &LaneMessage| {
+                message.as_ref().is_none_or(|other| !job.shows_the_same(other) || other.request.is_paused)
+            };
             let is_complete =
                 cancellable(pool, mailbox, is_other, begin, None, |cancel| task.pass(film, samples, cancel));
             if !is_complete {
-                return false;
+                // Gone on with if the picture is still wanted.
+                self.truth.seconds += begin.elapsed().as_secs_f64();
+                return true;
             }
         }
         self.truth.seconds += begin.elapsed().as_secs_f64();
@@ -161,7 +162,7 @@ impl Progress {
         let snapshots = board.snapshots();
         request.modes.iter().all(|mode| {
             let film = snapshots.get(mode).filter(|film| film.epoch == request.epoch && !film.is_preview());
-            film.is_some_and(|film| film.is_done || request.is_paused)
+            film.is_some_and(|film| film.is_done)
         })
     }
 

@@ -52,6 +52,11 @@ impl Job {
         (self.asked_at + FIRST_IMAGE).max(begun + LEAST_FIRST_IMAGE)
     }
 
+    /// Whether no other lane renders.
+    pub(super) fn is_alone(&self) -> bool {
+        self.request.modes.iter().all(|mode| self.modes.contains(mode))
+    }
+
     /// How to render a film of this picture.
     pub(super) fn settings(&self, mode: Mode, seed: u64) -> ImageSettings {
         ImageSettings { mode, seed, ..self.request.settings }
@@ -69,6 +74,13 @@ pub(super) fn attempted(epoch: u64, board: &Board, wake: &Wake, pass: impl FnOnc
 /// What puts the images of `epoch` out of date.
 pub(super) fn of_another_epoch(epoch: u64) -> impl Fn(&LaneMessage) -> bool {
     move |message| message.as_ref().is_none_or(|job| job.request.epoch != epoch)
+}
+
+/// What puts first pictures of a job out of date: another epoch, and other modes of the same one.
+pub(super) fn puts_out_of_date(job: &Job) -> impl Fn(&LaneMessage) -> bool {
+    move |message| {
+        message.as_ref().is_none_or(|other| other.request.epoch != job.request.epoch || other.modes != job.modes)
+    }
 }
 
 /// Runs `pass` on the pool while this thread watches the mailbox and the clock for the `alarm`, and cancels it when a message comes that

@@ -1,217 +1,288 @@
-//! A lane: one set of films that advance in lockstep, from a coarse preview to full resolution and then on, sample by sample.
+//! A lane: one set of films that advance in lockstep, from a coarse preview to full resolution and then on, sample by sample. Films that
+//! are wanted again come back from where they are kept, with their samples.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::job::{FIRST_IMAGE, Job, LaneMessage, MAX_DIVISOR, attempted, cancellable, divisor_for, of_another_epoch};
+use super::film_cache::{Entry, FilmCache, Picture};
+use super::job::{Job, LaneMessage, attempted, cancellable};
 use super::mailbox::{Alarm, Mailbox, Taken};
+use super::preview::Preview;
+use super::speed::Speed;
 use super::{Board, News, Snapshot, Wake};
-use crate::render::{Film, RenderTask};
-use crate::scene::description::Source;
+use crate::render::denoise::variances;
+use crate::render::{Noise, RenderTask};
 use crate::tracking::Mode;
 
-/// Fraction of the time for the first image that the pilot takes.
-const PILOT_SHARE: f64 = 0.2;
-/// Fraction of the budget that the pilot leaves for the first image; the rest is slack for other lanes and programs.
-const FIRST_IMAGE_SHARE: f64 = 0.7;
 /// Time that a slice of samples should take, in seconds.
 const SLICE_SECONDS: f64 = 0.08;
-/// Until an epoch has its first image, its passes are left to finish until they have taken this long together.
-const FIRST_IMAGE_GRACE: Duration = Duration::from_millis(150);
-/// Pixels of the first pass of a mode that has not been timed in this scene.
-const UNTIMED_PIXELS: f64 = 600.0;
+/// Samples that are taken before an estimate of noise is believed.
+const LEAST_SAMPLES_TO_STOP: u32 = 16;
+
+/// The pools to render with: with the machine to itself, and beside other lanes.
+pub(super) struct Pools {
+    pub(super) alone: Arc<rayon::ThreadPool>,
+    pub(super) beside: Arc<rayon::ThreadPool>,
+}
+
+/// What a lane works with and tells its results to.
+pub(super) struct Threads<'a> {
+    pub(super) pool: &'a rayon::ThreadPool,
+    pub(super) mailbox: &'a Mailbox<LaneMessage>,
+    pub(super) board: &'a Board,
+    pub(super) wake: &'a Wake,
+}
+
+/// How work ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Outcome {
+    Complete,
+    /// A newer message came in between; what has been done is kept.
+    Interrupted,
+}
+
+impl Threads<'_> {
+    /// Adds samples to a film.
+    #[allow(clippy::too_many_arguments, reason = "each is said once, by the two callers")]
+    pub(super) fn pass(
+        &self,
+        job: &Job,
+        entry: &mut Entry,
+        samples: u32,
+        interrupts: impl Fn(&LaneMessage) -> bool,
+        not_before: Instant,
+        alarm: Option<Alarm<'_>>,
+        speed: &mut Speed,
+    ) -> Outcome {
+        let settings = job.settings(entry.mode, job.request.settings.seed);
+        let task = RenderTask { prepared: &job.prepared, camera: &job.camera, settings: &settings };
+        let begin = Instant::now();
+        let film = &mut entry.film;
+        let pixels = f64::from(film.width) * f64::from(film.height);
+        let is_complete = cancellable(self.pool, self.mailbox, interrupts, not_before, alarm, |cancel| {
+            task.pass(film, samples, cancel)
+        });
+        let elapsed = begin.elapsed().as_secs_f64();
+        entry.seconds += elapsed;
+        if !is_complete {
+            return Outcome::Interrupted;
+        }
+        speed.learn(entry.mode, pixels * f64::from(samples) / elapsed.max(1e-6));
+        Outcome::Complete
+    }
+}
 
 /// The films of one epoch.
 struct Progress {
     job: Job,
-    films: Vec<Film>,
-    seconds: Vec<f64>,
-    /// Films have 1/divisor of the full size each way.
-    divisor: u32,
-    /// Divisor of the next films, if it is known.
-    next_divisor: Option<u32>,
-    begun: Instant,
-    /// Deadline of the first image; at it the pilot is shown if nothing finer is ready.
-    first_image_due: Instant,
-    /// Images of the pilot, held back until then.
-    pilot: Option<Vec<Snapshot>>,
+    picture: Picture,
+    /// Films at full size that have samples.
+    full: Vec<Entry>,
+    /// Films that do not yet.
+    preview: Option<Preview>,
     last_published: Option<Instant>,
     /// Time that the last publication took.
     publish_cost: Duration,
 }
 
 /// Renders what the mailbox says until it is closed.
-pub(super) fn run_lane(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessage>, board: &Board, wake: &Wake) {
+pub(super) fn run_lane(
+    pools: &Pools,
+    mailbox: &Mailbox<LaneMessage>,
+    board: &Board,
+    wake: &Wake,
+    cache: &Mutex<FilmCache>,
+) {
     let mut speed = Speed::default();
     let mut progress: Option<Progress> = None;
     loop {
         let has_work = progress.as_ref().is_some_and(Progress::has_work);
-        match mailbox.wait(has_work.then_some(Duration::ZERO)) {
+        let message = mailbox.wait(has_work.then_some(Duration::ZERO));
+        let mut cache = cache.lock().unwrap_or_else(PoisonError::into_inner);
+        match message {
             Taken::Closed => return,
             Taken::Empty => {}
-            Taken::Message(None) => progress = None,
-            Taken::Message(Some(job)) => match &mut progress {
-                // Only the limit or the pause has changed: go on.
-                Some(p) if p.job.request.epoch == job.request.epoch => p.job = *job,
-                _ => {
-                    speed.begin(&job);
-                    progress = Some(Progress::new(*job, &speed));
+            Taken::Message(None) => {
+                if let Some(before) = progress.take() {
+                    before.park(&mut cache);
                 }
-            },
+            }
+            Taken::Message(Some(job)) => {
+                if let Some(before) = progress.take_if(|p| p.job.request.epoch != job.request.epoch) {
+                    before.park(&mut cache);
+                }
+                speed.begin(&job);
+                let p = progress.get_or_insert_with(|| Progress::new(Job::clone(&job)));
+                p.go_on(*job, &mut cache, &speed);
+                p.publish_changes(board, wake);
+            }
         }
+        drop(cache);
         let Some(p) = progress.as_mut().filter(|p| p.has_work()) else { continue };
-        let epoch = p.job.request.epoch;
-        if !attempted(epoch, board, wake, || p.advance(pool, mailbox, board, wake, &mut speed)) {
+        let pool = if p.job.is_alone() { &pools.alone } else { &pools.beside };
+        let threads = Threads { pool, mailbox, board, wake };
+        if !attempted(p.job.request.epoch, board, wake, || p.advance(&threads, &mut speed)) {
             progress = None;
         }
     }
 }
 
 impl Progress {
-    /// Begins with a pilot: a picture so coarse that it takes little of the time for the first image, and says how fine that can be.
-    fn new(job: Job, speed: &Speed) -> Self {
-        let begun = Instant::now();
-        let first_image_due = job.first_image_due(begun);
-        let seconds = PILOT_SHARE * (first_image_due - begun).as_secs_f64();
-        let divisor = divisor_for(speed.seconds_of(&job), seconds).min(MAX_DIVISOR);
-        let mut progress = Self {
-            seconds: Vec::new(),
-            films: Vec::new(),
-            job,
-            divisor,
-            next_divisor: None,
-            begun,
-            first_image_due,
-            pilot: None,
-            last_published: None,
-            publish_cost: Duration::ZERO,
-        };
-        progress.restart(divisor);
-        progress
+    fn new(job: Job) -> Self {
+        let picture = Picture::of(&job);
+        Self { job, picture, full: Vec::new(), preview: None, last_published: None, publish_cost: Duration::ZERO }
     }
 
-    fn restart(&mut self, divisor: u32) {
-        let [width, height] = self.job.request.size.map(|side| side.div_ceil(divisor).max(1));
-        self.divisor = divisor;
-        self.films = self.job.modes.iter().map(|_| Film::new(width, height)).collect();
-        self.seconds = vec![0.0; self.films.len()];
-        self.next_divisor = None;
+    /// Lets the films be kept.
+    fn park(self, cache: &mut FilmCache) {
+        self.full.into_iter().for_each(|entry| cache.put(&self.picture, entry));
     }
 
-    fn samples(&self) -> u32 {
-        self.films.first().map_or(0, |film| film.samples)
+    /// Goes on with what a message of the same epoch wants: films of modes that are not wanted now are kept, others come back.
+    fn go_on(&mut self, job: Job, cache: &mut FilmCache, speed: &Speed) {
+        let is_wanted = |mode: Mode| job.modes.contains(&mode);
+        for entry in self.full.extract_if(.., |entry| !is_wanted(entry.mode)) {
+            cache.put(&self.picture, entry);
+        }
+        let mut waiting: Vec<Mode> = Vec::new();
+        if let Some(preview) = &mut self.preview {
+            preview.retain(is_wanted);
+            waiting = preview.entries.iter().map(|entry| entry.mode).collect();
+        }
+        let mut has_new = false;
+        for &mode in &job.modes {
+            if waiting.contains(&mode) || self.full.iter().any(|entry| entry.mode == mode) {
+                continue;
+            }
+            match cache.take(&self.picture, mode) {
+                Some(entry) => self.full.push(entry),
+                None => {
+                    waiting.push(mode);
+                    has_new = true;
+                }
+            }
+        }
+        if has_new {
+            waiting.sort();
+            self.preview = Some(Preview::new(&job, waiting, speed));
+        } else if waiting.is_empty() {
+            self.preview = None;
+        }
+        self.full.sort_by_key(|entry| entry.mode);
+        self.job = job;
     }
 
-    /// Samples still to take at full resolution.
-    fn remaining(&self) -> u32 {
-        let limit = if self.job.request.is_paused { 1 } else { self.job.request.sample_limit.unwrap_or(u32::MAX) };
-        limit.max(1).saturating_sub(self.samples())
+    fn fewest_samples(&self) -> u32 {
+        self.full.iter().map(|entry| entry.film.samples).min().unwrap_or(0)
+    }
+
+    fn most_samples(&self) -> u32 {
+        self.full.iter().map(|entry| entry.film.samples).max().unwrap_or(0)
+    }
+
+    fn limit(&self) -> u32 {
+        let request = &self.job.request;
+        if request.is_paused { 1 } else { request.sample_limit.unwrap_or(u32::MAX).max(1) }
+    }
+
+    /// Whether noise in every film is as little as is wanted.
+    fn is_clean(&self) -> bool {
+        self.job.request.noise_target.is_some_and(|target| {
+            let is_clean = |entry: &Entry| entry.noise.of(&entry.film).is_some_and(|noise| noise <= target);
+            self.fewest_samples() >= LEAST_SAMPLES_TO_STOP && self.full.iter().all(is_clean)
+        })
+    }
+
+    /// Samples that every film should have in the end, as far as is known: those that are behind catch up in any case.
+    fn wanted_samples(&self) -> u32 {
+        if self.is_clean() { self.most_samples().min(self.limit()) } else { self.limit() }
     }
 
     fn has_work(&self) -> bool {
-        self.divisor > 1 || self.remaining() > 0
+        self.preview.is_some() || (!self.full.is_empty() && self.fewest_samples() < self.wanted_samples())
     }
 
-    /// One pass over every film. `false` when a newer message has cancelled it.
-    fn advance(
-        &mut self,
-        pool: &rayon::ThreadPool,
-        mailbox: &Mailbox<LaneMessage>,
-        board: &Board,
-        wake: &Wake,
-        speed: &mut Speed,
-    ) -> bool {
-        if let Some(next) = self.next_divisor {
-            self.restart(next);
-        }
-        let start = Instant::now();
-        let pixels = f64::from(self.films[0].width) * f64::from(self.films[0].height);
-        let samples = if self.divisor > 1 || self.samples() == 0 {
-            1
-        } else {
-            let per_sample: f64 = self.job.modes.iter().map(|mode| pixels / speed.of(*mode).unwrap_or(1.0)).sum();
-            ((SLICE_SECONDS / per_sample) as u32).clamp(1, 32).min(self.remaining())
-        };
-        let grace_end = match (self.last_published, &self.pilot) {
-            (Some(_), _) => start,
-            (None, Some(_)) => self.first_image_due,
-            (None, None) => self.begun + FIRST_IMAGE_GRACE,
-        };
-        for ((film, seconds), mode) in self.films.iter_mut().zip(&mut self.seconds).zip(&self.job.modes) {
-            let settings = self.job.settings(*mode, self.job.request.settings.seed);
-            let task = RenderTask { prepared: &self.job.prepared, camera: &self.job.camera, settings: &settings };
-            let begin = Instant::now();
-            let (pilot, last_published) = (&mut self.pilot, &mut self.last_published);
-            let alarm = pilot.is_some().then(|| Alarm {
-                at: self.first_image_due,
-                ring: Box::new(|| {
-                    post(board, wake, pilot.take().unwrap_or_default());
-                    *last_published = Some(Instant::now());
-                }),
-            });
-            let is_other = of_another_epoch(self.job.request.epoch);
-            let is_complete =
-                cancellable(pool, mailbox, is_other, grace_end, alarm, |cancel| task.pass(film, samples, cancel));
-            if !is_complete {
-                return false;
+    /// Some samples for those films that have fewest.
+    fn advance(&mut self, threads: &Threads<'_>, speed: &mut Speed) -> bool {
+        if let Some(preview) = &mut self.preview {
+            let outcome = preview.advance(&self.job, threads, speed);
+            if outcome == Outcome::Complete && preview.is_over() {
+                self.full.extend(self.preview.take().into_iter().flat_map(|preview| preview.entries));
+                self.full.sort_by_key(|entry| entry.mode);
+                self.publish_changes(threads.board, threads.wake);
             }
-            let elapsed = begin.elapsed().as_secs_f64();
-            *seconds += elapsed;
-            speed.learn(*mode, pixels * f64::from(samples) / elapsed.max(1e-6));
+            return true;
         }
-        if self.divisor > 1 {
-            let spent: f64 = self.seconds.iter().sum();
-            let full_seconds = spent * f64::from(self.divisor * self.divisor);
-            if self.last_published.is_none() {
-                let left = self.first_image_due.saturating_duration_since(Instant::now());
-                let finer = divisor_for(full_seconds, FIRST_IMAGE_SHARE * left.as_secs_f64());
-                if 3 * finer <= 2 * self.divisor {
-                    self.pilot = Some(self.snapshots());
-                    self.next_divisor = Some(finer);
-                    return true;
-                }
+        let fewest = self.fewest_samples();
+        let next = self.full.iter().map(|entry| entry.film.samples).filter(|samples| *samples > fewest).min();
+        let end = next.unwrap_or(u32::MAX).min(self.wanted_samples());
+        let behind = || self.full.iter().filter(|entry| entry.film.samples == fewest);
+        let per_sample = speed.seconds_of(behind().map(|entry| entry.mode), self.job.request.size);
+        let to_look = behind().map(|entry| Noise::samples_to_look(&entry.film)).min().unwrap_or(1);
+        let samples = ((SLICE_SECONDS / per_sample) as u32).clamp(1, 32).min(to_look).min(end - fewest);
+        for entry in self.full.iter_mut().filter(|entry| entry.film.samples == fewest) {
+            // Any message may want something else, and nothing is lost.
+            let outcome = threads.pass(&self.job, entry, samples, |_| true, Instant::now(), None, speed);
+            if outcome == Outcome::Interrupted {
+                return true;
             }
-            // Each picture may take a few times as long as the one before it.
-            self.next_divisor = Some(divisor_for(full_seconds, (4.0 * spent).max(0.1)).min(self.divisor / 2).max(1));
+            threads.pool.install(|| entry.noise.look(&entry.film));
         }
         // Reading a large film costs time that rendering could use: at most a sixth of it.
         let pause = Duration::from_secs_f64(SLICE_SECONDS).max(5 * self.publish_cost);
         let is_due = self.last_published.is_none_or(|last| last.elapsed() > pause);
-        if self.divisor > 1 || self.samples() <= samples || self.remaining() == 0 || is_due {
-            self.publish(board, wake);
+        if !self.has_work() || is_due {
+            self.publish_changes(threads.board, threads.wake);
         }
         true
     }
 
-    fn snapshots(&self) -> Vec<Snapshot> {
-        let is_done = self.divisor == 1 && !self.job.request.is_paused && self.remaining() == 0;
-        (self.films.iter().zip(&self.seconds).zip(&self.job.modes))
-            .map(|((film, seconds), mode)| Snapshot {
-                epoch: self.job.request.epoch,
-                mode: *mode,
-                size: [film.width, film.height],
-                full_size: self.job.request.size,
-                rgb: film.to_rgb(),
-                samples: film.samples,
-                events: film.events,
-                seconds: *seconds,
-                is_done,
-            })
-            .collect()
-    }
-
-    fn publish(&mut self, board: &Board, wake: &Wake) {
+    /// Publishes the films at full size that the board does not have as they are.
+    fn publish_changes(&mut self, board: &Board, wake: &Wake) {
         let start = Instant::now();
-        post(board, wake, self.snapshots());
-        self.pilot = None;
+        let (wanted, shown) = (self.wanted_samples(), board.snapshots());
+        let is_done = |entry: &Entry| {
+            !self.job.request.is_paused && entry.film.samples >= wanted && entry.film.samples >= self.most_samples()
+        };
+        let is_news = |entry: &&Entry| {
+            shown.get(&entry.mode).is_none_or(|shown| {
+                shown.epoch != self.job.request.epoch
+                    || shown.is_preview()
+                    || shown.samples != entry.film.samples
+                    || shown.is_done != is_done(entry)
+            })
+        };
+        let news = self.full.iter().filter(is_news);
+        let news: Vec<Snapshot> = news.map(|entry| Snapshot::of_entry(&self.job, entry, is_done(entry))).collect();
+        if news.is_empty() {
+            return;
+        }
+        post(board, wake, news);
         self.publish_cost = start.elapsed();
         self.last_published = Some(Instant::now());
     }
 }
 
+impl Snapshot {
+    pub(super) fn of_entry(job: &Job, Entry { mode, film, seconds, noise }: &Entry, is_done: bool) -> Self {
+        Self {
+            epoch: job.request.epoch,
+            mode: *mode,
+            size: [film.width, film.height],
+            full_size: job.request.size,
+            rgb: film.to_rgb(),
+            samples: film.samples,
+            noise: noise.of(film),
+            variances: variances(film, noise),
+            events: film.events,
+            seconds: *seconds,
+            is_done,
+        }
+    }
+}
+
 /// Puts images on the board.
-fn post(board: &Board, wake: &Wake, snapshots: Vec<Snapshot>) {
+pub(super) fn post(board: &Board, wake: &Wake, snapshots: Vec<Snapshot>) {
     let mut state = board.lock();
     for snapshot in snapshots {
         // A mode that moved to the other lane may have newer images from there.
@@ -222,45 +293,4 @@ fn post(board: &Board, wake: &Wake, snapshots: Vec<Snapshot>) {
     }
     drop(state);
     wake(News::Images);
-}
-
-/// Measured pixel samples per second of each mode, in one scene.
-#[derive(Debug, Default)]
-struct Speed {
-    scene: Option<Arc<Source>>,
-    of_mode: BTreeMap<Mode, f64>,
-}
-
-impl Speed {
-    /// Forgets what was measured in another scene than the job's.
-    fn begin(&mut self, job: &Job) {
-        let scene = &job.prepared.description.source;
-        let is_same = match (&self.scene, scene) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (None, None) => true,
-            _ => false,
-        };
-        if !is_same {
-            *self = Self { scene: scene.clone(), of_mode: BTreeMap::new() };
-        }
-    }
-
-    fn of(&self, mode: Mode) -> Option<f64> {
-        self.of_mode.get(&mode).copied()
-    }
-
-    fn learn(&mut self, mode: Mode, samples_per_second: f64) {
-        let speed = self.of_mode.entry(mode).or_insert(samples_per_second);
-        // Slower at once, faster with caution: a late image is worse than a coarse one.
-        let weight = if samples_per_second < *speed { 0.7 } else { 0.2 };
-        *speed += weight * (samples_per_second - *speed);
-    }
-
-    /// Seconds that one sample of every mode should take at full size. A mode that has not been timed is taken for one that renders
-    /// [`UNTIMED_PIXELS`] in a pilot's time.
-    fn seconds_of(&self, job: &Job) -> f64 {
-        let pixels = f64::from(job.request.size[0]) * f64::from(job.request.size[1]);
-        let untimed = UNTIMED_PIXELS / (PILOT_SHARE * FIRST_IMAGE.as_secs_f64());
-        job.modes.iter().map(|mode| pixels / self.of(*mode).unwrap_or(untimed)).sum()
-    }
 }

@@ -5,16 +5,17 @@
 //! slider that is dragged) therefore shows a steady stream of images. A long preparation is cancelled by a request for another scene.
 //!
 //! ```text
-//! requests ─► preparer (scene, rectification) ─► main lane:      every mode, in lockstep
-//!                                              ├► reference lane: `reference` beside other modes, on a few threads of its own
+//! requests ─► preparer (scene, rectification) ─► main lane:      every mode but `reference`, in lockstep
+//!                                              ├► reference lane: `reference`, beside other modes on a few threads of its own
 //!                                              ├► surfaces lane:  surfaces in the colours of what rectification found
 //!                                              └► ground truth:   `reference` twice, to measure the others against
 //! ```
 //!
-//! Modes of one lane always have equally many samples, taken with the same random numbers: their difference shows the modes' error
-//! and not noise. `reference` is far slower than the others; beside them it has a lane of its own and holds nobody back.
+//! Modes of one lane have equally many samples, taken with the same random numbers: their difference shows the modes' error and not
+//! noise. One that comes later catches up first. Films that are not shown any more are kept for a while. `reference` is far slower than the others; beside them it has a lane of its own and holds nobody back.
 
 mod board;
+mod film_cache;
 mod ground_truth;
 mod job;
 mod lane;
@@ -22,19 +23,23 @@ mod mailbox;
 mod painter;
 mod preparation;
 mod preparer;
+mod preview;
+pub mod priority;
+mod speed;
 #[cfg(test)]
 mod tests;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
 pub use self::board::{Board, News, PaintedSurfaces, SceneReport, Snapshot, Wake};
+use self::film_cache::{FilmCache, MOST_BYTES};
+use self::ground_truth::run_ground_truth;
 pub use self::ground_truth::{GroundTruth, GroundTruthDemand, Halves, MOST_SAMPLES as MOST_GROUND_TRUTH_SAMPLES};
-use self::ground_truth::{Pools, run_ground_truth};
 use self::job::Asked;
-use self::lane::run_lane;
+use self::lane::{Pools, run_lane};
 use self::mailbox::Mailbox;
 use self::painter::run_painter;
 pub use self::preparation::Preparation;
@@ -48,8 +53,11 @@ use crate::tracking::Mode;
 /// What to render.
 #[derive(Debug, Clone)]
 pub struct Request {
-    /// Changes with every field but `surfaces`, `sample_limit`, `is_paused` and `ground_truth`; films of a new epoch start anew.
+    /// Changes with the description, the camera, the size, the settings and the number of restarts. Films of a new epoch begin anew, but for
+    /// those that show what an earlier one showed: they go on.
     pub epoch: u64,
+    /// Films go on only within one number of restarts.
+    pub restarts: u64,
     /// Prepared anew when it is another allocation than the last request's.
     pub description: Arc<Description>,
     /// The view, which need not be the scene's own camera.
@@ -64,7 +72,9 @@ pub struct Request {
     pub settings: ImageSettings,
     /// Samples per pixel at which to stop; `None`: go on for ever.
     pub sample_limit: Option<u32>,
-    /// Stops after the first sample at full resolution.
+    /// Noise, as in [`Snapshot::noise`], at which to stop before that.
+    pub noise_target: Option<f64>,
+    /// Everything stops: films after their first sample at full resolution, the rest at once.
     pub is_paused: bool,
     /// It outlives the epoch where only `modes` change.
     pub ground_truth: GroundTruthDemand,
@@ -94,17 +104,30 @@ impl Worker {
         let widths = [if cores >= 4 { cores - 1 } else { cores }, (cores / 4).max(1), (cores / 2).max(1)];
         let pool_of = |name: &'static str, width: usize| {
             let named = rayon::ThreadPoolBuilder::new().thread_name(move |index| format!("{name}-{index}"));
-            named.num_threads(width).build().map_err(std::io::Error::other)
+            let polite = named.start_handler(|_| priority::yield_to_the_window());
+            polite.num_threads(width).build().map(Arc::new).map_err(std::io::Error::other)
         };
-        for ((mailbox, width), name) in lanes.iter().zip(widths).zip(["render", "reference", "surfaces"]) {
-            let pool = pool_of(name, width)?;
-            let (mailbox, board, wake) = (Arc::clone(mailbox), Arc::clone(&board), Arc::clone(&wake));
-            threads.push(std::thread::Builder::new().name(format!("{name}-lane")).spawn(move || match name {
-                "surfaces" => run_painter(&pool, &mailbox, &board, &wake),
-                _ => run_lane(&pool, &mailbox, &board, &wake),
-            })?);
+        let alone = pool_of("render", widths[0])?;
+        let cache = Arc::new(Mutex::new(FilmCache::new(MOST_BYTES)));
+        for (lane, name, beside) in
+            [(0, "render", Arc::clone(&alone)), (1, "reference", pool_of("reference", widths[1])?)]
+        {
+            let pools = Pools { alone: Arc::clone(&alone), beside };
+            let (mailbox, board, wake) = (Arc::clone(&lanes[lane]), Arc::clone(&board), Arc::clone(&wake));
+            let cache = Arc::clone(&cache);
+            threads.push(
+                std::thread::Builder::new()
+                    .name(format!("{name}-lane"))
+                    .spawn(move || run_lane(&pools, &mailbox, &board, &wake, &cache))?,
+            );
         }
-        let pools = Pools { beside: pool_of("truth-beside", widths[1])?, alone: pool_of("truth-alone", widths[0])? };
+        let painter = {
+            let pool = pool_of("surfaces", widths[2])?;
+            let (mailbox, board, wake) = (Arc::clone(&lanes[2]), Arc::clone(&board), Arc::clone(&wake));
+            move || run_painter(&pool, &mailbox, &board, &wake)
+        };
+        threads.push(std::thread::Builder::new().name("surfaces-lane".into()).spawn(painter)?);
+        let pools = Pools { beside: pool_of("truth", widths[1])?, alone };
         let ground_truth = {
             let (mailbox, board, wake) = (Arc::clone(&lanes[3]), Arc::clone(&board), Arc::clone(&wake));
             move || run_ground_truth(&pools, &mailbox, &board, &wake)

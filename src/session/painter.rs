@@ -32,13 +32,10 @@ pub(super) fn run_painter(pool: &rayon::ThreadPool, mailbox: &Mailbox<LaneMessag
             Taken::Empty => {}
             Taken::Message(None) => progress = None,
             Taken::Message(Some(job)) => match &mut progress {
-                // The same scene from the same camera: what is painted stays, whatever else is wanted now. What has left the board was not
-                // wanted by a request in between, which this lane need not have seen: it is painted anew.
+                // The same scene from the same camera: what is painted stays, whatever else is wanted now.
                 Some(p) if p.job.request.epoch == job.request.epoch => {
-                    let shown = board.paintings();
-                    p.paintings
-                        .retain(|quantity, _| job.request.surfaces.contains(quantity) && shown.contains_key(quantity));
                     p.job = *job;
+                    p.publish_again(board, wake);
                 }
                 _ => progress = Some(Progress { job: *job, paintings: BTreeMap::new() }),
             },
@@ -67,9 +64,33 @@ impl Progress {
 
     /// What to do next: the quantity that is farthest behind.
     fn next(&self) -> Option<SurfaceQuantity> {
-        let last = OFFSETS.len() as u32 + 1;
+        // Paused, there is one whole picture.
+        let last = if self.job.request.is_paused { 2 } else { OFFSETS.len() as u32 + 1 };
         let wanted = self.job.request.surfaces.iter().copied();
         wanted.map(|quantity| (self.stage(quantity), quantity)).filter(|(stage, _)| *stage < last).min().map(|(_, q)| q)
+    }
+
+    /// Puts on the board what has left it while it was not wanted.
+    fn publish_again(&self, board: &Board, wake: &Wake) {
+        let mut state = board.lock();
+        let mut has_news = false;
+        for quantity in &self.job.request.surfaces {
+            if let Some(painting) = self.paintings.get(quantity)
+                && painting.rays > 0
+                && !state.paintings.contains_key(quantity)
+            {
+                state.paintings.insert(*quantity, Arc::new(self.painted(*quantity, painting.clone())));
+                has_news = true;
+            }
+        }
+        drop(state);
+        if has_news {
+            wake(News::Images);
+        }
+    }
+
+    fn painted(&self, quantity: SurfaceQuantity, painting: Painting) -> PaintedSurfaces {
+        PaintedSurfaces { epoch: self.job.request.epoch, quantity, full_size: self.job.request.size, painting }
     }
 
     /// One ray for each pixel of one picture. `false` when a newer message has cancelled it.
@@ -86,7 +107,8 @@ impl Progress {
         let begun = Instant::now();
         if stage < 2 {
             // The first pictures of all quantities share the time.
-            let missing = self.job.request.surfaces.len() - self.paintings.len();
+            let is_missing = |quantity: &&SurfaceQuantity| !self.paintings.contains_key(quantity);
+            let missing = self.job.request.surfaces.iter().filter(is_missing).count();
             let divisor = if stage == 0 {
                 let pixels = full.map(f64::from).iter().product::<f64>();
                 let left = (self.job.first_image_due(begun) - begun).as_secs_f64() / missing.max(1) as f64;
@@ -106,8 +128,8 @@ impl Progress {
         if is_complete {
             let rays = f64::from(painting.width) * f64::from(painting.height);
             *seconds_per_ray = begun.elapsed().as_secs_f64() / rays;
-            let painted =
-                PaintedSurfaces { epoch: job.request.epoch, quantity, full_size: full, painting: painting.clone() };
+            let painting = painting.clone();
+            let painted = self.painted(quantity, painting);
             let mut state = board.lock();
             let is_stale = state.paintings.get(&quantity).is_some_and(|old| old.epoch > painted.epoch);
             if !is_stale {

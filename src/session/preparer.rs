@@ -27,11 +27,12 @@ struct Leisure {
     epoch: u64,
     is_checked: bool,
     repeats: u32,
+    is_paused: bool,
 }
 
 impl Leisure {
     fn is_over(&self) -> bool {
-        self.is_checked && self.repeats >= REPEATS
+        self.is_checked && (self.is_paused || self.repeats >= REPEATS)
     }
 
     /// One piece of work. Returns the scene as it is known now, and its problems if they have been looked for; `None` where a request
@@ -114,9 +115,8 @@ pub(super) fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &Lanes, board: &B
             board.lock().scene = Some(Arc::new(report));
             wake(News::Scene);
         }
-        let alone = request.modes.iter().all(|mode| *mode == Mode::Reference);
         let (reference, main): (Vec<Mode>, Vec<Mode>) =
-            request.modes.iter().partition(|mode| **mode == Mode::Reference && !alone);
+            request.modes.iter().partition(|mode| **mode == Mode::Reference);
         let measures = request.ground_truth != GroundTruthDemand::Off;
         let has_work = [!main.is_empty(), !reference.is_empty(), !request.surfaces.is_empty(), measures];
         for ((lane, modes), has_work) in lanes.iter().zip([main, reference, Vec::new(), Vec::new()]).zip(has_work) {
@@ -129,8 +129,11 @@ pub(super) fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &Lanes, board: &B
             state.paintings.retain(|quantity, _| request.surfaces.contains(quantity));
         }
         if is_new {
-            leisure = Some(Leisure { epoch: request.epoch, is_checked: false, repeats: 0 });
+            leisure =
+                Some(Leisure { epoch: request.epoch, is_checked: false, repeats: 0, is_paused: request.is_paused });
             current = Some(prepared);
+        } else if let Some(leisure) = &mut leisure {
+            leisure.is_paused = request.is_paused;
         }
     }
 }

@@ -19,6 +19,7 @@ fn request(epoch: u64, modes: &[Mode]) -> Request {
     let description = Arc::new(crate::formats::open("nested-spheres").expect("a built-in scene"));
     Request {
         epoch,
+        restarts: 0,
         camera: description.camera,
         description,
         modes: modes.to_vec(),
@@ -26,6 +27,7 @@ fn request(epoch: u64, modes: &[Mode]) -> Request {
         size: [96, 64],
         settings: ImageSettings { max_depth: Some(8), ..ImageSettings::new(Mode::Rectified, 0) },
         sample_limit: Some(3),
+        noise_target: None,
         is_paused: false,
         ground_truth: GroundTruthDemand::Off,
     }
@@ -94,10 +96,117 @@ fn a_higher_limit_goes_on_and_a_new_epoch_starts_anew() {
 
     // Many requests at once: the last one is what remains.
     for epoch in 2..30 {
-        worker.submit(Request { epoch, ..first.clone() });
+        worker.submit(Request { epoch, restarts: epoch, ..first.clone() });
     }
     until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| s.epoch == 29 && s.is_done));
     assert_eq!(worker.board().snapshots()[&Mode::Rectified].rgb, three.rgb, "an image depends on its request alone");
+}
+
+/// Whatever is shown of `mode` from now on has at least so many samples.
+#[track_caller]
+fn never_below(worker: &Worker, modes: &[Mode], samples: u32, is_met: impl Fn(&BTreeMap<Mode, Arc<Snapshot>>) -> bool) {
+    until(worker, |snapshots| {
+        for film in snapshots.values().filter(|film| modes.contains(&film.mode)) {
+            assert!(!film.is_preview() && film.samples >= samples, "{}: {} of {samples}", film.mode, film.samples);
+        }
+        is_met(snapshots)
+    });
+}
+
+#[test]
+fn films_of_other_modes_come_and_go_and_none_begins_anew() {
+    let worker = Worker::start(quiet()).unwrap();
+    let all = [Mode::Naive, Mode::Stack, Mode::Reference];
+    let first = Request { sample_limit: Some(6), ..request(1, &all) };
+    worker.submit(first.clone());
+    until(&worker, |s| s.len() == 3 && s.values().all(|s| s.is_done));
+    let rgb = |mode: Mode| worker.board().snapshots()[&mode].rgb.clone();
+    let before = all.map(rgb);
+    for modes in [&all[..1], &all[2..], &all[1..], &all[..0], &all[..2], &all[..]] {
+        worker.submit(Request { modes: modes.to_vec(), ..first.clone() });
+        never_below(&worker, modes, 6, |s| s.keys().eq(modes) && s.values().all(|film| film.is_done));
+    }
+    assert_eq!(all.map(rgb), before);
+    // A mode that comes later catches up.
+    worker.submit(Request { modes: vec![Mode::Stack, Mode::Rectified], ..first });
+    never_below(&worker, &[Mode::Stack], 6, |s| {
+        s.len() == 2 && s.values().all(|film| film.is_done && film.samples == 6)
+    });
+}
+
+#[test]
+fn what_was_shown_before_comes_back_with_its_samples() {
+    let worker = Worker::start(quiet()).unwrap();
+    let modes = [Mode::Stack, Mode::Rectified];
+    let first = Request { sample_limit: Some(5), ..request(1, &modes) };
+    worker.submit(first.clone());
+    until(&worker, |s| s.len() == 2 && s.values().all(|s| s.is_done));
+    let mut edited = Description::clone(&first.description);
+    edited.world.ior = crate::optics::Ior::Constant(1.2);
+    let mut moved = first.camera;
+    moved.position.x += 0.1;
+    let others = [
+        Request { description: Arc::new(edited), ..first.clone() },
+        Request { camera: moved, ..first.clone() },
+        Request { size: [50, 40], ..first.clone() },
+        Request { settings: ImageSettings { max_depth: Some(4), ..first.settings }, ..first.clone() },
+    ];
+    let mut epoch = 1;
+    for other in others {
+        worker.submit(Request { epoch: epoch + 1, ..other });
+        until(&worker, |s| s.values().all(|film| film.epoch == epoch + 1 && film.samples >= 2));
+        epoch += 2;
+        worker.submit(Request { epoch, ..first.clone() });
+        until(&worker, |s| {
+            let now: Vec<_> = s.values().filter(|film| film.epoch == epoch).collect();
+            assert!(now.iter().all(|film| !film.is_preview() && film.samples == 5), "{now:?}");
+            now.len() == 2
+        });
+    }
+    // Who wants to see it begin anew sees that.
+    worker.submit(Request { epoch: epoch + 1, restarts: 1, sample_limit: Some(2), ..first });
+    until(&worker, |s| s.values().all(|film| film.epoch == epoch + 1 && film.is_done && film.samples == 2));
+}
+
+#[test]
+fn rendering_stops_where_there_is_little_noise() {
+    let worker = Worker::start(quiet()).unwrap();
+    let modes = [Mode::Stack, Mode::Rectified];
+    let asked = Request { sample_limit: Some(4096), noise_target: Some(0.4), ..request(1, &modes) };
+    worker.submit(asked.clone());
+    until(&worker, |s| s.len() == 2 && s.values().all(|s| s.is_done));
+    let films = worker.board().snapshots();
+    assert!(films.values().all(|film| (16..4096).contains(&film.samples) && film.noise.unwrap() <= 0.4), "{films:?}");
+    assert!(films.values().all(|film| film.samples == films[&Mode::Stack].samples));
+    // Less noise: it goes on.
+    worker.submit(Request { noise_target: Some(0.5 * films[&Mode::Stack].noise.unwrap()), ..asked });
+    never_below(&worker, &modes, 16, |s| s.values().all(|film| film.samples > films[&Mode::Stack].samples));
+}
+
+#[test]
+fn a_pause_stops_everything() {
+    let worker = Worker::start(quiet()).unwrap();
+    let paused = Request {
+        is_paused: true,
+        sample_limit: None,
+        surfaces: vec![SurfaceQuantity::Class],
+        ground_truth: GroundTruthDemand::On,
+        ..request(1, &[Mode::Rectified])
+    };
+    worker.submit(paused.clone());
+    let rays = || worker.board().paintings().get(&SurfaceQuantity::Class).map_or(0, |painted| painted.painting.rays);
+    let is_whole =
+        || worker.board().paintings().get(&SurfaceQuantity::Class).is_some_and(|painted| !painted.is_preview());
+    until(&worker, |s| s.get(&Mode::Rectified).is_some_and(|s| !s.is_preview()) && is_whole());
+    let checked = || worker.board().scene().filter(|scene| scene.problems.is_some());
+    let pretraced = soon(checked).prepared.table.rays();
+    std::thread::sleep(Duration::from_millis(200));
+    assert_eq!((worker.board().snapshots()[&Mode::Rectified].samples, rays()), (1, 1));
+    assert_eq!(worker.board().ground_truth().map_or(0, |truth| truth.samples), 0);
+    assert_eq!(worker.board().scene().unwrap().prepared.table.rays(), pretraced);
+    worker.submit(Request { is_paused: false, ..paused });
+    until(&worker, |s| s[&Mode::Rectified].samples > 10 && rays() > 1);
+    soon(|| worker.board().ground_truth().filter(|truth| truth.samples > 0));
 }
 
 #[test]

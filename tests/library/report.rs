@@ -11,6 +11,8 @@ use iorect::formats;
 use iorect::report::csv::tables;
 use iorect::report::data::Report;
 use iorect::report::extent::Extent;
+use iorect::report::frame_times::{FrameTimes, Spread};
+use iorect::report::machine::Machine;
 use iorect::report::make::{Part, ReportError, Request, Subject, make};
 use iorect::report::page;
 use iorect::report::progress::Progress;
@@ -41,7 +43,23 @@ fn subject(name: &str, description: Description) -> Subject {
 }
 
 fn request(subjects: Vec<Subject>, parts: &[Part]) -> Request {
+    let spread = Spread { median_ms: 1.34, percentile_95_ms: 2.5, most_ms: 5.0 };
+    let frames = FrameTimes {
+        machine: Machine::here(),
+        version: String::new(),
+        is_optimized: true,
+        date: String::new(),
+        scene: HOSTILE.to_owned(),
+        window: [1920, 1080],
+        panes: 4,
+        pane: [600, 400],
+        frames: 100,
+        samples: 7,
+        interface: spread,
+        whole: None,
+    };
     Request {
+        frames: Some(frames),
         subjects,
         parts: parts.to_vec(),
         extent: Extent::tiny(5, 2),
@@ -430,6 +448,31 @@ fn what_was_left_out_is_on_the_page_as_in_the_table() {
         let names = row["left_out"].split(' ').collect::<Vec<_>>().join(", ");
         assert_eq!(shown_row[5], if names.is_empty() { "nothing" } else { &names });
     }
+}
+
+/// Times until pictures look clean, and those of frames, likewise.
+#[test]
+fn the_first_look_is_on_the_page_as_in_the_table() {
+    let rows = MADE.table("first-look.csv");
+    let on_page = rows_of("first-look");
+    for scene in &MADE.report.scenes {
+        let shown_row = on_page.iter().find(|cells| cells[0] == scene.name).unwrap();
+        for (mode, cell) in ["naive", "stack", "rectified"].into_iter().zip(&shown_row[2..]) {
+            let of_mode: Vec<_> = rows.iter().filter(|row| row["scene"] == scene.name && row["mode"] == mode).collect();
+            let doublings = of_mode.iter().enumerate().all(|(k, row)| field(row, "samples") == 2.0_f64.powi(k as i32));
+            assert!(!of_mode.is_empty() && doublings, "{mode}");
+            let last = of_mode[of_mode.len() - 1];
+            let is_clean = field(last, "flip") < 0.05;
+            assert_eq!(last["clean_secs"].is_empty(), !is_clean, "{cell}");
+            assert_eq!(cell.starts_with("more than"), !is_clean, "{cell}");
+        }
+    }
+    let frames = rows_of("frames");
+    assert_eq!(
+        frames.iter().find(|cells| cells[0].starts_with("panels")).unwrap()[1..],
+        ["1.3 ms", "2.5 ms", "5.0 ms"]
+    );
+    assert_eq!(field(&MADE.table("frames.csv")[0], "percentile_95_ms"), 2.5);
 }
 
 /// Times from an edit to the picture, likewise.

@@ -274,6 +274,38 @@ fn a_cancelled_pass_says_so() {
     assert_eq!(film.samples, 0);
 }
 
+/// A pass can be cancelled at any moment and gone on with: in the end everything is as if it had not been.
+#[test]
+fn a_cancelled_pass_loses_nothing() {
+    let scene = ready(nest(1.0, &[(1.0, 1.5), (0.6, 1.2)]));
+    let camera = Camera::new(&scene.description.camera).unwrap();
+    let settings = ImageSettings::new(Mode::Naive, 0);
+    let task = RenderTask { prepared: &scene, camera: &camera, settings: &settings };
+    let mut whole = Film::new(96, 64);
+    assert!(task.pass(&mut whole, 12, &AtomicBool::new(false)));
+    let mut film = Film::new(96, 64);
+    let mut cancelled = 0;
+    for attempt in 0.. {
+        let cancel = AtomicBool::new(false);
+        let slice = [5, 1, 4][attempt % 3].min(12 - film.samples);
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                std::thread::sleep(std::time::Duration::from_micros(500 + 400 * attempt as u64));
+                cancel.store(true, std::sync::atomic::Ordering::Relaxed);
+            });
+            cancelled += usize::from(!task.pass(&mut film, slice, &cancel));
+        });
+        assert!(film.counts.chunks(96).all(|row| row.iter().all(|count| *count == row[0])), "a row is whole");
+        if film.samples == 12 {
+            break;
+        }
+    }
+    assert!(cancelled > 0);
+    assert_eq!((film.sums, film.counts), (whole.sums, whole.counts));
+    assert_eq!(film.events, whole.events);
+    assert!(film.ahead.iter().all(|ahead| *ahead == 0));
+}
+
 /// An edit of an index keeps geometry and votes, and another pre-trace adds to them; the result is that of a scene compiled from scratch.
 #[test]
 fn edits_keep_what_they_cannot_change() {

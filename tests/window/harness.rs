@@ -3,7 +3,6 @@
 use std::time::{Duration, Instant};
 
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
 use iorect::app::{App, Command, Settings};
 
 /// Images of a quarter of the size are enough and quick.
@@ -50,10 +49,7 @@ pub fn every_pane_has_an_image(app: &App) -> bool {
     (0..app.state().settings.pane_count).all(|pane| app.samples_shown(pane) > 0)
 }
 
-/// The first pane's rectangle, between the panels.
+/// Where the first pane's whole picture is, between the panels.
 pub fn picture_of(harness: &Harness<'_, App>) -> egui::Rect {
-    let corner = harness.get_by_label_contains("Pane 1: ").rect().min - egui::Vec2::splat(8.0);
-    let [width, height] = harness.state().state().film_size().map(|side| side as f32);
-    let scale = harness.state().state().settings.resolution_scale;
-    egui::Rect::from_min_size(corner, egui::vec2(width, height) / scale)
+    harness.state().picture().expect("a pane has been shown")
 }

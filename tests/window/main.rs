@@ -11,5 +11,6 @@ mod layout;
 mod measuring;
 mod media;
 mod recovery;
+mod samples;
 mod screen;
 mod texts;

@@ -17,6 +17,8 @@ use crate::tracking::Mode;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Plan {
     pub is_on: bool,
+    /// Nothing is measured for now; what was measured stays.
+    pub is_paused: bool,
     /// Of the films to be measured.
     pub epoch: u64,
     /// FLIP is measured only where it is looked at: it takes far longer than the others.
@@ -65,12 +67,17 @@ pub fn start(bell: Bell<Plan, Results>, board: Arc<Board>, wake: Repaint) -> std
 
 fn run(desk: &Desk<Plan, Results>, board: &Board, wake: &Repaint) {
     let mut records = Records::default();
-    let mut has_more = false;
-    while let Some(plan) = desk.wait(if has_more { Some(Instant::now()) } else { records.live_due() }) {
+    let (mut has_more, mut is_paused) = (false, false);
+    while let Some(plan) = desk.wait(match () {
+        () if is_paused => None,
+        () if has_more => Some(Instant::now()),
+        () => records.live_due(),
+    }) {
+        is_paused = plan.is_paused;
         let truth = board.ground_truth().filter(|truth| plan.is_on && truth.epoch == plan.epoch);
         let is_out_of_date = records.take_in(&plan, board);
         // One film at a time: between two, the board may have films that must not be missed.
-        has_more = records.measure_next(&plan, truth.as_ref());
+        has_more = !is_paused && records.measure_next(&plan, truth.as_ref());
         if is_out_of_date || has_more {
             let measurements = Arc::new(records.measurements(&plan));
             desk.put(|finished| *finished = Some(measurements));

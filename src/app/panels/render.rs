@@ -4,7 +4,8 @@ use egui::{DragValue, RichText, Slider, Ui};
 
 use super::{histogram, range, snapshots};
 use crate::app::command::Command;
-use crate::app::settings::{Arrangement, DifferenceKind, MAX_PANES, PaneContent, Preset};
+use crate::app::progress::Progress;
+use crate::app::settings::{Arrangement, DEFAULT_NOISE_TARGET, DifferenceKind, MAX_PANES, PaneContent, Preset};
 use crate::app::state::State;
 use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
 use crate::app::viewport::{Viewport, content_menu_ui, event_meaning, event_name};
@@ -12,7 +13,7 @@ use crate::app::widgets::{
     combo_ui, note, number_ui, row_ui, section_first_ui, section_ui, segmented_row_ui, short_count, short_seconds,
     sized_row_ui, value,
 };
-use crate::export::words::grouped;
+use crate::export::words::{brief, grouped};
 use crate::render::ToneCurve;
 
 const SCALES: [(f32, &str); 5] = [(0.25, "¼"), (0.5, "½"), (1.0, "1"), (1.5, "1½"), (2.0, "2")];
@@ -31,7 +32,7 @@ pub fn show(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Vec<
     section_ui(ui, "Quality", "");
     quality_ui(ui, state, commands);
     section_ui(ui, "Progress", "");
-    progress_ui(ui, state, viewport);
+    progress_ui(ui, state);
     section_ui(ui, "Events", "");
     events_ui(ui, state, viewport);
 }
@@ -106,6 +107,13 @@ fn display_ui(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Ve
     ];
     let about = "How radiance above 1 is brought into the screen's range.";
     commands.extend(segmented_row_ui(ui, "Curve", about, settings.display.curve, &curves).map(Command::SetCurve));
+    let about = "Smooths noise in what is displayed; the pane's label says so. Differences, figures and files stay as rendered.";
+    row_ui(ui, "Denoise", about, |ui| {
+        let mut is_on = settings.denoise;
+        if ui.checkbox(&mut is_on, "display only").on_hover_text(about).changed() {
+            commands.push(Command::SetDenoise(is_on));
+        }
+    });
     if settings.shown_panes().iter().any(|content| content.is_difference()) {
         let kinds = DifferenceKind::ALL.map(|kind| (kind, kind.name(), kind.about()));
         let about = "How differences are coloured.";
@@ -125,9 +133,30 @@ fn quality_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         "Most segments of a path, the camera's first being one. A cap darkens what many interfaces lie in front of.";
     let depth = limit_ui(ui, "Depth cap", about, settings.max_depth, 64, 100_000);
     commands.extend(depth.map(Command::SetMaxDepth));
-    let about = "Samples per pixel at which rendering stops.";
+    commands.extend(noise_ui(ui, settings.noise_target).map(Command::SetNoiseTarget));
+    let about = "Samples per pixel at which rendering stops in any case.";
     let limit = limit_ui(ui, "Samples", about, settings.sample_limit, 4096, 10_000_000);
     commands.extend(limit.map(Command::SetSampleLimit));
+}
+
+/// The noise at which rendering stops, in percent. Returns what it has been changed to.
+fn noise_ui(ui: &mut Ui, target: Option<f64>) -> Option<Option<f64>> {
+    const NAME: &str = "Stop at noise";
+    let about = "Rendering stops when every picture has so little noise: the mean error of a pixel relative to its brightness, estimated while \
+                 rendering. Where errors are measured it goes on.";
+    row_ui(ui, NAME, about, |ui| {
+        let mut is_on = target.is_some();
+        let has_toggled = ui.checkbox(&mut is_on, "").accessible_name(NAME).on_hover_text(about).changed();
+        let mut percent = 100.0 * target.unwrap_or(DEFAULT_NOISE_TARGET);
+        let mut has_changed = false;
+        if target.is_some() {
+            let drag = DragValue::new(&mut percent).range(0.01..=50.0).speed(0.01).max_decimals(2).suffix(" %");
+            has_changed = number_ui(ui, ui.available_width(), drag, NAME, about);
+        } else {
+            ui.label(note(ui, "no target"));
+        }
+        (has_toggled || has_changed).then(|| is_on.then_some(percent / 100.0))
+    })
 }
 
 /// A number from 1 to `most` that can be absent. Returns what it has been changed to.
@@ -148,29 +177,38 @@ fn limit_ui(ui: &mut Ui, name: &str, about: &str, limit: Option<u32>, default: u
 }
 
 /// Where the columns of the progress table begin, as shares of its width: they must not move when numbers change.
-const COLUMNS: [f32; 4] = [0.0, 0.42, 0.55, 0.77];
+const COLUMNS: [f32; 5] = [0.0, 0.34, 0.49, 0.66, 0.83];
 
-fn progress_ui(ui: &mut Ui, state: &State, viewport: &Viewport) {
+fn progress_ui(ui: &mut Ui, state: &State) {
+    let progress = Progress::of(state);
+    let words = progress.words(state.is_paused);
+    ui.add(egui::Label::new(value(words[..2].join(" · "))).wrap());
+    let share = if progress.is_done { 1.0 } else { progress.share() };
+    let bar = ui.add(egui::ProgressBar::new(share).desired_height(6.0));
+    bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, "Samples that are taken"));
+    ui.label(note(ui, words[2..].join(" · ")));
     let palette = Palette::of(ui);
     let head = |text: &str| RichText::new(text).small().color(palette.weak_text);
     let about = [
         "Modes of one lane advance in lockstep, with the same random numbers; reference beside others goes at its own pace.",
         "Samples per pixel.",
+        "The mean error of a pixel relative to its brightness, estimated.",
         "Time spent rendering this image.",
         "Pixel samples per second.",
     ];
-    table_row_ui(ui, &COLUMNS, ["mode", "spp", "time", "samples/s"].map(head), about);
+    table_row_ui(ui, &COLUMNS, ["mode", "spp", "noise", "time", "per s"].map(head), about);
     for mode in state.settings.modes() {
         let name = RichText::new(format!("{DOT} {}", mode.name())).small().color(palette.mode(mode));
-        let texts = match viewport.film(state, mode) {
+        let texts = match state.films.get(&mode).filter(|film| film.epoch >= state.picture_floor()) {
             Some(film) => {
                 let samples = if film.is_preview() { "…".to_owned() } else { film.samples.to_string() };
-                [samples, short_seconds(film.seconds), short_count(film.samples_per_second())]
+                let noise = film.noise.map_or("…".to_owned(), |noise| format!("{} %", brief(100.0 * noise)));
+                [samples, noise, short_seconds(film.seconds), short_count(film.samples_per_second())]
             }
-            None => ["…", "…", "…"].map(str::to_owned),
+            None => ["…"; 4].map(str::to_owned),
         };
-        let [samples, time, speed] = texts.map(value);
-        table_row_ui(ui, &COLUMNS, [name, samples, time, speed], [mode.name(), "", "", ""]);
+        let [samples, noise, time, speed] = texts.map(value);
+        table_row_ui(ui, &COLUMNS, [name, samples, noise, time, speed], [mode.name(), "", "", "", ""]);
     }
 }
 

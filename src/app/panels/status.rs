@@ -2,9 +2,11 @@
 
 use std::time::Duration;
 
-use egui::{Align, Label, Layout, ProgressBar, RichText, Sense, Stroke, Ui, vec2};
+use egui::{Align, Label, Layout, ProgressBar, RichText, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
 use crate::app::command::Command;
+use crate::app::develop::Source;
+use crate::app::progress::Progress;
 use crate::app::state::State;
 use crate::app::theme::{self, Palette};
 use crate::app::viewport::{Viewport, pixel_at};
@@ -22,6 +24,13 @@ const HINTS: [&str; 4] = [
 const SPACE: f32 = 8.0;
 const SEPARATOR: f32 = 1.0;
 
+/// Share of the line's width that words about rendering may take.
+const WORDS: f32 = 0.55;
+/// Width of the bar beside them, in points.
+const BAR: f32 = 70.0;
+const PROGRESS: &str =
+    "How far the images are. Noise is the mean error of a pixel relative to its brightness, estimated.";
+
 /// A preparation that has taken so long is shown.
 const PATIENCE: Duration = Duration::from_millis(500);
 /// Time between two looks at it.
@@ -34,10 +43,20 @@ pub fn show(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Vec<
         ui.spacing_mut().item_spacing.x = SPACE;
         opening_ui(ui, state, commands);
         preparation_ui(ui, state, commands);
-        let facts = facts(state, viewport);
         let measure =
             |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), palette.weak_text).size().x;
-        let widths: Vec<f32> = facts.iter().map(|fact| measure(&fact.text)).collect();
+        let progress = Progress::of(state);
+        let words = words(state, viewport, progress);
+        let room = WORDS * ui.available_width();
+        // The first words say most.
+        let texts = (1..=words.len()).rev().map(|count| words[..count].join(" · "));
+        let text = texts.into_iter().find(|text| measure(text) <= room).unwrap_or_else(|| words[0].clone());
+        let facts = facts(state, viewport, text);
+        let mut widths: Vec<f32> = facts.iter().map(|fact| measure(&fact.text)).collect();
+        let has_bar = progress.wanted.is_some() && !progress.is_done && progress.samples > 0;
+        if has_bar {
+            widths[0] += BAR + SPACE;
+        }
         let count = fitting(&widths, ui.available_width());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             // The most important one stands at the edge and is shortened where even that has no room.
@@ -49,6 +68,11 @@ pub fn show(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Vec<
                 let response = ui.add(label);
                 if !fact.about.is_empty() {
                     response.on_hover_text(fact.about);
+                }
+                if index == 0 && has_bar && ui.available_width() > BAR {
+                    let bar = ProgressBar::new(progress.share()).desired_width(BAR).desired_height(6.0);
+                    let response = ui.add(bar).on_hover_text("How much of the rendering is done.");
+                    response.widget_info(|| WidgetInfo::labeled(Role::ProgressIndicator, true, "Rendering"));
                 }
             }
             if count == facts.len() {
@@ -65,9 +89,9 @@ struct Fact {
 }
 
 /// What there is to say, the most important first.
-fn facts(state: &State, viewport: &Viewport) -> Vec<Fact> {
+fn facts(state: &State, viewport: &Viewport, progress: String) -> Vec<Fact> {
     let [width, height] = state.film_size();
-    let mut facts = vec![Fact { text: progress(state, viewport), about: "How far the images are." }];
+    let mut facts = vec![Fact { text: progress, about: PROGRESS }];
     if let Some([x, y]) = viewport.pointer.and_then(|point| pixel_at([width, height], point)) {
         let about = "Under the pointer; 0, 0 is at the upper left.";
         facts.push(Fact { text: format!("pixel {x}, {y}"), about });
@@ -136,16 +160,17 @@ fn preparation_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
 }
 
-fn progress(state: &State, viewport: &Viewport) -> String {
-    let is_done = state.settings.shown_panes().iter().all(|content| {
-        let source = viewport.source(*content);
-        source.samples() > 0 && source.is_done() && source.epochs().all(|epoch| epoch == state.epoch())
-    });
+fn words(state: &State, viewport: &Viewport, progress: Progress) -> Vec<String> {
+    let is_current = |source: &Source| source.epochs().all(|epoch| epoch >= state.picture_floor());
+    let mut sources = state.settings.shown_panes().iter().map(|content| viewport.source(*content));
+    let is_done = sources.all(|source| source.samples() > 0 && source.is_done() && is_current(&source));
+    let has_films = !state.settings.modes().is_empty();
     match () {
-        () if is_done => "done".to_owned(),
-        () if state.is_paused => "paused".to_owned(),
-        () if state.report.is_none() => "preparing".to_owned(),
-        () => "rendering".to_owned(),
+        () if !state.is_paused && state.report.is_none() => vec!["preparing".to_owned()],
+        () if has_films => progress.words(state.is_paused),
+        () if is_done => vec!["done".to_owned()],
+        () if state.is_paused => vec!["paused".to_owned()],
+        () => vec!["painting".to_owned()],
     }
 }
 

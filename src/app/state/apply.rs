@@ -87,7 +87,11 @@ impl State {
             Command::SetGroundTruth(demand) => self.demand_ground_truth(demand),
             Command::SetErrorMetric(metric) => self.settings.error_metric = metric,
             Command::SetErrorAxis(axis) => self.settings.error_axis = axis,
-            Command::SetResolutionScale(scale) => self.settings.resolution_scale = scale.clamp(0.1, 4.0),
+            Command::SetResolutionScale(scale) => {
+                self.settings.resolution_scale = scale.clamp(0.1, 4.0);
+                // Films of the new size begin at once, even where the old ones would do.
+                self.size.fit();
+            }
             Command::SetMaxDepth(depth) => {
                 self.settings.max_depth = depth.map(|depth| depth.max(1));
                 self.invalidate();
@@ -96,12 +100,18 @@ impl State {
                 self.settings.sample_limit = limit.map(|limit| limit.max(1));
                 self.has_news = true;
             }
+            Command::SetNoiseTarget(target) => {
+                self.settings.noise_target = target.filter(|target| target.is_finite() && *target > 0.0);
+                self.has_news = true;
+            }
+            Command::SetDenoise(is_on) => self.settings.denoise = is_on,
             Command::TogglePause => {
                 self.is_paused = !self.is_paused;
                 self.has_news = true;
             }
             Command::Restart => {
                 self.is_paused = false;
+                self.restarts += 1;
                 self.invalidate();
             }
             Command::ClearRecent => self.settings.recent.clear(),
@@ -171,17 +181,12 @@ impl State {
         }
     }
 
-    /// Changes what the panes show; images are kept when the modes stay the same.
+    /// Changes what the panes show; films of modes that stay go on.
     fn change_panes(&mut self, change: impl FnOnce(&mut Settings)) {
         let (before, surfaces) = (self.settings.modes(), self.settings.surfaces());
         change(&mut self.settings);
         self.view.active_pane = self.view.active_pane.min(self.settings.pane_count - 1);
-        if self.settings.modes() != before {
-            self.invalidate();
-        } else if self.settings.surfaces() != surfaces {
-            // The films go on.
-            self.has_news = true;
-        }
+        self.has_news |= self.settings.modes() != before || self.settings.surfaces() != surfaces;
     }
 
     fn demand_ground_truth(&mut self, demand: GroundTruthDemand) {

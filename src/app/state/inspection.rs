@@ -31,12 +31,12 @@ impl State {
         let film_camera = self.film_camera();
         let (Some(inspection), Some(report)) = (&mut self.inspection, &self.report) else { return };
         let rays = report.prepared.table.rays();
-        let key = Some((report.epoch, rays, film_camera, mode, self.film_size, inspection.follow));
+        let key = Some((report.epoch, rays, film_camera, mode, self.size.film, inspection.follow));
         if std::mem::replace(&mut inspection.key, key) == key {
             return;
         }
         inspection.path = Camera::new(&film_camera).ok().map(|camera| {
-            let ray = ray_through(&camera, self.film_size, inspection.point);
+            let ray = ray_through(&camera, self.size.film, inspection.point);
             let depth = self.settings.max_depth.unwrap_or(INSPECTOR_DEPTH).min(INSPECTOR_DEPTH);
             trace(&report.prepared, mode, ray, inspection.follow, 0, Some(depth))
         });

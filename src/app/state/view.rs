@@ -27,7 +27,7 @@ impl State {
     /// The camera that the films are taken with: in a pane that is higher than wide the field of view goes over the width, or the sides
     /// of the scene would be cut off.
     pub fn film_camera(&self) -> CameraDescription {
-        let [width, height] = self.film_size.map(f64::from);
+        let [width, height] = self.size.film.map(f64::from);
         let camera = self.view.camera;
         if width >= height || width == 0.0 {
             return camera;
@@ -45,7 +45,7 @@ impl State {
 
     pub(super) fn look_at(&mut self, point: [f64; 2]) {
         let (Some(report), Ok(camera)) = (&self.report, Camera::new(&self.film_camera())) else { return };
-        let ray = ray_through(&camera, self.film_size, point);
+        let ray = ray_through(&camera, self.size.film, point);
         let mode = self.settings.panes[self.view.active_pane].inspected_mode();
         let path = trace(&report.prepared, mode, ray, Follow::Transmit, 0, Some(1));
         if let Some(vertex) = path.vertices.first() {
@@ -56,7 +56,7 @@ impl State {
     pub(super) fn select_at(&mut self, point: [f64; 2]) {
         let (Some(report), Ok(camera)) = (&self.report, Camera::new(&self.film_camera())) else { return };
         let scene = &report.prepared.scene;
-        let mut ray = ray_through(&camera, self.film_size, point);
+        let mut ray = ray_through(&camera, self.size.film, point);
         ray.origin -= scene.geometry.origin;
         let mut names: Vec<&str> = Vec::new();
         for hit in scene.geometry.all_hits(&ray) {
@@ -115,7 +115,7 @@ impl State {
 
     /// Keeps the direction of the view and moves the camera so that a sphere of `radius` around `center` fills a good part of the picture.
     pub(super) fn frame(&mut self, center: DVec3, radius: f64) {
-        let aspect = f64::from(self.film_size[0].max(1)) / f64::from(self.film_size[1].max(1));
+        let aspect = f64::from(self.size.film[0].max(1)) / f64::from(self.size.film[1].max(1));
         let tan_vertical = (self.film_camera().vertical_fov.to_radians() / 2.0).tan();
         self.jump_to(navigation::framed(&self.view.camera, center, radius, tan_vertical * aspect.min(1.0)));
         if self.view.zoom > 1.0 {

@@ -3,6 +3,7 @@
 use egui::{Pos2, Rangef, Rect, Vec2, pos2, vec2};
 
 use crate::app::settings::Arrangement;
+use crate::app::state::magnification;
 
 /// Space between tiles, in points.
 const GAP: f32 = 2.0;
@@ -14,6 +15,21 @@ pub struct Pane {
     pub picture: Rect,
     /// The part of it that is seen.
     pub visible: Rect,
+}
+
+impl Pane {
+    /// The same pane where a film of size `film`, in pixels, covers a picture of `pixels`: what does not fit is cut off evenly.
+    pub fn filled_by(self, film: [u32; 2], pixels: [u32; 2], pixels_per_point: f32) -> Self {
+        if film == pixels || film.contains(&0) {
+            return self;
+        }
+        let magnification = magnification(film, [self.picture.width(), self.picture.height()].map(f64::from)) as f32;
+        let size = Vec2::from(film.map(|side| side as f32)) * magnification;
+        let corner = self.picture.center() - 0.5 * size;
+        // Pixels of the film lie on pixels of the screen where they are of one size.
+        let corner = (corner.to_vec2() * pixels_per_point).round() / pixels_per_point;
+        Self { picture: Rect::from_min_size(corner.to_pos2(), size), ..self }
+    }
 }
 
 /// The panes within `area`. `divider` is in [0, 1]² of it and matters to a wipe only.
@@ -103,6 +119,22 @@ mod tests {
         assert!(panes.iter().all(|pane| pane.picture == area()));
         let seen: f32 = panes.iter().map(|pane| pane.visible.area()).sum();
         assert!((seen - area().area()).abs() < 1.0);
+    }
+
+    #[test]
+    fn a_film_of_another_size_covers_its_pane() {
+        let pane = Pane { picture: area(), visible: area() };
+        assert_eq!(pane.filled_by([801, 602], [801, 602], 1.0), pane);
+        for film in [[801, 632], [1101, 602], [1602, 1204], [400, 300], [3000, 10]] {
+            let filled = pane.filled_by(film, [801, 602], 1.0);
+            assert!(filled.picture.expand(0.6).contains_rect(area()), "{film:?}: {filled:?}");
+            assert_eq!(filled.visible, area());
+            let [width, height] = film.map(|side| side as f32);
+            let off = filled.picture.width() / filled.picture.height() - width / height;
+            assert!(off.abs() < 1e-3 * width / height, "{film:?}");
+        }
+        // What fits in one direction keeps its pixels.
+        assert_eq!(pane.filled_by([801, 632], [801, 602], 1.0).picture.size(), vec2(801.0, 632.0));
     }
 
     #[test]

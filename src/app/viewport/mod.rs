@@ -7,6 +7,7 @@ mod layout;
 mod legend;
 mod overlay;
 mod range;
+mod shot;
 mod snapshots;
 mod tools;
 mod values;
@@ -14,10 +15,11 @@ mod values;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use egui::{Color32, Rect, Sense, TextureHandle, TextureOptions, Ui, Vec2};
+use egui::{Color32, Rect, Sense, Ui, Vec2};
 
 use self::layout::{Pane, film_window, panes};
 pub use self::overlay::{content_menu_ui, event_meaning, event_name};
+use self::shot::Shot;
 pub use self::values::pixel_at;
 use super::command::Command;
 use super::develop::{About, Picture, Source};
@@ -29,6 +31,9 @@ use super::state::State;
 use super::theme::Palette;
 use crate::session::Snapshot;
 use crate::tracking::Mode;
+
+/// Pictures that are kept though no pane shows them.
+const MOST_HIDDEN: usize = 8;
 
 /// The pictures on the graphics card.
 #[derive(Default)]
@@ -44,36 +49,28 @@ pub struct Viewport {
     places: Vec<Rect>,
     /// Whether what belongs to the pointer and to editing is left out: a picture of the panes is being taken.
     pub is_still: bool,
-}
-
-/// One picture.
-struct Shot {
-    texture: TextureHandle,
-    about: About,
+    /// Where the whole film of the first pane is on the screen.
+    pub picture: Option<Rect>,
 }
 
 impl Viewport {
-    /// Uploads new pictures. Those of epochs before `floor` belong to another scene and are dropped.
-    pub fn upload(&mut self, ctx: &egui::Context, pictures: BTreeMap<PaneContent, Picture>, floor: u64) {
+    /// Uploads new pictures. Those of epochs before `floor` belong to another scene and are dropped; those of `picture_floor` and later show
+    /// one picture, perhaps in several sizes.
+    pub fn upload(
+        &mut self,
+        ctx: &egui::Context,
+        pictures: BTreeMap<PaneContent, Picture>,
+        floor: u64,
+        picture_floor: u64,
+    ) {
         for (content, picture) in pictures {
             if picture.about.source.epochs().any(|epoch| epoch < floor) {
                 continue;
             }
-            let is_preview = picture.about.source.is_preview();
-            let options = TextureOptions {
-                // Pixels of a finished picture stay pixels when one zooms in; previews are smoothed.
-                magnification: if is_preview { egui::TextureFilter::Linear } else { egui::TextureFilter::Nearest },
-                minification: egui::TextureFilter::Linear,
-                ..TextureOptions::default()
-            };
             match self.shown.get_mut(&content) {
-                Some(shot) => {
-                    shot.texture.set(picture.image, options);
-                    shot.about = picture.about;
-                }
+                Some(shot) => shot.take_in(ctx, content, picture, picture_floor),
                 None => {
-                    let texture = ctx.load_texture(content.to_string(), picture.image, options);
-                    self.shown.insert(content, Shot { texture, about: picture.about });
+                    self.shown.insert(content, Shot::new(ctx, content, picture));
                 }
             }
         }
@@ -92,6 +89,25 @@ impl Viewport {
         }
     }
 
+    /// Lets go of pictures that are neither shown nor up to date, of all but a few that are not shown, and of errors of another picture: the
+    /// next reference image takes a while.
+    fn drop_stale(&mut self, state: &State) {
+        let floor = state.picture_floor();
+        let is_measured = state.measurement.is_on();
+        let shown_panes = state.settings.shown_panes();
+        let is_past = |shot: &Shot| shot.about.source.epochs().any(|epoch| epoch < floor);
+        self.shown.retain(|content, shot| {
+            let is_error = matches!(content, PaneContent::Error(_));
+            let is_stale = is_error && (!is_measured || is_past(shot));
+            let is_impossible = state.snapshots.obstacle(*content, state.film_size()).is_some();
+            !is_stale && !is_impossible && (shown_panes.contains(content) || !is_past(shot))
+        });
+        let hidden: Vec<PaneContent> =
+            self.shown.keys().copied().filter(|content| !shown_panes.contains(content)).collect();
+        let surplus = hidden.len().saturating_sub(MOST_HIDDEN);
+        hidden[..surplus].iter().for_each(|content| drop(self.shown.remove(content)));
+    }
+
     /// Drops every picture: another scene is coming.
     pub fn forget(&mut self) {
         self.shown.clear();
@@ -108,10 +124,10 @@ impl Viewport {
         shots.flat_map(|shot| &shot.about.source.films).find(|film| film.mode == mode)
     }
 
-    /// How the difference that `content` shows is coloured, and its mean; `None` where there is none of `epoch`.
-    pub fn difference(&self, content: PaneContent, epoch: u64) -> Option<(DifferenceKind, f64)> {
+    /// How the difference that `content` shows is coloured, and its mean; `None` where there is none of epoch `floor` or later.
+    pub fn difference(&self, content: PaneContent, floor: u64) -> Option<(DifferenceKind, f64)> {
         let shot = self.shown.get(&content)?;
-        shot.about.mean_difference.filter(|_| shot.about.source.epochs().all(|shown| shown == epoch))
+        shot.about.mean_difference.filter(|_| shot.about.source.epochs().all(|shown| shown >= floor))
     }
 
     /// The scale of the colours of the picture of `content`, if it shows a difference in luminance.
@@ -140,13 +156,16 @@ impl Viewport {
         });
         // A picture of another shape does not fill its pane.
         let shot = self.shown.get(&content).filter(|_| !is_framed);
-        shot.map_or_else(Vec::new, |shot| values::lines(content, &shot.about, state.settings.difference, point))
+        shot.map_or_else(Vec::new, |shot| {
+            let point = shot.point(state.film_size(), point);
+            values::lines(content, &shot.about, state.settings.difference, point)
+        })
     }
 
     /// Samples per pixel of an up-to-date picture at full resolution; 0 before.
     pub fn samples(&self, content: PaneContent, state: &State) -> u32 {
         let source = self.source(content);
-        let is_current = source.epochs().all(|epoch| epoch == state.epoch()) && !source.is_preview();
+        let is_current = source.epochs().all(|epoch| epoch >= state.picture_floor()) && !source.is_preview();
         if is_current { source.samples() } else { 0 }
     }
 
@@ -171,14 +190,14 @@ impl Viewport {
         let panes = panes(area, settings.pane_count, settings.arrangement, state.view.divider);
         let pixels = panes[0].picture.size() * ui.ctx().pixels_per_point() * settings.resolution_scale;
         self.places.extend(panes.iter().map(|pane| pane.visible));
-        state.set_film_size(film_size(pixels.into(), ui.input(|input| input.max_texture_side)));
-        self.shown.retain(|content, shot| {
-            // The next reference image takes a while: until then an error is not of this picture.
-            let is_stale = matches!(content, PaneContent::Error(_))
-                && (!state.measurement.is_on() || shot.about.source.epochs().any(|epoch| epoch != state.epoch()));
-            let is_impossible = state.snapshots.obstacle(*content, state.film_size()).is_some();
-            state.settings.shown_panes().contains(content) && !is_stale && !is_impossible
-        });
+        let pixels = film_size(pixels.into(), ui.input(|input| input.max_texture_side));
+        if let Some(rest) = state.set_pane_size(pixels, ui.input(|input| input.time)) {
+            ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(rest));
+        }
+        let panes: Vec<Pane> =
+            panes.into_iter().map(|pane| pane.filled_by(state.film_size(), pixels, ui.pixels_per_point())).collect();
+        self.drop_stale(state);
+        self.picture = Some(panes[0].picture);
 
         self.read_pointer(ui, &response, state, &panes, commands);
         for (index, pane) in panes.iter().enumerate() {
@@ -242,8 +261,12 @@ impl Viewport {
         if let Some(shot) = self.shown.get(&state.settings.panes[index]) {
             let window = film_window(state.view.zoom, state.view.zoom_center);
             let is_kept = matches!(state.settings.panes[index], PaneContent::Snapshot(_));
-            let place = if is_kept { fitted(pane.picture, shot.texture.size_vec2()) } else { pane.picture };
-            painter.image(shot.texture.id(), place, window, Color32::WHITE);
+            if let Some(size) = shot.about.source.full_size().filter(|_| is_kept) {
+                let place = fitted(pane.picture, Vec2::new(size[0] as f32, size[1] as f32));
+                shot.paint(&painter, size, place, window);
+            } else {
+                shot.paint(&painter, state.film_size(), pane.picture, window);
+            }
         } else if let Some(text) = state.snapshots.obstacle(state.settings.panes[index], state.film_size()) {
             let palette = Palette::of(ui);
             let font = egui::TextStyle::Body.resolve(ui.style());

@@ -6,7 +6,7 @@ use egui::{Button, Color32, Painter, Pos2, Rect, Stroke, TextFormat, Ui, UiBuild
 use super::layout::{Pane, film_window, screen_from_film};
 use super::{legend, range, snapshots};
 use crate::app::command::Command;
-use crate::app::develop::{About, Source};
+use crate::app::develop::About;
 use crate::app::settings::{Arrangement, DifferenceKind, PaneContent};
 use crate::app::state::State;
 use crate::app::theme::over_pictures::{ALERT, GROUND, TEXT, WEAK};
@@ -65,7 +65,7 @@ fn label_ui(ui: &mut Ui, state: &State, about: &About, index: usize, commands: &
     let films = &source.films[..];
     let room = ui.available_width() - 2.0 * ui.spacing().button_padding.x;
     let fits = |job: &LayoutJob| ui.painter().layout_job(job.clone()).size().x <= room;
-    let text = |detail| label_text(ui, state, source, content, detail);
+    let text = |detail| label_text(ui, state, about, content, detail);
     let job = Detail::ALL.into_iter().map(text).find(fits).unwrap_or_else(|| text(Detail::Names));
     let button =
         Button::new(job).fill(GROUND).stroke(Stroke::NONE).corner_radius(5).min_size(vec2(0.0, 24.0)).truncate();
@@ -144,7 +144,8 @@ impl Detail {
     const ALL: [Self; 3] = [Self::All, Self::Content, Self::Names];
 }
 
-fn label_text(ui: &Ui, state: &State, source: &Source, content: PaneContent, detail: Detail) -> LayoutJob {
+fn label_text(ui: &Ui, state: &State, about: &About, content: PaneContent, detail: Detail) -> LayoutJob {
+    let source = &about.source;
     let palette = Palette { is_dark: true, ..Palette::of(ui) };
     let body = egui::TextStyle::Body.resolve(ui.style());
     let mono = theme::small_mono_style().resolve(ui.style());
@@ -176,6 +177,7 @@ fn label_text(ui: &Ui, state: &State, source: &Source, content: PaneContent, det
         _ if source.is_preview() => "preview".to_owned(),
         // A painted picture is soon done, and no noise is left in it.
         _ if source.painted.is_some() => String::new(),
+        samples if about.is_denoised => format!("{samples} spp, denoised"),
         samples => format!("{samples} spp"),
     };
     if !status.is_empty() && detail == Detail::All {

@@ -3,7 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::words::{bytes, fixed, time};
-use super::{editing, files, growth, left_out, scenes, stability, summary};
+use super::{editing, files, first_look, growth, left_out, scenes, stability, summary};
 use crate::report::csv::Table;
 use crate::report::data::{Origin, Report};
 
@@ -18,6 +18,7 @@ pub fn html(report: &Report, tables: &[Table]) -> String {
         ("scenes", scenes_title, Some(scenes::section(report))),
         ("stability", "Stability", report.stability.as_ref().map(stability::section)),
         ("left-out", "What was left out", left_out::section(report)),
+        ("first-look", "First look", first_look::section(report)),
         ("editing", "From an edit to the picture", editing::section(report)),
         ("growth", "Growth", (!report.growth.is_empty()).then(|| growth::section(report))),
         ("files", "Files, and how to make them again", Some(files::section(report, tables))),

@@ -3,6 +3,7 @@
 mod editing;
 mod errors;
 mod files;
+mod first_look;
 mod frame;
 mod growth;
 mod left_out;

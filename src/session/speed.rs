@@ -1,0 +1,53 @@
+//! How fast each mode renders, measured as it goes.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::job::{FIRST_IMAGE, Job};
+use super::preview::PILOT_SHARE;
+use crate::scene::description::Source;
+use crate::tracking::Mode;
+
+/// Pixels of the first pass of a mode that has not been timed in this scene.
+const UNTIMED_PIXELS: f64 = 600.0;
+
+/// Measured pixel samples per second of each mode, in one scene.
+#[derive(Debug, Default)]
+pub(super) struct Speed {
+    scene: Option<Arc<Source>>,
+    of_mode: BTreeMap<Mode, f64>,
+}
+
+impl Speed {
+    /// Forgets what was measured in another scene than the job's.
+    pub(super) fn begin(&mut self, job: &Job) {
+        let scene = &job.prepared.description.source;
+        let is_same = match (&self.scene, scene) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (None, None) => true,
+            _ => false,
+        };
+        if !is_same {
+            *self = Self { scene: scene.clone(), of_mode: BTreeMap::new() };
+        }
+    }
+
+    pub(super) fn of(&self, mode: Mode) -> Option<f64> {
+        self.of_mode.get(&mode).copied()
+    }
+
+    pub(super) fn learn(&mut self, mode: Mode, samples_per_second: f64) {
+        let speed = self.of_mode.entry(mode).or_insert(samples_per_second);
+        // Slower at once, faster with caution: a late image is worse than a coarse one.
+        let weight = if samples_per_second < *speed { 0.7 } else { 0.2 };
+        *speed += weight * (samples_per_second - *speed);
+    }
+
+    /// Seconds that one sample of every one of `modes` should take at full size. A mode that has not been timed is taken for one that renders
+    /// [`UNTIMED_PIXELS`] in a pilot's time.
+    pub(super) fn seconds_of(&self, modes: impl Iterator<Item = Mode>, size: [u32; 2]) -> f64 {
+        let pixels = f64::from(size[0]) * f64::from(size[1]);
+        let untimed = UNTIMED_PIXELS / (PILOT_SHARE * FIRST_IMAGE.as_secs_f64());
+        modes.map(|mode| pixels / self.of(mode).unwrap_or(untimed)).sum()
+    }
+}
