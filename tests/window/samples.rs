@@ -1,7 +1,7 @@
 //! Samples are kept: whatever is opened, closed, exchanged or undone, a picture that was there comes back as good as it was.
 
 use egui_kittest::Harness;
-use iorect::app::{App, Arrangement, Command, PaneContent, Settings, State};
+use iorect::app::{App, Arrangement, Command, ObjectEdit, PaneContent, Settings, State};
 use iorect::tracking::Mode;
 
 use crate::harness::{apply, every_pane_has_an_image, quick, until, window_of};
@@ -97,7 +97,7 @@ fn undoing_an_edit_brings_samples_back() {
     let mut harness = with_samples(settings, [1000.0, 600.0]);
     let has_epoch = |state: &State, app: &App| app.film(Mode::Stack).is_some_and(|film| film.epoch == state.epoch());
     let name = harness.state().state().document.description().objects.refractors()[0].name.clone();
-    apply(&mut harness, Command::SetVisible(name, false));
+    apply(&mut harness, Command::object(name, ObjectEdit::Visible(false)));
     until(&mut harness, "the edit is shown", |app| has_epoch(app.state(), app) && every_pane_has_an_image(app));
     apply(&mut harness, Command::Undo);
     until(&mut harness, "the scene is as it was", |app| {

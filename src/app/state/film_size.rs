@@ -5,6 +5,8 @@ use super::State;
 
 /// A film may be shown so much larger than one film pixel for each pixel of the screen before it is too coarse.
 const MOST_MAGNIFICATION: f64 = 1.02;
+/// A new picture may have so many times the pixels that its pane shows.
+const MOST_WASTE: f64 = 1.25;
 /// Panes that grow are waited for until they have had one size for so long, in seconds.
 const SETTLING: f64 = 0.2;
 /// A picture that is younger than this has few samples to lose, and is begun anew at once.
@@ -26,9 +28,15 @@ pub(super) struct FilmSize {
 }
 
 impl FilmSize {
-    /// A new picture begins: its films fit the panes.
+    /// A new picture begins: its films fit the panes, more or less.
     pub(super) fn begin(&mut self) {
-        self.film = self.pane;
+        // Nearly the same size stays the same: earlier films of it may come back.
+        let pixels = |size: [u32; 2]| size.map(f64::from).iter().product::<f64>();
+        let fits = magnification(self.film, self.pane.map(f64::from)) <= MOST_MAGNIFICATION
+            && pixels(self.film) <= MOST_WASTE * pixels(self.pane);
+        if self.must_fit || !fits {
+            self.film = self.pane;
+        }
         self.picture_since = None;
         self.must_fit = false;
     }
@@ -98,7 +106,10 @@ mod tests {
             assert_eq!(state.set_pane_size(pane, 20.0), None);
             assert_eq!((state.film_size(), state.epoch()), ([400, 300], epoch), "{pane:?}");
         }
-        // The next picture fits.
+        // The next picture fits, if it would not nearly fit as it is.
+        state.set_pane_size([400, 270], 20.0);
+        state.invalidate();
+        assert_eq!(state.film_size(), [400, 300]);
         state.set_pane_size([200, 300], 20.0);
         state.invalidate();
         assert_eq!(state.film_size(), [200, 300]);
