@@ -34,7 +34,7 @@ impl State {
     pub(super) fn focus_at(&mut self, point: [f64; 2], now_secs: f64) {
         self.is_focusing = false;
         let (Some(report), Ok(camera)) = (&self.report, Camera::new(&self.film_camera())) else { return };
-        let ray = ray_through(&camera, self.film_size, point);
+        let ray = ray_through(&camera, self.size.film, point);
         let mode = self.settings.panes[self.view.active_pane].inspected_mode();
         let path = trace(&report.prepared, mode, ray, Follow::Transmit, 0, Some(1));
         let Some(vertex) = path.vertices.first() else {
