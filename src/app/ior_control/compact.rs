@@ -17,6 +17,8 @@ const RAIL_HEIGHT: f32 = 3.0;
 
 /// The control within `rect`, about 28 points high.
 pub fn compact_ui(ui: &mut Ui, rect: Rect, id: Id, subject: &Subject<'_>) -> Change {
+    // Rows of one medium have controls of one name: each in a part of its own.
+    let ui = &mut ui.new_child(UiBuilder::new().max_rect(rect).id_salt(id));
     let lower = Rect::from_min_max(pos2(rect.left(), rect.bottom() - 11.0), rect.max);
     let track =
         Rect::from_center_size(pos2(rect.center().x, rect.bottom() - 6.0), vec2(rect.width() - 8.0, RAIL_HEIGHT));

@@ -19,7 +19,8 @@ pub fn field_ui(ui: &mut Ui, id: Id, subject: &Subject<'_>) -> Change {
             let typed = typed_ui(ui, id, subject, &name, WIDTH, Align::Min);
             let words = in_words(subject.model);
             if let Ior::Catalog(entry) = subject.model {
-                ui.add(Label::new(words).truncate()).on_hover_text(entry.source);
+                let about = format!("{words}\n{}", entry.source);
+                ui.add(Label::new(words).truncate()).on_hover_text(about);
             } else {
                 let weak = RichText::new(words).color(Palette::of(ui).weak_text);
                 ui.add(Label::new(weak).truncate()).on_hover_text("What this index of refraction is.");

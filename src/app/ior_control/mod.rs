@@ -253,7 +253,7 @@ pub fn shown(n: f64) -> String {
 /// What an index is, in a few words: the medium of the catalogue, or between which two it lies.
 pub fn in_words(model: &Ior) -> String {
     let n = model.ior();
-    let dispersion = model.abbe_number().map_or_else(String::new, |abbe| format!(", Abbe number {abbe:.1}"));
+    let dispersion = model.abbe_number().map_or_else(String::new, |abbe| format!(", Abbe {abbe:.1}"));
     match model {
         Ior::Catalog(entry) => format!("{}{dispersion}", entry.label),
         Ior::Cauchy(_) => format!("Cauchy formula{dispersion}"),
@@ -308,7 +308,7 @@ mod tests {
         assert_eq!(words(1.3097), "As ice");
         assert_eq!(words(0.5), "Below vacuum");
         assert_eq!(words(5.0), "Above diamond");
-        assert_eq!(in_words(&Ior::Catalog(catalog::find("water").unwrap())), "Water, Abbe number 55.8");
+        assert_eq!(in_words(&Ior::Catalog(catalog::find("water").unwrap())), "Water, Abbe 55.8");
         for entry in catalog::ALL {
             assert!(in_words(&Ior::Catalog(entry)).starts_with(entry.label));
         }

@@ -173,7 +173,10 @@ fn shared_ui(ui: &mut Ui, description: &Description, object: &str, medium: &Medi
                 commands.push(Command::Edit(Edit::Media(edit)));
             }
             let others: Vec<&str> = users.iter().copied().filter(|user| *user != object).collect();
-            let text = format!("Linked with {}", others.join(", "));
+            let text = match others[..] {
+                [other] => format!("Linked with {other}"),
+                _ => format!("Linked with {} others", others.len()),
+            };
             ui.add(Label::new(note(ui, text)).truncate()).on_hover_text(users.join("\n"));
         });
     }
