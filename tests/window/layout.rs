@@ -110,7 +110,7 @@ fn escape_closes_menus_and_lists_and_nothing_else() {
     }
     harness.get_by_role_and_label(Role::TreeItem, "world").click();
     harness.run_steps(3);
-    harness.query_all_by_role(Role::TreeItem).nth(1).expect("there is a refractor").click_secondary();
+    harness.query_all_by_role(Role::TreeItem).nth(3).expect("there is a refractor").click_secondary();
     harness.run_steps(4);
     assert!(has_popup(&harness), "a right click opens a menu");
     escape(&mut harness);
