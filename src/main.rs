@@ -23,6 +23,8 @@ fn open_window(arguments: &WindowArguments) -> Result<(), WindowError> {
         scene: arguments.scene.clone(),
         size: arguments.window_size.map(|size| [size.width, size.height]),
         measures: arguments.tab.as_deref() == Some("measure"),
+        inspect: arguments.inspect.map(|percent| percent.map(|x| f64::from(x) / 100.0)),
+        is_ghost: arguments.ghost,
         settings: is_scripted.then(|| settings_for(arguments)),
         screenshot,
         measure_frames: arguments.measure_frames.clone(),

@@ -9,7 +9,7 @@ use super::objects::Manipulation;
 use super::range::DifferenceRange;
 use super::settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Tab, Theme};
 use super::snapshots::SnapshotId;
-use super::state::WorldPart;
+use super::state::{PathOption, WorldPart};
 use crate::check::Spot;
 use crate::optics::Ior;
 use crate::render::ToneCurve;
@@ -48,6 +48,10 @@ pub enum ExportKind {
     PaneExr,
     /// The measured points.
     ErrorsCsv,
+    /// The inspected path as it lies over the active pane.
+    PathSvg,
+    /// The same, vertex by vertex.
+    PathJson,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -93,6 +97,10 @@ pub enum Command {
     SetHandles(Option<Manipulation>),
     /// How the inspector goes on at interfaces.
     SetFollow(Follow),
+    /// How the inspected path is shown.
+    SetPathOption(PathOption),
+    /// Points out a vertex of the inspected path, by index.
+    SelectVertex(Option<usize>),
 
     // Rendering and display.
     SetExposure(f32),

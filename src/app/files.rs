@@ -49,6 +49,8 @@ impl Purpose {
             Self::Export(ExportKind::PaneExr) => "Export the active pane as linear EXR",
             Self::Environment => "Choose an image that surrounds the scene",
             Self::Export(ExportKind::ErrorsCsv) => "Export the measured errors as CSV",
+            Self::Export(ExportKind::PathSvg) => "Export the path as SVG",
+            Self::Export(ExportKind::PathJson) => "Export the path as JSON",
         }
     }
 
@@ -59,6 +61,8 @@ impl Purpose {
             Self::Environment => ("images", &["exr", "hdr", "png", "jpg", "jpeg"]),
             Self::Export(ExportKind::PaneExr) => ("OpenEXR", &["exr"]),
             Self::Export(ExportKind::ErrorsCsv) => ("CSV", &["csv"]),
+            Self::Export(ExportKind::PathSvg) => ("SVG", &["svg"]),
+            Self::Export(ExportKind::PathJson) => ("JSON", &["json"]),
             Self::Export(_) => ("PNG", &["png"]),
         }
     }

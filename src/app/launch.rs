@@ -41,6 +41,10 @@ pub struct Launch {
     pub settings: Option<Settings>,
     /// Whether to begin with a ground truth and measure.
     pub measures: bool,
+    /// A pixel to inspect, in [0, 1]² of the film.
+    pub inspect: Option<[f64; 2]>,
+    /// Whether its path is shown in the ghost view, from the side.
+    pub is_ghost: bool,
 }
 
 /// A picture of the window.
@@ -110,6 +114,7 @@ pub fn run(launch: Launch) -> Result<(), RunError> {
                 app.state.apply(Command::SetGroundTruth(GroundTruthDemand::On), 0.0);
             }
             app.frame_clock = launch.measure_frames.map(|path| FrameClock::new(path, Arc::clone(&result)));
+            app.to_inspect = launch.inspect.map(|point| (point, launch.is_ghost));
             app.window_camera = launch.screenshot.map(|shot| WindowCamera::new(shot, result));
             Ok(Box::new(app))
         }),

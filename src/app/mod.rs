@@ -25,6 +25,7 @@ mod navigation;
 mod objects;
 mod opening;
 mod panels;
+mod paths;
 mod picker;
 mod progress;
 mod quotes;
@@ -63,6 +64,7 @@ use self::graphics::{Refusals, WindowSize};
 use self::measurement::measurer::{self, Measurer, Plan};
 use self::opening::{Opening, Reading};
 use self::panels::dialogs::{Dialogs, PathPrompt};
+use self::paths::Tracer;
 use self::screenshot::Camera as WindowCamera;
 use self::snapshots::Kept;
 use self::viewport::Viewport;
@@ -84,6 +86,7 @@ pub struct App {
     // Dropped in this order: these two look at what the worker publishes.
     developer: Developer,
     measurer: Measurer,
+    tracer: Tracer,
     worker: Worker,
     tev: tev::Link,
     /// Counts what was sent to tev once.
@@ -102,6 +105,8 @@ pub struct App {
     start: Instant,
     /// Set by a screenshot or by settings from outside: nothing is remembered.
     is_scripted: bool,
+    /// A pixel to inspect as soon as there are films, and whether in the ghost view.
+    to_inspect: Option<([f64; 2], bool)>,
     window_camera: Option<WindowCamera>,
     /// The picture of panes that is being taken.
     capture: Option<Capture>,
@@ -163,6 +168,7 @@ impl App {
         };
         let developer = develop::start(bell, Arc::clone(worker.board()), Arc::clone(&repaint))?;
         let measurer = measurer::start(measurer_bell, Arc::clone(worker.board()), Arc::clone(&repaint))?;
+        let tracer = paths::tracer::start(Arc::clone(&repaint))?;
         Ok(Self {
             state,
             dialogs: Dialogs::default(),
@@ -174,6 +180,7 @@ impl App {
             files: Files::new(repaint),
             developer,
             measurer,
+            tracer,
             worker,
             autosaver: None,
             restored: None,
@@ -182,6 +189,7 @@ impl App {
             refusals: Refusals::default(),
             start: Instant::now(),
             is_scripted: false,
+            to_inspect: None,
             window_camera: None,
             capture: None,
             is_still_frame: false,
@@ -364,6 +372,9 @@ impl App {
             Purpose::Export(ExportKind::AllPanesPng) => format!("{stem}-comparison.png"),
             Purpose::Export(ExportKind::ShownPanes) => format!("{stem}-panes.png"),
             Purpose::Export(ExportKind::ErrorsCsv) => format!("{stem}-errors.csv"),
+            Purpose::Export(ExportKind::PathSvg | ExportKind::PathJson) => {
+                format!("{stem}-path.{}", purpose.extension())
+            }
             Purpose::Export(_) => {
                 let content = match self.state.settings.panes[self.state.view.active_pane] {
                     PaneContent::Surfaces(quantity) => quantity.name().replace(' ', "-"),
@@ -388,6 +399,12 @@ impl App {
             }
             let table = measurement::csv::table(&self.state.document.description().name, results);
             return self.files.export_text(table, path);
+        }
+        if matches!(kind, ExportKind::PathSvg | ExportKind::PathJson) {
+            return match paths::export::text_of(&self.state, kind) {
+                Ok(text) => self.files.export_text(text, path),
+                Err(message) => self.state.notify_error(message),
+            };
         }
         let Some(report) = &self.state.report else {
             self.state.notify_error("There is no image to export yet.");
@@ -675,7 +692,9 @@ impl eframe::App for App {
         let ctx = ui.ctx().clone();
         self.set_appearance(&ctx);
         self.collect(&ctx);
-        self.state.refresh_inspection();
+        if let Some(traced) = self.tracer.take_finished() {
+            self.state.paths_traced(traced);
+        }
         self.set_window_title(&ctx);
         self.guard_closing(&ctx);
         self.window_size.update(&ctx);
@@ -692,6 +711,16 @@ impl eframe::App for App {
         }
         self.focused = ctx.memory(egui::Memory::focused);
 
+        if !self.state.film_size().contains(&0)
+            && let Some((point, is_ghost)) = self.to_inspect.take()
+        {
+            self.apply(&ctx, Command::Inspect(Some(point)));
+            if is_ghost {
+                self.apply(&ctx, Command::SetPathOption(state::PathOption::Ghost(true)));
+                self.apply(&ctx, self.state.navigate(state::Motion::Orbit([-0.28, 0.05]), 1.0));
+            }
+        }
+        self.tracer.set_order(&self.state.path_question());
         let settings = &self.state.settings;
         self.developer.set_order(&Recipe {
             contents: settings.shown_panes().iter().copied().collect(),

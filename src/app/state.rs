@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use self::film_size::FilmSize;
 pub use self::film_size::magnification;
-pub use self::inspection::Inspection;
+pub use self::inspection::{Inspection, PathOption, PathOptions, modes_over};
 pub use self::side_panels::Room;
 pub use self::view::Motion;
 pub use self::world::WorldPart;
@@ -97,6 +97,7 @@ pub struct State {
     /// Whether the next click in a picture puts the focus there.
     pub is_focusing: bool,
     pub inspection: Option<Inspection>,
+    pub path_options: PathOptions,
     /// Where something was last selected in the picture, in [0, 1]² of the film.
     last_pick: Option<[f64; 2]>,
     /// Views before jumps of the camera, latest last.
@@ -152,6 +153,7 @@ impl State {
             world_part: WorldPart::Medium,
             is_focusing: false,
             inspection: None,
+            path_options: PathOptions::default(),
             last_pick: None,
             earlier_views: Vec::new(),
             report: None,

@@ -97,6 +97,12 @@ pub struct WindowArguments {
     /// Tab at the right: render, rectification, inspector or measure, which begins to measure
     #[arg(long, hide = true, requires = "screenshot", value_parser = ["render", "rectification", "inspector", "measure"])]
     pub tab: Option<String>,
+    /// Place in the first pane whose path is inspected, in percent of its width and height
+    #[arg(long, hide = true, requires = "screenshot", value_name = "X,Y", value_parser = pixel, allow_hyphen_values = true)]
+    pub inspect: Option<[u32; 2]>,
+    /// The ghost view of that path, from the side
+    #[arg(long, hide = true, requires = "inspect")]
+    pub ghost: bool,
 }
 
 /// What makes an image, for `render` and `compare`.
@@ -283,6 +289,9 @@ pub struct TraceArguments {
     pub direction: Option<DVec3>,
     #[arg(long, value_name = "MODE", default_value = "rectified", help = format!("How media are tracked: {}", Mode::list()))]
     pub mode: Mode,
+    /// Another mode: its path is told too, and where the two part and why
+    #[arg(long, value_name = "MODE")]
+    pub against: Option<Mode>,
     /// Which way to go at each surface: transmit (where reflection is not total), reflect, or sample (by chance, as a render does)
     #[arg(long, value_name = "WAY", default_value = "transmit", value_parser = follow)]
     pub follow: Follow,

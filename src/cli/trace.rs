@@ -9,18 +9,33 @@ use super::arguments::{Size, TraceArguments};
 use super::preparation::prepare_shown;
 use super::table::Table;
 use super::{Failure, print, print_json};
-use crate::export::escape::short_name;
+use crate::export::escape::{elided, short_name};
 use crate::export::words::{brief, events_in_words};
 use crate::geometry::Ray;
 use crate::scene::camera::Camera;
 use crate::transport::inspect::{TracedPath, VertexEvent, trace};
+use crate::transport::parting::{Compared, compare};
+
+/// Characters of a line about a parting, in which names of any length stand.
+const MOST_OF_LINE: usize = 400;
 
 pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Failure> {
     let description = Arc::new(crate::formats::open(&arguments.scene.scene)?);
     let camera = Camera::new(&description.camera)?;
     let ray = first_ray(arguments, &camera)?;
     let prepared = prepare_shown(Arc::clone(&description))?;
-    let path = trace(&prepared, arguments.mode, ray, arguments.follow, arguments.seed, arguments.max_depth.0);
+    let TraceArguments { mode, follow, seed, max_depth, .. } = *arguments;
+    if let Some(against) = arguments.against {
+        let compared = compare(&prepared, [mode, against], ray, follow, seed, max_depth.0);
+        if arguments.scene.json {
+            print_json(&compared)?;
+        } else {
+            let [path, other] = [&compared.path, &compared.against].map(|path| summary(&description.name, path));
+            print(&format!("{path}\n{other}\n{}", parting_in_words(&compared)))?;
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    let path = trace(&prepared, mode, ray, follow, seed, max_depth.0);
     if arguments.scene.json {
         print_json(&path)?;
     } else {
@@ -75,6 +90,20 @@ fn summary(scene: &str, path: &TracedPath) -> String {
     text += &format!("\n  {end} ({x:.6}, {y:.6}, {z:.6})\n");
     text += &format!("  {}\n", events_in_words(&path.events));
     text
+}
+
+fn parting_in_words(compared: &Compared) -> String {
+    let Compared { path, against, parting } = compared;
+    let Some(parting) = parting else {
+        return format!("{} and {} agree about this path.\n", path.mode, against.mode);
+    };
+    let (number, refractor) = (parting.vertex + 1, short_name(&parting.refractor));
+    let heading = format!("{} and {} part at surface {number}, {refractor}:", path.mode, against.mode);
+    let [a, b] = &parting.claims;
+    let claims = [format!("{}: {a}", a.mode), format!("{}: {b}", b.mode), format!("truth: {}", parting.truth)];
+    let faults = parting.faults.iter().flatten().flat_map(|fault| [fault.what(), fault.why()]);
+    let lines = claims.into_iter().chain(faults);
+    lines.fold(heading + "\n", |text, line| text + "  " + &elided(&line, MOST_OF_LINE) + "\n")
 }
 
 fn medium(name: &Option<String>, ior: Option<f64>) -> String {

@@ -9,11 +9,13 @@
 //! render::film         where its radiance is added
 //! ```
 //!
-//! [`inspect`] tells one path vertex by vertex, and [`sampler`] has the random numbers of each.
+//! [`inspect`] tells one path vertex by vertex, [`parting`] where and why the paths of two modes part, and [`sampler`] has the random numbers
+//! of each.
 
 mod direct;
 pub mod inspect;
 pub mod interaction;
+pub mod parting;
 pub mod path;
 pub mod sampler;
 

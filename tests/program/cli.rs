@@ -368,6 +368,17 @@ fn trace_follows_a_ray_through_the_nest() {
     assert!((number(&straight["vertices"][0]["fresnel"]) - 0.04).abs() < 1e-9);
     let back = desk.json("trace nest.toml --pixel 16,16 --size 33x33 --follow reflect --json");
     assert_eq!((&back["vertices"][0]["event"], back["vertices"].as_array().unwrap().len()), (&"reflect".into(), 1));
+    // Naive parts from the others where the second surface is met: inside the shell is no vacuum.
+    let both = desk.json("trace nest.toml --pixel 16,16 --size 33x33 --mode naive --against rectified --json");
+    assert_eq!((&both["mode"], &both["against"]["mode"]), (&"naive".into(), &"rectified".into()));
+    let parting = &both["parting"];
+    assert_has(parting, &["vertex", "position", "refractor", "is_entering", "claims", "truth", "faults"]);
+    assert_eq!((number(&parting["vertex"]), &parting["faults"][0]["cause"]), (1.0, &"vacuum_outside".into()));
+    assert!(parting["faults"][1].is_null());
+    let words = desk.fine("trace nest.toml --pixel 16,16 --size 33x33 --mode naive --against rectified");
+    assert!(words.contains("naive and rectified part at surface 2"), "{words}");
+    let same = desk.fine("trace nest.toml --pixel 16,16 --size 33x33 --mode stack --against rectified");
+    assert!(same.contains("stack and rectified agree about this path."), "{same}");
     let table = desk.fine("trace nest.toml --pixel 16,16 --size 33x33");
     assert!(table.contains("starts in world") && table.contains("leaves the scene"), "{table}");
 }

@@ -283,8 +283,11 @@ fn a_click_inspects_a_path_and_shows_what_the_stack_gets_wrong() {
     harness.drag_at(place);
     harness.drop_at(place);
     harness.run_steps(3);
+    until(&mut harness, "its path has been followed", |app| {
+        app.state().inspection.as_ref().is_some_and(|inspection| inspection.path(Mode::Stack).is_some())
+    });
     let inspection = harness.state().state().inspection.as_ref().expect("a pixel is inspected");
-    let path = inspection.path.as_ref().expect("its path has been traced");
+    let path = inspection.path(Mode::Stack).expect("its path has been traced");
     assert_eq!(path.mode, Mode::Stack);
     assert!(!path.vertices.is_empty());
     assert!(harness.query_all_by_label_contains("→").next().is_some(), "the media of a vertex are shown");

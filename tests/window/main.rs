@@ -10,6 +10,7 @@ mod export;
 mod layout;
 mod measuring;
 mod media;
+mod path;
 mod recovery;
 mod samples;
 mod screen;

@@ -148,6 +148,12 @@ fn file_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let is_measured = state.measurement.results.curves.values().any(|curve| !curve.points.is_empty());
         let ask = Command::AskExport(ExportKind::ErrorsCsv);
         item_enabled(ui, is_measured, "Measured errors (CSV)…", None, commands, ask);
+        let has_path = state.inspection.as_ref().is_some_and(|inspection| inspection.traced.is_some());
+        for (text, kind) in
+            [("Inspected path (SVG)…", ExportKind::PathSvg), ("Inspected path (JSON)…", ExportKind::PathJson)]
+        {
+            item_enabled(ui, has_path, text, None, commands, Command::AskExport(kind));
+        }
     });
     submenu_ui(ui, "tev", |ui| {
         let about = "The linear radiance of every pane to the image viewer tev, where it is running.";

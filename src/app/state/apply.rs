@@ -61,11 +61,9 @@ impl State {
             Command::LookAt(point) => self.look_at(point),
             Command::SelectAt(point) => self.select_at(point),
             Command::SetHandles(handles) => self.settings.handles = handles,
-            Command::SetFollow(follow) => {
-                if let Some(inspection) = &mut self.inspection {
-                    inspection.follow = follow;
-                }
-            }
+            Command::SetFollow(follow) => self.path_options.follow = follow,
+            Command::SetPathOption(option) => self.set_path_option(option),
+            Command::SelectVertex(vertex) => self.select_vertex(vertex),
             Command::SetExposure(exposure) if exposure.is_finite() => self.settings.display.exposure = exposure,
             Command::SetCurve(curve) => self.settings.display.curve = curve,
             Command::SetDifference(kind) => self.settings.difference = kind,

@@ -12,6 +12,7 @@ use transform_gizmo::{
 };
 
 use super::layout::{Pane, film_from_screen, film_window, screen_from_film};
+use super::sight::Sight;
 use crate::app::command::Command;
 use crate::app::edit::{Edit, ObjectEdit};
 use crate::app::objects::{self, Manipulation};
@@ -27,8 +28,6 @@ const SNAP_DEGREES: f32 = 15.0;
 const SNAP_SCALE: f32 = 0.1;
 /// Rounding of angles, in degrees.
 const ANGLE_STEP: f64 = 1e-3;
-/// What is closer to the camera's plane than this share of its distance has no handles.
-const LEAST_DEPTH: f64 = 0.05;
 /// x, y and z, after Okabe and Ito (2008); letters say the same.
 const AXIS_COLORS: [Color32; 3] =
     [Color32::from_rgb(0xff, 0x7a, 0x3c), Color32::from_rgb(0x2f, 0xd0, 0x9c), Color32::from_rgb(0x5c, 0xb8, 0xf5)];
@@ -59,47 +58,20 @@ struct Grip {
     done: String,
 }
 
-/// A place of the scene as the film sees it.
-struct Sight {
-    camera: Camera,
-    /// Width over height of the film.
-    aspect: f64,
-}
-
-impl Sight {
-    fn of(state: &State) -> Option<Self> {
-        let [width, height] = state.film_size().map(f64::from);
-        let camera = Camera::new(&state.film_camera()).ok().filter(|_| width > 0.0 && height > 0.0)?;
-        Some(Self { camera, aspect: width / height })
-    }
-
-    /// The point of the film, in [0, 1]² where it is inside, at which `place` is seen; `None` behind the camera.
-    fn film(&self, place: DVec3) -> Option<Pos2> {
-        let to = place - self.camera.position;
-        let depth = to.dot(self.camera.forward);
-        (depth > LEAST_DEPTH * to.length()).then(|| {
-            let half = depth * self.camera.tan_half_fov;
-            let x = to.dot(self.camera.right) / (half * self.aspect);
-            let y = to.dot(self.camera.up) / half;
-            egui::pos2((0.5 + 0.5 * x) as f32, (0.5 - 0.5 * y) as f32)
-        })
-    }
-
-    /// The crate's view and projection for a camera in the origin.
-    fn matrices(&self) -> [mint::RowMatrix4<f64>; 2] {
-        const NEAR: f64 = 1e-3;
-        const FAR: f64 = 1e3;
-        let row = |v: DVec3, w: f64| [v.x, v.y, v.z, w];
-        let Camera { right, up, forward, tan_half_fov, .. } = self.camera;
-        let view = [row(right, 0.0), row(up, 0.0), row(-forward, 0.0), [0.0, 0.0, 0.0, 1.0]];
-        let projection = [
-            [1.0 / (tan_half_fov * self.aspect), 0.0, 0.0, 0.0],
-            [0.0, 1.0 / tan_half_fov, 0.0, 0.0],
-            [0.0, 0.0, (NEAR + FAR) / (NEAR - FAR), 2.0 * NEAR * FAR / (NEAR - FAR)],
-            [0.0, 0.0, -1.0, 0.0],
-        ];
-        [view, projection].map(mint::RowMatrix4::from)
-    }
+/// The crate's view and projection for a camera in the origin.
+fn matrices(sight: &Sight) -> [mint::RowMatrix4<f64>; 2] {
+    const NEAR: f64 = 1e-3;
+    const FAR: f64 = 1e3;
+    let row = |v: DVec3, w: f64| [v.x, v.y, v.z, w];
+    let Camera { right, up, forward, tan_half_fov, .. } = sight.camera;
+    let view = [row(right, 0.0), row(up, 0.0), row(-forward, 0.0), [0.0, 0.0, 0.0, 1.0]];
+    let projection = [
+        [1.0 / (tan_half_fov * sight.aspect), 0.0, 0.0, 0.0],
+        [0.0, 1.0 / tan_half_fov, 0.0, 0.0],
+        [0.0, 0.0, (NEAR + FAR) / (NEAR - FAR), 2.0 * NEAR * FAR / (NEAR - FAR)],
+        [0.0, 0.0, -1.0, 0.0],
+    ];
+    [view, projection].map(mint::RowMatrix4::from)
 }
 
 /// 1, 2 or 5 times a power of ten, near `size`.
@@ -348,7 +320,7 @@ fn config(
     shape: &Shape,
     unit: f64,
 ) -> GizmoConfig {
-    let [view_matrix, projection_matrix] = sight.matrices();
+    let [view_matrix, projection_matrix] = matrices(sight);
     let window = film_window(state.view.zoom, state.view.zoom_center);
     // Where the whole film would be on the screen if the pane did not cut it off.
     let [min, max] = [Pos2::ZERO, egui::pos2(1.0, 1.0)]

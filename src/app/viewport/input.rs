@@ -5,6 +5,7 @@ use egui::{CursorIcon, PointerButton, Pos2, Response, Ui};
 use super::Viewport;
 use super::handles::film_point;
 use super::layout::{Pane, film_from_screen, film_window, zoomed};
+use super::path::vertex_at;
 use crate::app::command::Command;
 use crate::app::settings::Arrangement;
 use crate::app::state::{MAX_ZOOM, Motion, State};
@@ -95,7 +96,10 @@ impl Viewport {
             } else if response.double_clicked() {
                 Command::LookAt(point)
             } else {
-                Command::Inspect(Some(point))
+                match vertex_at(state, index, &panes[index], pos) {
+                    Some(vertex) => Command::SelectVertex(Some(vertex)),
+                    None => Command::Inspect(Some(point)),
+                }
             });
         }
 

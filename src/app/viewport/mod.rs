@@ -6,8 +6,10 @@ mod keyboard;
 mod layout;
 mod legend;
 mod overlay;
+mod path;
 mod range;
 mod shot;
+pub mod sight;
 mod snapshots;
 mod tools;
 mod values;
@@ -19,6 +21,7 @@ use egui::{Color32, Rect, Sense, Ui, Vec2};
 
 use self::layout::{Pane, film_window, panes};
 pub use self::overlay::{content_menu_ui, event_meaning, event_name};
+pub use self::path::modes_drawn;
 use self::shot::Shot;
 pub use self::values::pixel_at;
 use super::command::Command;
@@ -202,8 +205,9 @@ impl Viewport {
         self.read_pointer(ui, &response, state, &panes, commands);
         for (index, pane) in panes.iter().enumerate() {
             self.paint_picture(ui, state, index, *pane);
+            let painter = ui.painter().with_clip_rect(pane.visible.intersect(ui.clip_rect()));
+            path::paint(&painter, state, index, pane);
             if !self.is_still {
-                let painter = ui.painter().with_clip_rect(pane.visible.intersect(ui.clip_rect()));
                 self.handles.paint(&painter, state, &panes, index);
             }
         }
@@ -267,6 +271,9 @@ impl Viewport {
             } else {
                 shot.paint(&painter, state.film_size(), pane.picture, window);
             }
+            if state.path_options.is_ghost && state.inspection.is_some() {
+                painter.rect_filled(pane.visible, 0.0, path::GHOST);
+            }
         } else if let Some(text) = state.snapshots.obstacle(state.settings.panes[index], state.film_size()) {
             let palette = Palette::of(ui);
             let font = egui::TextStyle::Body.resolve(ui.style());
@@ -289,7 +296,9 @@ impl Viewport {
             let font = egui::TextStyle::Body.resolve(ui.style());
             painter.text(pane.visible.center(), egui::Align2::CENTER_CENTER, text, font, palette.weak_text);
         }
-        overlay::paint_marker(&painter, state, pane.picture);
+        if state.has_path_at_pixel() {
+            overlay::paint_marker(&painter, state, pane.picture);
+        }
         if state.settings.pane_count > 1 && index == state.view.active_pane && !self.is_still {
             let stroke = egui::Stroke::new(1.5, Palette::of(ui).accent);
             painter.rect_stroke(pane.visible, 0.0, stroke, egui::StrokeKind::Inside);

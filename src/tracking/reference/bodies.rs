@@ -155,6 +155,31 @@ impl Bodies {
         found
     }
 
+    /// The refractors that contain the side that the normal points to, and the other side; on each the one that fills it comes first. And
+    /// whether there is doubt.
+    pub(super) fn containers_beside(
+        &self,
+        scene: &Scene,
+        place: &PointInPlane,
+        primitive: PrimitiveId,
+    ) -> ([Vec<ObjectId>; 2], bool) {
+        let Some(own) = self.body(ObjectId(scene.geometry.object_of(primitive))) else { return Default::default() };
+        let mut found: [Vec<&Body>; 2] = Default::default();
+        let mut is_doubtful = false;
+        let margin = place.allowance(own.radius, place.point.abs());
+        self.for_each_near(place.point, margin, |body| {
+            let inside = self.inside(scene, body, place, primitive, own);
+            is_doubtful |= inside.is_doubtful;
+            for (list, is_inside) in found.iter_mut().zip([inside.front, inside.back]) {
+                if is_inside {
+                    let rank = list.iter().position(|other| body.is_above(other, scene)).unwrap_or(list.len());
+                    list.insert(rank, body);
+                }
+            }
+        });
+        (found.map(|list| list.into_iter().map(|body| body.object).collect()), is_doubtful)
+    }
+
     /// Every body that may contain what lies that near to a point.
     fn for_each_near<'a>(&'a self, point: DVec3, margin: f64, mut visit: impl FnMut(&'a Body)) {
         self.tree.walk(

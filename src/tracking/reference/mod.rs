@@ -23,7 +23,8 @@ use glam::DVec3;
 use super::events::Events;
 use super::prepare::Prepared;
 use super::tracker::{Crossing, Sides, Tracker, TrackingMode};
-use crate::scene::{MediumId, Scene};
+use crate::geometry::SurfacePoint;
+use crate::scene::{MediumId, ObjectId, Scene};
 
 pub use bodies::Bodies;
 
@@ -39,6 +40,25 @@ impl<'a> TrackingMode<'a> for Reference<'a> {
 
     fn of(prepared: &'a Prepared) -> Self {
         Self { scene: &prepared.scene, bodies: prepared.bodies() }
+    }
+}
+
+/// The refractors on both sides of a place on a refractor's surface. On each side the one that fills it comes first; where there is none, it is
+/// the global medium.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Surroundings {
+    pub outside: Vec<ObjectId>,
+    pub inside: Vec<ObjectId>,
+    /// Whether it is doubtful what contains the place.
+    pub is_doubtful: bool,
+}
+
+impl Reference<'_> {
+    /// What lies around a point (local coordinates) of a refractor's surface.
+    pub fn surroundings(&self, point: &SurfacePoint) -> Surroundings {
+        let place = self.bodies.place(&self.scene.geometry, point);
+        let ([outside, inside], is_doubtful) = self.bodies.containers_beside(self.scene, &place, point.primitive);
+        Surroundings { outside, inside, is_doubtful }
     }
 }
 
