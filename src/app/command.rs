@@ -8,6 +8,7 @@ use super::measurement::{ErrorAxis, ErrorMetric};
 use super::objects::Manipulation;
 use super::range::DifferenceRange;
 use super::settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Tab, Theme};
+use super::slice::SliceView;
 use super::snapshots::SnapshotId;
 use super::state::{PathOption, WorldPart};
 use crate::check::Spot;
@@ -101,6 +102,8 @@ pub enum Command {
     SetPathOption(PathOption),
     /// Points out a vertex of the inspected path, by index.
     SelectVertex(Option<usize>),
+    /// Where the slice lies that panes show.
+    SetSlice(SliceView),
 
     // Rendering and display.
     SetExposure(f32),

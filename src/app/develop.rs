@@ -12,6 +12,7 @@ use super::enlarge::enlarged;
 use super::histogram::{self, Histogram};
 use super::range::{self, DifferenceRange, RangeEnd, Scale};
 use super::settings::{DifferenceKind, PaneContent};
+use super::slicer::CutSlice;
 use super::snapshots::{Kept, SnapshotId, Snapshots};
 use super::theme::opaque;
 use crate::color::along;
@@ -68,6 +69,8 @@ pub struct Source {
     pub painted: Option<Arc<PaintedSurfaces>>,
     /// Pictures that were kept: after the film that is compared with one, if there is one.
     pub kept: Vec<Arc<Kept>>,
+    /// Made by [`super::slicer`].
+    pub slice: Option<Arc<CutSlice>>,
     /// What the film is compared with, for an error.
     pub truth: Option<Arc<Halves>>,
 }
@@ -95,6 +98,7 @@ impl Source {
             && self.kept.len() == other.kept.len()
             && self.images().zip(other.images()).all(|(a, b)| Arc::ptr_eq(a, b))
             && same(self.painted.as_ref(), other.painted.as_ref())
+            && same(self.slice.as_ref(), other.slice.as_ref())
             && same(self.truth.as_ref(), other.truth.as_ref())
     }
 
@@ -111,7 +115,9 @@ impl Source {
 
     /// Whether any of it is at a lower resolution.
     pub fn is_preview(&self) -> bool {
-        self.films.iter().any(|film| film.is_preview()) || self.painted.iter().any(|painted| painted.is_preview())
+        self.films.iter().any(|film| film.is_preview())
+            || self.painted.iter().any(|painted| painted.is_preview())
+            || self.slice.iter().any(|slice| slice.is_preview())
     }
 
     /// Whether nothing more will come.
@@ -122,7 +128,9 @@ impl Source {
     /// Samples for each pixel.
     pub fn samples(&self) -> u32 {
         let painted = self.painted.iter().map(|painted| painted.painting.rays);
-        self.images().map(|film| film.samples).chain(painted).min().unwrap_or(0)
+        // There is no noise in a slice.
+        let sliced = self.slice.iter().map(|_| u32::MAX);
+        self.images().map(|film| film.samples).chain(painted).chain(sliced).min().unwrap_or(0)
     }
 }
 
@@ -198,7 +206,7 @@ impl How {
     fn of(content: PaneContent, recipe: &Recipe, scale: Option<Scale>) -> Self {
         let difference = content.is_difference().then_some(recipe.difference);
         let is_displayed = match content {
-            PaneContent::Surfaces(_) => false,
+            PaneContent::Surfaces(_) | PaneContent::Slice(_) => false,
             _ => difference.is_none_or(|kind| kind == DifferenceKind::Flip),
         };
         Self {
@@ -271,6 +279,7 @@ fn sources(recipe: &Recipe, board: &Board) -> Vec<(PaneContent, Source)> {
             PaneContent::Surfaces(quantity) => {
                 Source { painted: Some(Arc::clone(paintings.get(&quantity)?)), ..source }
             }
+            PaneContent::Slice(_) => return None,
             PaneContent::Error(_) => {
                 let truth = truth.as_ref().filter(|truth| source.films.iter().all(|film| film.epoch == truth.epoch))?;
                 Source { truth: Some(Arc::clone(truth.halves.as_ref()?)), ..source }

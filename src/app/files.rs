@@ -16,6 +16,7 @@ use super::opening::Reading;
 use crate::export::{self, Comparison, ExportError, LabelledPane, Picture};
 use crate::formats::disk;
 use crate::render::Display;
+use crate::render::slice::Slice;
 use crate::scene::environment::EnvironmentImage;
 use crate::scene::{Description, SceneError};
 use crate::session::Snapshot;
@@ -309,19 +310,26 @@ fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
         }
     }
     let truth = job.panes.iter().find_map(|source| source.truth.as_ref());
-    let painted = job.panes.iter().filter_map(|source| source.painted.as_ref());
-    let paintings: Vec<_> = painted.map(|painted| (painted.quantity, &painted.painting)).collect();
+    let paintings: Vec<_> = (job.panes.iter().filter_map(|source| source.painted.as_ref()))
+        .map(|painted| (painted.quantity, &painted.painting))
+        .collect();
+    let slices: Vec<&Slice> = job.panes.iter().filter_map(|source| Some(&source.slice.as_ref()?.slice)).collect();
+    let painted = || {
+        let sheets = [export::painted_surfaces(&job.prepared, &paintings), export::slices(&job.prepared, &slices)];
+        sheets.into_iter().reduce(|above, under| below(above, &under)).unwrap_or_default()
+    };
     let Some(first) = films.first() else {
         return match job.kind {
-            _ if paintings.is_empty() => {
+            _ if paintings.is_empty() && slices.is_empty() => {
                 Err(ExportError::BadComparison("there is no image yet; wait for the first one".into()))
             }
             ExportKind::PaneExr => Err(ExportError::BadComparison(
-                "painted surfaces are colours and no radiance: export them as PNG".into(),
+                "painted surfaces and slices are colours and no radiance: export them as PNG".into(),
             )),
             _ => {
-                let text = export::metadata(&job.prepared, &[], paintings[0].1.rays, job.seed);
-                export::image_png(&job.path, &export::painted_surfaces(&job.prepared, &paintings), &text)
+                let rays = paintings.first().map_or(1, |(_, painting)| painting.rays);
+                let text = export::metadata(&job.prepared, &[], rays, job.seed);
+                export::image_png(&job.path, &painted(), &text)
             }
         };
     };
@@ -368,8 +376,7 @@ fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
                 baseline: best.filter(|_| panes.len() > 1),
             };
             let comparison = export::comparison(&panes, &about)?;
-            let surfaces = export::painted_surfaces(&job.prepared, &paintings);
-            export::image_png(&job.path, &below(comparison, &surfaces), &text)
+            export::image_png(&job.path, &below(comparison, &painted()), &text)
         }
     }
 }
@@ -378,6 +385,9 @@ fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
 fn below(above: RgbImage, under: &RgbImage) -> RgbImage {
     if under.width() == 0 {
         return above;
+    }
+    if above.width() == 0 {
+        return under.clone();
     }
     let ground = *above.get_pixel(0, 0);
     let (width, height) = (above.width().max(under.width()), above.height() + under.height());

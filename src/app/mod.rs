@@ -32,6 +32,8 @@ mod quotes;
 mod range;
 mod screenshot;
 mod settings;
+mod slice;
+mod slicer;
 mod snapshots;
 mod state;
 mod tev;
@@ -51,6 +53,7 @@ pub use measurement::{Curve, ErrorAxis, ErrorMetric, Measurement, Measurements, 
 pub use objects::Manipulation;
 pub use range::{DifferenceRange, RangeCurve, RangeEnd, Scale};
 pub use settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Settings, SidePanel, Tab, Theme};
+pub use slice::{Facing, SliceView};
 pub use snapshots::SnapshotId;
 pub use state::{State, WorldPart};
 
@@ -66,6 +69,7 @@ use self::opening::{Opening, Reading};
 use self::panels::dialogs::{Dialogs, PathPrompt};
 use self::paths::Tracer;
 use self::screenshot::Camera as WindowCamera;
+use self::slicer::{Cutting, Of, Slicer};
 use self::snapshots::Kept;
 use self::viewport::Viewport;
 use crate::scene;
@@ -87,6 +91,7 @@ pub struct App {
     developer: Developer,
     measurer: Measurer,
     tracer: Tracer,
+    slicer: Slicer,
     worker: Worker,
     tev: tev::Link,
     /// Counts what was sent to tev once.
@@ -169,6 +174,7 @@ impl App {
         let developer = develop::start(bell, Arc::clone(worker.board()), Arc::clone(&repaint))?;
         let measurer = measurer::start(measurer_bell, Arc::clone(worker.board()), Arc::clone(&repaint))?;
         let tracer = paths::tracer::start(Arc::clone(&repaint))?;
+        let slicer = Slicer::start(Arc::clone(&repaint))?;
         Ok(Self {
             state,
             dialogs: Dialogs::default(),
@@ -181,6 +187,7 @@ impl App {
             developer,
             measurer,
             tracer,
+            slicer,
             worker,
             autosaver: None,
             restored: None,
@@ -381,6 +388,7 @@ impl App {
                     content if purpose == Purpose::Export(ExportKind::ShownPane) => {
                         content.to_string().replace(" − ", "-minus-").replace([' ', ','], "-").replace("--", "-")
                     }
+                    PaneContent::Slice(mode) => format!("slice-{mode}"),
                     content => content.inspected_mode().to_string(),
                 };
                 format!("{stem}-{content}.{}", purpose.extension())
@@ -487,8 +495,9 @@ impl App {
         let panes = if is_all { shown } else { std::slice::from_ref(&shown[self.state.view.active_pane]) };
         let modes: Vec<Mode> =
             Mode::ALL.into_iter().filter(|m| panes.iter().any(|p| p.modes().any(|n| n == *m))).collect();
-        let samples = panes.iter().map(|content| self.viewport.source(*content).samples()).min().unwrap_or(0);
-        let mut text = crate::export::metadata(&report.prepared, &modes, samples, 0);
+        let has_samples = |content: &&PaneContent| !matches!(content, PaneContent::Slice(_));
+        let counts = panes.iter().filter(has_samples).map(|content| self.viewport.source(*content).samples());
+        let mut text = crate::export::metadata(&report.prepared, &modes, counts.min().unwrap_or(0), 0);
         let titles: Vec<String> = panes.iter().map(ToString::to_string).collect();
         text.push(("Panes".to_owned(), titles.join("; ")));
         for id in
@@ -587,6 +596,7 @@ impl App {
         }
         let (floor, picture_floor) = (self.state.epoch_floor, self.state.picture_floor());
         self.viewport.upload(ctx, self.developer.take_finished(), floor, picture_floor);
+        self.viewport.upload(ctx, self.slicer.take_finished(), floor, picture_floor);
         while let Some(outcome) = self.files.poll() {
             match outcome {
                 Outcome::Chosen(purpose, path) | Outcome::IsFree(purpose, path) => {
@@ -676,6 +686,17 @@ impl App {
     }
 }
 
+/// The slices that the panes need.
+fn cutting(state: &State, pixels_per_point: f32) -> Cutting {
+    let modes = state.settings.slices();
+    let (Some(report), Some(placed), false) = (&state.report, state.placed_slice(), modes.is_empty()) else {
+        return Cutting::default();
+    };
+    let line_width = f64::from(pixels_per_point * state.settings.resolution_scale).max(1.0);
+    let (epoch, prepared) = (report.epoch, report.prepared.clone());
+    Cutting { of: Some(Of { epoch, prepared, plane: placed.plane, size: state.film_size(), line_width }), modes }
+}
+
 fn repaint_of(ctx: &egui::Context) -> Repaint {
     let ctx = ctx.clone();
     Arc::new(move || ctx.request_repaint())
@@ -731,6 +752,7 @@ impl eframe::App for App {
             histogram_of: settings.show_histogram.then(|| settings.panes[self.state.view.active_pane]),
             denoise: settings.denoise,
         });
+        self.slicer.set_order(cutting(&self.state, ctx.pixels_per_point()));
         self.measurer.set_order(&Plan {
             is_on: self.state.measurement.is_on(),
             is_paused: self.state.is_paused,

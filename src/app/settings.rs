@@ -10,6 +10,7 @@ use super::objects::Manipulation;
 use super::range::DifferenceRange;
 use super::snapshots::SnapshotId;
 use crate::render::Display;
+use crate::render::slice::SLICED_MODES;
 use crate::render::surfaces::SurfaceQuantity;
 use crate::tracking::Mode;
 
@@ -27,11 +28,12 @@ pub enum Preset {
     BothRectified,
     AgainstReference,
     Surfaces,
+    Slices,
 }
 
 impl Preset {
-    pub const ALL: [Self; 4] =
-        [Self::StackAgainstRectified, Self::BothRectified, Self::AgainstReference, Self::Surfaces];
+    pub const ALL: [Self; 5] =
+        [Self::StackAgainstRectified, Self::BothRectified, Self::AgainstReference, Self::Surfaces, Self::Slices];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -39,6 +41,7 @@ impl Preset {
             Self::BothRectified => "Both rectified modes",
             Self::AgainstReference => "Against the reference",
             Self::Surfaces => "Surfaces",
+            Self::Slices => "Slices",
         }
     }
 
@@ -55,6 +58,7 @@ impl Preset {
                 "Rectification and the slow truth, and how far rectification and priority are from it."
             }
             Self::Surfaces => "Everything that rectification found out about surfaces.",
+            Self::Slices => "A plane through the scene, filled with the medium that each mode finds at each place.",
         }
     }
 
@@ -77,6 +81,12 @@ impl Preset {
                 Difference(Mode::Rectified, Mode::Reference),
             ],
             Self::Surfaces => SurfaceQuantity::ALL.map(Surfaces),
+            Self::Slices => [
+                Film(Mode::Rectified),
+                PaneContent::Slice(Mode::Rectified),
+                PaneContent::Slice(Mode::RectifiedObject),
+                PaneContent::Slice(Mode::Naive),
+            ],
         }
     }
 }
@@ -97,6 +107,8 @@ pub enum PaneContent {
     Change(Mode, SnapshotId),
     /// Snapshot A less snapshot B, in false colour.
     SnapshotDifference,
+    /// A plane through the scene, filled with the medium that a mode finds at each place: one of [`SLICED_MODES`].
+    Slice(Mode),
 }
 
 impl PaneContent {
@@ -105,7 +117,7 @@ impl PaneContent {
         let modes = match self {
             Self::Mode(mode) | Self::Error(mode) | Self::Change(mode, _) => [Some(mode), None],
             Self::Difference(a, b) => [Some(a), Some(b)],
-            Self::Surfaces(_) | Self::Snapshot(_) | Self::SnapshotDifference => [None, None],
+            Self::Surfaces(_) | Self::Snapshot(_) | Self::SnapshotDifference | Self::Slice(_) => [None, None],
         };
         modes.into_iter().flatten()
     }
@@ -115,7 +127,7 @@ impl PaneContent {
         let shown = match self {
             Self::Snapshot(id) | Self::Change(_, id) => [Some(id), None],
             Self::SnapshotDifference => SnapshotId::ALL.map(Some),
-            Self::Mode(_) | Self::Difference(..) | Self::Error(_) | Self::Surfaces(_) => [None, None],
+            Self::Mode(_) | Self::Difference(..) | Self::Error(_) | Self::Surfaces(_) | Self::Slice(_) => [None, None],
         };
         shown.into_iter().flatten()
     }
@@ -133,7 +145,11 @@ impl PaneContent {
     /// The mode whose paths the inspector shows.
     pub fn inspected_mode(self) -> Mode {
         match self {
-            Self::Mode(mode) | Self::Difference(mode, _) | Self::Error(mode) | Self::Change(mode, _) => mode,
+            Self::Mode(mode)
+            | Self::Difference(mode, _)
+            | Self::Error(mode)
+            | Self::Change(mode, _)
+            | Self::Slice(mode) => mode,
             // What is painted is what this mode looks up.
             Self::Surfaces(_) | Self::Snapshot(_) | Self::SnapshotDifference => Mode::Rectified,
         }
@@ -161,6 +177,7 @@ impl fmt::Display for PaneContent {
             Self::Snapshot(id) => write!(f, "snapshot {id}"),
             Self::Change(mode, id) => write!(f, "{mode} − snapshot {id}"),
             Self::SnapshotDifference => f.write_str("snapshot A − snapshot B"),
+            Self::Slice(mode) => write!(f, "slice: {}", mode.name()),
         }
     }
 }
@@ -362,6 +379,12 @@ impl Settings {
     pub fn surfaces(&self) -> Vec<SurfaceQuantity> {
         let is_shown = |quantity| self.shown_panes().contains(&PaneContent::Surfaces(quantity));
         SurfaceQuantity::ALL.into_iter().filter(|quantity| is_shown(*quantity)).collect()
+    }
+
+    /// The distinct modes by which the panes need slices cut.
+    pub fn slices(&self) -> Vec<Mode> {
+        let is_shown = |mode| self.shown_panes().contains(&PaneContent::Slice(mode));
+        SLICED_MODES.into_iter().filter(|mode| is_shown(*mode)).collect()
     }
 
     /// Puts a file at the head of the recent ones. Settings are text: a path that is none is not remembered.

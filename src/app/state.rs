@@ -24,6 +24,7 @@ use super::measurement::Measurement;
 use super::opening::{Opening, no_scene};
 use super::quotes::quoted;
 use super::settings::Settings;
+use super::slice::SliceView;
 use super::snapshots::Snapshots;
 use crate::check::Problem;
 use crate::render::ImageSettings;
@@ -98,6 +99,8 @@ pub struct State {
     pub is_focusing: bool,
     pub inspection: Option<Inspection>,
     pub path_options: PathOptions,
+    /// The slice as it was chosen; `None`: as [`Self::slice_view`] proposes.
+    pub(super) slice: Option<SliceView>,
     /// Where something was last selected in the picture, in [0, 1]² of the film.
     last_pick: Option<[f64; 2]>,
     /// Views before jumps of the camera, latest last.
@@ -154,6 +157,7 @@ impl State {
             is_focusing: false,
             inspection: None,
             path_options: PathOptions::default(),
+            slice: None,
             last_pick: None,
             earlier_views: Vec::new(),
             report: None,
@@ -272,6 +276,7 @@ impl State {
         self.has_scene = true;
         self.selected = None;
         self.inspection = None;
+        self.slice = None;
         self.last_pick = None;
         self.earlier_views.clear();
         self.problems = None;

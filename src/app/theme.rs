@@ -6,7 +6,7 @@
 use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, Style, TextStyle, Visuals};
 
 use crate::check::Severity;
-use crate::render::surfaces::{COLORS, WORLD_COLOR};
+use crate::render::surfaces::{WORLD_COLOR, numbered_color};
 use crate::tracking::Mode;
 
 /// Space between the controls of one group and between groups, in points.
@@ -117,7 +117,7 @@ impl Palette {
 
     /// The swatch of the medium at `index` in the scene's list.
     pub fn medium(&self, index: usize) -> Color32 {
-        opaque(COLORS[index % COLORS.len()])
+        opaque(numbered_color(index as u32))
     }
 
     /// The swatch of the global medium.

@@ -10,30 +10,51 @@ use crate::tracking::Prepared;
 /// Entries of a legend at the most; the rest is counted.
 const MOST_ENTRIES: usize = 24;
 
+/// A picture with a title above and a legend below.
+pub(super) struct Sheet {
+    pub title: String,
+    pub size: [u32; 2],
+    /// sRGB, row 0 at the top.
+    pub pixels: Vec<Color>,
+    pub legend: Vec<(Option<Color>, String)>,
+}
+
 /// A sheet with every painting, its quantity as a title, and under it what the colours mean. Empty without paintings.
 pub fn painted_surfaces(prepared: &Prepared, paintings: &[(SurfaceQuantity, &Painting)]) -> RgbImage {
-    let Some((_, first)) = paintings.first() else { return RgbImage::new(0, 0) };
-    let zoom = zoom_for(first.width.max(1));
-    let pane = first.width * zoom;
+    let sheets: Vec<Sheet> = paintings
+        .iter()
+        .map(|(quantity, painting)| Sheet {
+            title: quantity.name().to_owned(),
+            size: [painting.width, painting.height],
+            pixels: painting.pixels().collect(),
+            legend: legend(prepared, *quantity, painting),
+        })
+        .collect();
+    sheet(&sheets)
+}
+
+/// Pictures side by side. Empty without any.
+pub(super) fn sheet(sheets: &[Sheet]) -> RgbImage {
+    let Some(first) = sheets.first() else { return RgbImage::new(0, 0) };
+    let zoom = zoom_for(first.size[0].max(1));
+    let pane = first.size[0] * zoom;
     let text = (pane as f32 / 27.0).clamp(13.0, 40.0);
     let margin = (text * 1.5).round() as u32;
     let line = (text * 1.45).round() as u32;
-    let legends: Vec<Vec<(Option<Color>, String)>> =
-        paintings.iter().map(|(quantity, painting)| legend(prepared, *quantity, painting)).collect();
-    let rows = legends.iter().map(Vec::len).max().unwrap_or(0) as u32;
+    let rows = sheets.iter().map(|sheet| sheet.legend.len()).max().unwrap_or(0) as u32;
     let top = margin + 2 * line;
-    let tallest = paintings.iter().map(|(_, painting)| painting.height * zoom).max().unwrap_or(0);
-    let width = paintings.len() as u32 * (pane + margin) + margin;
+    let tallest = sheets.iter().map(|sheet| sheet.size[1] * zoom).max().unwrap_or(0);
+    let width = sheets.len() as u32 * (pane + margin) + margin;
     let mut canvas = Canvas::new(width, top + tallest + margin / 2 + rows * line + margin, SHEET);
-    for (index, ((quantity, painting), legend)) in paintings.iter().zip(&legends).enumerate() {
+    for (index, sheet) in sheets.iter().enumerate() {
         let left = margin + index as u32 * (pane + margin);
         let baseline = (margin + line) as f32;
-        canvas.text(quantity.name(), left as f32, baseline, Align::Left, text * 1.25, INK);
-        let pixels: Vec<Color> = painting.pixels().collect();
-        let at = |x: u32, y: u32| pixels[(y * painting.width + x) as usize];
-        canvas.paint(left, top, painting.width, painting.height, zoom, at);
+        canvas.text(&sheet.title, left as f32, baseline, Align::Left, text * 1.25, INK);
+        let [width, height] = sheet.size;
+        let at = |x: u32, y: u32| sheet.pixels[(y * width + x) as usize];
+        canvas.paint(left, top, width, height, zoom, at);
         let mut y = top + tallest + margin / 2;
-        for (color, words) in legend {
+        for (color, words) in &sheet.legend {
             let side = (text * 0.8).round() as u32;
             let indent = if let Some(color) = color {
                 canvas.fill(left, y + (line - side) / 2, side, side, *color);

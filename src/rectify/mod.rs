@@ -10,6 +10,7 @@
 //! pretrace, nest                        votes about every piece; in deep nests containers are inherited
 //! surroundings, table, patch            votes, priorities and media come to two media for every place
 //! flat                                  the arrays that are looked up at a crossing, on the CPU and on the GPU
+//! containers                            what most of an object's surface lies in, for a tree of objects
 //! object_table                          one exterior for each object, the source's method, to compare with
 //! ```
 
@@ -17,6 +18,7 @@ pub mod asked;
 pub mod cells;
 mod coarseness;
 pub mod contact;
+pub mod containers;
 pub mod containment;
 pub mod copies;
 pub mod encounters;

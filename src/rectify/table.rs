@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use super::asked;
+use super::containers::Containers;
 use super::encounters::{self, Encounter};
 use super::flat::{ASKED, BY_FACE, DIVIDED, FlatTable, Lookup};
 use super::layout::{Earlier, Layout, lay_out};
@@ -40,6 +41,7 @@ pub struct InterfaceTable {
     /// Whether some place of a divided face is no interface.
     has_passable: bool,
     object_table: Arc<OnceLock<ObjectTable>>,
+    containers: Arc<OnceLock<Containers>>,
     pub seconds: RectifySeconds,
 }
 
@@ -150,6 +152,7 @@ impl InterfaceTable {
             mask,
             has_passable,
             object_table,
+            containers: Arc::default(),
             seconds: RectifySeconds { resolve, ..seconds },
             layout,
             votes,
@@ -247,6 +250,16 @@ impl InterfaceTable {
     /// The source's method, one exterior for each object. Worked out when it is first asked for.
     pub fn object_table(&self, scene: &Scene) -> &ObjectTable {
         self.object_table.get_or_init(|| ObjectTable::new(scene))
+    }
+
+    /// What each refractor's surface lies in. Worked out when it is first asked for.
+    pub fn containers(&self, scene: &Scene) -> &Containers {
+        self.containers.get_or_init(|| Containers::new(scene, self))
+    }
+
+    /// [`Self::containers`], if somebody has asked for them before.
+    pub fn known_containers(&self) -> Option<&Containers> {
+        self.containers.get()
     }
 
     /// The refractors that meet each other, and how.

@@ -13,6 +13,7 @@ pub mod partial;
 pub mod pilot;
 pub mod renderer;
 pub mod settings;
+pub mod slice;
 pub mod surfaces;
 
 pub use backends::renderer;

@@ -1,8 +1,9 @@
 //! Surfaces painted by what rectification found out about them: the medium on their outer side, their patch, its confidence, its class.
 //!
-//! Rays go straight through everything: what lies behind is blended in, so that inner surfaces are seen, and grazing ones are denser,
-//! so that outlines are. Opaque objects are grey. Colours are after Okabe and Ito (2008), which stay apart for colour-blind eyes; words
-//! beside the picture say the same.
+//! Rays go straight through refractors, and a pixel shows one surface on its way: the innermost. Its colour is that of the legend, darker
+//! where the surface turns away and along the outlines of everything that the ray goes through, so that what lies in front and behind is
+//! seen too. Colours are never blended. They are after Okabe and Ito (2008), which stay apart for colour-blind eyes; words beside the
+//! picture say the same.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,14 +33,18 @@ pub const COLORS: [[u8; 3]; 8] = [
 ];
 /// The global medium.
 pub const WORLD_COLOR: [u8; 3] = [0x8e, 0x94, 0x9d];
+/// The reserved exterior of `naive`, where the global medium is another.
+const VACUUM_COLOR: [u8; 3] = [0xdc, 0xe0, 0xe6];
 /// Behind everything.
 pub const BACKGROUND: [u8; 3] = [0x2b, 0x2e, 0x34];
 const NO_INTERFACE: [u8; 3] = [0x58, 0x4c, 0x58];
-const SOLID: [f32; 3] = [176.0, 172.0, 166.0];
-const LIGHT: [f32; 3] = [255.0, 244.0, 205.0];
+const SOLID: [u8; 3] = [176, 172, 166];
+const LIGHT: [u8; 3] = [255, 244, 205];
 
-/// Opacity of a surface that is looked at straight on, and of one that is grazed.
-const OPACITY: [f32; 2] = [0.5, 0.97];
+/// Shade of a pixel in which an outline lies.
+const OUTLINE: f32 = 0.55;
+/// Every pixel is a colour of the legend, times at least this.
+pub const LEAST_SHADE: f32 = 0.15;
 /// Rays of one pixel: a rotated grid.
 pub const OFFSETS: [[f64; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]];
 
@@ -97,6 +102,8 @@ pub enum Tint {
     /// In percent, from 50 to 100.
     Confidence(u8),
     Class(PatchKind),
+    Solid,
+    Light,
 }
 
 impl Tint {
@@ -105,20 +112,14 @@ impl Tint {
         match self {
             Self::Medium(medium) => medium_color(medium),
             Self::NoInterface => NO_INTERFACE,
-            Self::Patch(number) => {
-                // After one round through the colours darker ones, then paler ones.
-                let color = COLORS[number as usize % COLORS.len()];
-                match number as usize / COLORS.len() % 3 {
-                    0 => color,
-                    1 => mixed(color, [0; 3], 0.38),
-                    _ => mixed(color, [255; 3], 0.45),
-                }
-            }
+            Self::Patch(number) => numbered_color(number),
             Self::Confidence(percent) => confidence_color((f32::from(percent) - 50.0) / 50.0),
             Self::Class(PatchKind::Clear) => COLORS[0],
             Self::Class(PatchKind::Null) => [0xb4, 0xb4, 0xb4],
             Self::Class(PatchKind::Mixed) => COLORS[1],
             Self::Class(PatchKind::Masked) => COLORS[3],
+            Self::Solid => SOLID,
+            Self::Light => LIGHT,
         }
     }
 
@@ -142,15 +143,28 @@ impl Tint {
             },
             Self::Confidence(percent) => format!("{percent} %"),
             Self::Class(kind) => kind.name().to_owned(),
+            Self::Solid => "solid".to_owned(),
+            Self::Light => "light".to_owned(),
         }
     }
 }
 
 /// The colour of a medium, sRGB: the same everywhere in the program.
 pub fn medium_color(medium: MediumId) -> [u8; 3] {
-    match medium.0.checked_sub(2) {
-        Some(index) => COLORS[index as usize % COLORS.len()],
-        None => WORLD_COLOR,
+    match medium {
+        MediumId::WORLD => WORLD_COLOR,
+        MediumId::VACUUM => VACUUM_COLOR,
+        MediumId(number) => numbered_color(number - 2),
+    }
+}
+
+/// After one round through the colours darker ones, then paler ones.
+pub fn numbered_color(number: u32) -> [u8; 3] {
+    let color = COLORS[number as usize % COLORS.len()];
+    match number as usize / COLORS.len() % 3 {
+        0 => color,
+        1 => mixed(color, [0; 3], 0.38),
+        _ => mixed(color, [255; 3], 0.45),
     }
 }
 
@@ -211,29 +225,72 @@ pub fn faces_along<'a>(prepared: &'a Prepared, camera: &Camera, size: [u32; 2], 
     (geometry.all_hits(&ray).iter()).map_while(|hit| face(prepared, &geometry.surface(&ray, hit), hit)).collect()
 }
 
+/// What a ray sees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Sight {
+    /// `None`: nothing is in the way.
+    tint: Option<Tint>,
+    /// From [`LEAST_SHADE`] to 1.
+    shade: f32,
+    /// Of the objects that the ray goes through: where neighbours differ there is an outline.
+    layers: u32,
+}
+
+/// A pixel: what most of its rays see, so that no colours are blended.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Pixel {
+    tint: Option<Tint>,
+    /// How many more rays than others have seen it, at least, by Boyer and Moore's vote.
+    lead: u32,
+    /// Sum of the shades of the rays that have seen it, and their number.
+    shades: f32,
+    rays: u32,
+}
+
+impl Pixel {
+    fn add(&mut self, tint: Option<Tint>, shade: f32) {
+        if self.lead == 0 && self.tint != tint {
+            *self = Self { tint, lead: 1, shades: shade, rays: 1 };
+        } else if self.tint == tint {
+            (self.lead, self.shades, self.rays) = (self.lead + 1, self.shades + shade, self.rays + 1);
+        } else {
+            self.lead -= 1;
+        }
+    }
+
+    fn color(&self) -> [u8; 3] {
+        let Some(tint) = self.tint else { return BACKGROUND };
+        let shade = self.shades / self.rays.max(1) as f32;
+        tint.color().map(|x| (f32::from(x) * shade).round() as u8)
+    }
+}
+
 /// A painted picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Painting {
     pub width: u32,
     pub height: u32,
-    /// Sums over the rays taken so far; sRGB from 0 to 255 each.
-    sums: Vec<[f32; 3]>,
+    pixels: Vec<Pixel>,
     /// Rays for each pixel.
     pub rays: u32,
-    /// How many rays met each colour's surfaces first or behind others, most first.
+    /// How many rays saw each colour, most first.
     pub seen: Vec<(Tint, u64)>,
 }
 
 impl Painting {
     pub fn new(width: u32, height: u32) -> Self {
-        let sums = vec![[0.0; 3]; width as usize * height as usize];
-        Self { width, height, sums, rays: 0, seen: Vec::new() }
+        let pixels = vec![Pixel::default(); width as usize * height as usize];
+        Self { width, height, pixels, rays: 0, seen: Vec::new() }
     }
 
-    /// sRGB, row 0 at the top.
+    /// sRGB, row 0 at the top: [`BACKGROUND`], or the colour of one of `seen`, darkened.
     pub fn pixels(&self) -> impl Iterator<Item = [u8; 3]> {
-        let scale = 1.0 / self.rays.max(1) as f32;
-        self.sums.iter().map(move |sum| sum.map(|x| (x * scale).round() as u8))
+        self.pixels.iter().map(Pixel::color)
+    }
+
+    /// The colour of a pixel before it is darkened; `None`: nothing is there.
+    pub fn tints(&self) -> impl Iterator<Item = Option<Tint>> {
+        self.pixels.iter().map(|pixel| pixel.tint)
     }
 
     /// Adds one ray to every pixel, on rayon's current pool. `camera` is in scene coordinates, and has no lens here. Returns `false` when
@@ -249,17 +306,34 @@ impl Painting {
         let camera = Camera { position: camera.position - origin, aperture_radius: 0.0, ..*camera };
         let size = DVec2::new(f64::from(self.width), f64::from(self.height));
         let offset = DVec2::from(OFFSETS[self.rays as usize % OFFSETS.len()]);
-        let width = self.width as usize;
-        let counts = (self.sums.par_chunks_mut(width.max(1)).enumerate())
-            .map_init(Vec::new, |hits, (row, sums)| {
-                let mut seen = BTreeMap::new();
-                if cancel.load(Ordering::Relaxed) {
-                    return seen;
-                }
-                for (column, sum) in sums.iter_mut().enumerate() {
-                    let ray = camera.ray(DVec2::new(column as f64, row as f64) + offset, size, DVec2::ZERO);
-                    let color = color_along(prepared, &ray, quantity, hits, &mut seen);
-                    *sum = std::array::from_fn(|i| sum[i] + color[i]);
+        let width = (self.width as usize).max(1);
+        let nothing = Sight { tint: None, shade: 1.0, layers: 0 };
+        let mut sights = vec![nothing; self.pixels.len()];
+        sights.par_chunks_mut(width).enumerate().for_each_init(Vec::new, |hits, (row, sights)| {
+            if cancel.load(Ordering::Relaxed) {
+                return;
+            }
+            for (column, sight) in sights.iter_mut().enumerate() {
+                let ray = camera.ray(DVec2::new(column as f64, row as f64) + offset, size, DVec2::ZERO);
+                *sight = sight_along(prepared, &ray, quantity, hits);
+            }
+        });
+        if cancel.load(Ordering::Relaxed) {
+            return false;
+        }
+        let counts = (self.pixels.par_chunks_mut(width).enumerate())
+            .map(|(row, pixels)| {
+                let mut seen: BTreeMap<Tint, u64> = BTreeMap::new();
+                let first = row * width;
+                for (index, pixel) in (first..).zip(pixels) {
+                    let Sight { tint, shade, layers } = sights[index];
+                    let right = sights[if index + 1 < first + width { index + 1 } else { index }];
+                    let below = sights.get(index + width).unwrap_or(&sights[index]);
+                    let is_outline = right.layers != layers || below.layers != layers;
+                    pixel.add(tint, if is_outline { shade * OUTLINE } else { shade });
+                    if let Some(tint) = tint {
+                        *seen.entry(tint).or_default() += 1;
+                    }
                 }
                 seen
             })
@@ -269,9 +343,6 @@ impl Painting {
                 }
                 a
             });
-        if cancel.load(Ordering::Relaxed) {
-            return false;
-        }
         let mut all: BTreeMap<Tint, u64> = self.seen.iter().copied().collect();
         for (tint, count) in counts {
             *all.entry(tint).or_default() += count;
@@ -283,55 +354,68 @@ impl Painting {
     }
 }
 
-fn color_along(
-    prepared: &Prepared,
-    ray: &Ray,
-    quantity: SurfaceQuantity,
-    hits: &mut Vec<Hit>,
-    seen: &mut BTreeMap<Tint, u64>,
-) -> [f32; 3] {
+/// The surface that stands for a ray: of those that it enters up to the first opaque one, that inside most others; among equals, the smallest
+/// object's, where the ray meets it first. Where it enters none, the first that it leaves.
+fn sight_along(prepared: &Prepared, ray: &Ray, quantity: SurfaceQuantity, hits: &mut Vec<Hit>) -> Sight {
     let scene = &*prepared.scene;
     hits.clear();
     scene.geometry.for_each_hit(ray, |hit| hits.push(hit));
     hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
-    let mut color = [0.0_f32; 3];
-    let mut clear = 1.0_f32;
-    let mut blend = |base: [f32; 3], shade: f32, opacity: f32| {
-        for (sum, base) in color.iter_mut().zip(base) {
-            *sum += clear * opacity * base * shade;
-        }
-        clear *= 1.0 - opacity;
-        clear
-    };
+    let mut layers: u32 = 0x811c_9dc5;
+    // (hit, tint, depth, volume); a depth of `None` is that of a surface that is left.
+    let mut best: Option<(&Hit, Tint, Option<i32>, f64)> = None;
+    let mut met: Vec<ObjectId> = Vec::new();
+    let mut depth = 0;
     for hit in hits.iter() {
+        let object = ObjectId(scene.geometry.object_of(hit.primitive));
+        // FNV-1a.
+        layers = (layers ^ (2 * object.0 + u32::from(hit.is_front))).wrapping_mul(0x0100_0193);
         let point = scene.geometry.surface(ray, hit);
-        let normal = scene.geometry.shading_normal(hit, point.normal);
-        let cosine = normal.dot(ray.direction).abs().min(1.0) as f32;
-        let left = match face(prepared, &point, hit) {
-            Some(face) => {
-                let tint = face.tint(quantity);
-                *seen.entry(tint).or_default() += 1;
-                let [straight, grazing] = OPACITY;
-                let opacity = straight + (grazing - straight) * (1.0 - cosine).powi(3);
-                // What is met from inside is a little darker.
-                let side = if hit.is_front { 1.0 } else { 0.85 };
-                blend(tint.color().map(f32::from), side * (0.72 + 0.28 * cosine), opacity)
+        let Some(face) = face(prepared, &point, hit) else {
+            if best.is_none() {
+                let is_light = matches!(scene.object(object).surface, Surface::Light { .. });
+                let tint = if is_light { Tint::Light } else { Tint::Solid };
+                return Sight { tint: Some(tint), shade: shade_of(prepared, ray, hit, tint), layers };
             }
-            None if matches!(
-                scene.object(ObjectId(scene.geometry.object_of(hit.primitive))).surface,
-                Surface::Light { .. }
-            ) =>
-            {
-                blend(LIGHT, 1.0, 1.0)
-            }
-            None => blend(SOLID, 0.35 + 0.65 * above(normal, ray.direction) * cosine, 1.0),
-        };
-        if left < 0.01 {
             break;
+        };
+        let tint = face.tint(quantity);
+        let volume = scene.object(object).volume;
+        let is_first = !met.contains(&object);
+        let is_better = match best {
+            None => true,
+            Some((_, known, _, _)) if tint == Tint::NoInterface && known != Tint::NoInterface => false,
+            Some((_, Tint::NoInterface, _, _)) if tint != Tint::NoInterface => true,
+            Some((_, _, None, _)) => hit.is_front,
+            Some((_, _, Some(deepest), smallest)) => {
+                hit.is_front && is_first && (depth > deepest || (depth == deepest && volume < smallest))
+            }
+        };
+        if is_better {
+            best = Some((hit, tint, hit.is_front.then_some(depth), volume));
         }
+        if is_first {
+            met.push(object);
+        }
+        depth += if hit.is_front { 1 } else { -1 };
     }
-    blend(BACKGROUND.map(f32::from), 1.0, 1.0);
-    color
+    match best {
+        Some((hit, tint, ..)) => Sight { tint: Some(tint), shade: shade_of(prepared, ray, hit, tint), layers },
+        None => Sight { tint: None, shade: 1.0, layers },
+    }
+}
+
+/// Darker where a surface turns away.
+fn shade_of(prepared: &Prepared, ray: &Ray, hit: &Hit, tint: Tint) -> f32 {
+    let geometry = &prepared.scene.geometry;
+    let normal = geometry.shading_normal(hit, geometry.surface(ray, hit).normal);
+    let cosine = normal.dot(ray.direction).abs().min(1.0) as f32;
+    match tint {
+        Tint::Light => 1.0,
+        Tint::Solid => 0.35 + 0.65 * above(normal, ray.direction) * cosine,
+        // What is met from inside is a little darker.
+        _ => (if hit.is_front { 1.0 } else { 0.85 }) * (0.7 + 0.3 * cosine),
+    }
 }
 
 /// A little light from above tells floors from walls: from ¾ to 1.
@@ -425,6 +509,42 @@ shape = { icosphere = { center = [0, 0, 0], radius = 1, subdivisions = 3 } }
             let pixels: Vec<[u8; 3]> = painting.pixels().collect();
             assert_eq!(pixels[0], BACKGROUND);
             assert_ne!(pixels[30 * 80 + 40], BACKGROUND);
+        }
+    }
+
+    /// Whatever lies behind whatever, and along every outline.
+    #[test]
+    fn every_pixel_is_a_shade_of_a_colour_of_the_legend() {
+        for name in ["iced-water", "nested-spheres", "half-submerged", "lamp-in-ice", "camera-in-water"] {
+            let prepared = prepare(Arc::new(formats::open(name).unwrap()), None).unwrap();
+            for quantity in SurfaceQuantity::ALL {
+                let painting = painted(&prepared, quantity);
+                let legend: Vec<Tint> = painting.seen.iter().map(|(tint, _)| *tint).collect();
+                for (pixel, tint) in painting.pixels().zip(painting.tints()) {
+                    let Some(tint) = tint else {
+                        assert_eq!(pixel, BACKGROUND);
+                        continue;
+                    };
+                    assert!(legend.contains(&tint), "{name}, {quantity:?}: {tint:?}");
+                    let color = tint.color();
+                    let most = (0..3).max_by_key(|&i| color[i]).unwrap();
+                    let shade = f32::from(pixel[most]) / f32::from(color[most]);
+                    assert!((LEAST_SHADE..=1.0).contains(&shade), "{name}, {quantity:?}: {shade}");
+                    for (got, full) in pixel.into_iter().zip(color) {
+                        assert!((f32::from(got) - shade * f32::from(full)).abs() <= 1.5, "{pixel:?} of {color:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn inner_surfaces_are_seen_through_outer_ones() {
+        let prepared = prepare(Arc::new(formats::open("nested-spheres").unwrap()), None).unwrap();
+        let painting = painted(&prepared, SurfaceQuantity::Outside);
+        let labels: Vec<String> = painting.seen.iter().map(|(tint, _)| tint.label(&prepared)).collect();
+        for outside in ["world", "glass", "water"] {
+            assert!(labels.iter().any(|label| label == outside), "{labels:?}");
         }
     }
 

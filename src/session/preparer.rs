@@ -59,6 +59,7 @@ impl Leisure {
         };
         // Other answers may have other problems.
         self.is_checked = table.says_the_same(&prepared.table);
+        table.containers(&prepared.scene);
         (Prepared { table: Arc::new(table), ..prepared.clone() }, None)
     }
 }
@@ -95,6 +96,8 @@ pub(super) fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &Lanes, board: &B
                 board.lock().preparation = Some(Arc::clone(&preparation));
                 wake(News::Scene);
                 let prepared = preparation.run(&request.description, current.as_ref(), requests)?;
+                // The tree of objects is drawn from these, and nothing may wait for them then.
+                prepared.iter().for_each(|prepared| _ = prepared.table.containers(&prepared.scene));
                 Ok(prepared.map(|prepared| (camera, prepared)))
             } else {
                 current.clone().map(|prepared| Some((camera, prepared))).ok_or_else(|| SceneError::new("no scene"))

@@ -14,4 +14,5 @@ mod path;
 mod recovery;
 mod samples;
 mod screen;
+mod slice;
 mod texts;

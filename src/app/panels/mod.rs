@@ -21,6 +21,7 @@ mod render;
 mod scene_tree;
 mod shortcuts;
 mod sides;
+mod slice;
 mod snapshots;
 mod status;
 mod world;

@@ -2,7 +2,7 @@
 
 use egui::{DragValue, RichText, Slider, Ui};
 
-use super::{histogram, range, snapshots};
+use super::{histogram, range, slice, snapshots};
 use crate::app::command::Command;
 use crate::app::progress::Progress;
 use crate::app::settings::{Arrangement, DEFAULT_NOISE_TARGET, DifferenceKind, MAX_PANES, PaneContent, Preset};
@@ -21,6 +21,9 @@ const SCALES: [(f32, &str); 5] = [(0.25, "¼"), (0.5, "½"), (1.0, "1"), (1.5, "
 pub fn show(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Vec<Command>) {
     section_first_ui(ui, "Panes", "");
     panes_ui(ui, state, commands);
+    if slice::is_shown(state) {
+        slice::show(ui, state, commands);
+    }
     section_ui(ui, "Display", "");
     display_ui(ui, state, viewport, commands);
     if state.settings.show_histogram {

@@ -13,8 +13,10 @@ use crate::app::theme::{Palette, WARNING_MARK, opaque};
 use crate::app::widgets::{fact_ui, focus_ring, note, section_first_ui, section_ui, swatch_ui};
 use crate::rectify::Patch;
 use crate::scene::Description;
+use crate::scene::ObjectId;
 use crate::scene::description::{Object, Paint, Role, Shape, Solid};
 use crate::session::SceneReport;
+use crate::tracking::Prepared;
 
 /// Indent per level, in points, while there is room.
 const INDENT: f32 = 13.0;
@@ -78,8 +80,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 fn rows(description: &Description, report: Option<&SceneReport>) -> Vec<Row> {
     let count = description.objects.refractors().len();
     let parent = |index: usize| -> Option<usize> {
-        let patch = patch_of(report?, &description.objects.refractors()[index].name)?;
-        let container = patch.outside_refractor?.0 as usize;
+        let container = container_of(report?, &description.objects.refractors()[index].name)?.0 as usize;
         (container < count && container != index).then_some(container)
     };
     let mut children = vec![Vec::new(); count + 1];
@@ -112,6 +113,34 @@ fn patch_of<'a>(report: &'a SceneReport, refractor: &str) -> Option<&'a Patch> {
     let scene = &report.prepared.scene;
     let (id, _) = scene.refractors().find(|(id, _)| scene.object(*id).name == refractor)?;
     report.prepared.table.main_patch(id)
+}
+
+/// The refractor that most of a refractor's surface lies in; `None`: the global medium, or not known yet.
+fn container_of(report: &SceneReport, refractor: &str) -> Option<ObjectId> {
+    let Prepared { scene, table, .. } = &report.prepared;
+    let (id, _) = scene.refractors().find(|(id, _)| scene.object(*id).name == refractor)?;
+    match table.known_containers() {
+        Some(containers) => containers.parent_of(id),
+        None => table.main_patch(id)?.outside_refractor,
+    }
+}
+
+/// What the parts of a refractor's surface lie in, in words, where that is more than one thing.
+fn mixture(report: &SceneReport, refractor: &str) -> Option<String> {
+    let Prepared { scene, table, .. } = &report.prepared;
+    let (id, _) = scene.refractors().find(|(id, _)| scene.object(*id).name == refractor)?;
+    let parts = table.known_containers().filter(|containers| containers.is_mixed(id))?.parts_of(id);
+    let words: Vec<String> = parts
+        .iter()
+        .map(|part| {
+            let container = part.container.map_or(crate::optics::medium::WORLD, |id| &scene.object(id).name);
+            format!("{:.0} % in {container}", part.share * 100.0)
+        })
+        .collect();
+    Some(format!(
+        "It crosses a boundary: of its surface, {}. It stands below what most of it lies in.",
+        words.join(", ")
+    ))
 }
 
 /// Makes a row of the panel's width that can be selected. Returns it and the part of it at the left of the controls.
@@ -154,9 +183,13 @@ fn refractor_row_ui(
     let color = medium::color(&palette, description, medium_name);
     let patch = state.report.as_deref().and_then(|report| patch_of(report, &object.name));
     let doubt = patch.filter(|patch| patch.confidence < 1.0).map(|patch| patch.confidence);
+    let mixture = state.report.as_deref().and_then(|report| mixture(report, &object.name));
     let marks = |ui: &mut Ui| {
         swatch_ui(ui, color);
         medium::links_ui(ui, description, medium_name);
+        if let Some(mixture) = &mixture {
+            mixture_mark_ui(ui, &object.name, mixture);
+        }
     };
     row_contents_ui(ui, rect, depth as f32 * indent, &object.name, object.visible, doubt, marks);
     let medium = MediumRef::Named(medium_name.to_owned());
@@ -165,6 +198,7 @@ fn refractor_row_ui(
         ui.strong(&object.name);
         ui.label(format!("medium: {medium_name}"));
         ui.label(format!("outside: {}", outside(state, &object.name)));
+        mixture.iter().for_each(|mixture| _ = ui.label(mixture));
         ui.label(format!("shape: {}", shape_name(&object.shape)));
     });
     if response.clicked() {
@@ -197,6 +231,18 @@ fn row_contents_ui(
         contents.label(RichText::new(WARNING_MARK).small().color(color)).on_hover_text(tip);
     }
     contents.add(Label::new(row_name(ui, name, visible)).truncate().sense(Sense::empty()));
+}
+
+/// A disc of which one half is filled.
+fn mixture_mark_ui(ui: &mut Ui, name: &str, about: &str) {
+    let (rect, response) = ui.allocate_exact_size(vec2(10.0, ui.spacing().interact_size.y), Sense::hover());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("{name} is mixed")));
+    let color = Palette::of(ui).weak_text;
+    let (center, radius) = (rect.center(), 4.5);
+    let below = (0..=16).map(|step| center + radius * egui::Vec2::angled(std::f32::consts::PI * step as f32 / 16.0));
+    ui.painter().add(egui::Shape::convex_polygon(below.collect(), color, Stroke::NONE));
+    ui.painter().circle_stroke(center, radius, Stroke::new(1.0, color));
+    response.on_hover_text(about);
 }
 
 /// The name of an object in its row; of a hidden one in weak italics, with a word.

@@ -64,6 +64,7 @@ impl State {
             Command::SetFollow(follow) => self.path_options.follow = follow,
             Command::SetPathOption(option) => self.set_path_option(option),
             Command::SelectVertex(vertex) => self.select_vertex(vertex),
+            Command::SetSlice(view) => self.slice = view.sound().or(self.slice),
             Command::SetExposure(exposure) if exposure.is_finite() => self.settings.display.exposure = exposure,
             Command::SetCurve(curve) => self.settings.display.curve = curve,
             Command::SetDifference(kind) => self.settings.difference = kind,

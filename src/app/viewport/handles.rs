@@ -92,6 +92,11 @@ impl Handles {
         self.grip.is_some()
     }
 
+    /// Nothing can be grabbed until the next update.
+    pub(super) fn put_away(&mut self) {
+        self.pane = None;
+    }
+
     /// Whether the pointer is over a handle.
     pub(super) fn is_focused(&self) -> bool {
         self.pane.is_some() && self.gizmo.is_focused()

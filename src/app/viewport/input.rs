@@ -2,10 +2,10 @@
 
 use egui::{CursorIcon, PointerButton, Pos2, Response, Ui};
 
-use super::Viewport;
 use super::handles::film_point;
 use super::layout::{Pane, film_from_screen, film_window, zoomed};
 use super::path::vertex_at;
+use super::{Viewport, is_slice, slice};
 use crate::app::command::Command;
 use crate::app::settings::Arrangement;
 use crate::app::state::{MAX_ZOOM, Motion, State};
@@ -41,6 +41,17 @@ impl Viewport {
         let pane_at = |pos: Pos2| panes.iter().position(|pane| pane.visible.contains(pos));
         let area = response.rect;
         let (modifiers, press_origin) = ui.input(|input| (input.modifiers, input.pointer.press_origin()));
+
+        // A slice has a plane of its own to move in; a drag stays where it began.
+        let at = press_origin.filter(|_| response.is_pointer_button_down_on()).or(response.hover_pos());
+        let in_slice = at.filter(|pos| divider_at(state, panes, *pos).is_none()).and_then(pane_at);
+        let in_slice = in_slice.filter(|index| is_slice(state, *index)).filter(|_| !self.handles.is_held());
+        if let Some(index) = in_slice.filter(|_| self.drag.is_none()) {
+            self.handles.put_away();
+            slice::read_pointer(ui, response, state, &panes[index], index, &mut self.slice_drag, commands);
+            return;
+        }
+        self.slice_drag = None;
 
         let is_handle = self.handles.update(ui, response, state, panes, commands);
         if response.drag_started() {

@@ -3,6 +3,7 @@
 use egui::{Color32, EventFilter, Key, Modifiers, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo};
 
 use super::layout::Pane;
+use super::{is_slice, slice};
 use crate::app::command::Command;
 use crate::app::develop::About;
 use crate::app::keys::pane_id;
@@ -21,7 +22,9 @@ fn name(state: &State, about: &About, index: usize) -> String {
     let how_far = match source.samples() {
         0 => "not rendered yet".to_owned(),
         _ if source.is_preview() => "preview".to_owned(),
-        _ if source.painted.is_some() => return format!("Picture of pane {}: {content}", index + 1),
+        _ if source.painted.is_some() || source.slice.is_some() => {
+            return format!("Picture of pane {}: {content}", index + 1);
+        }
         1 => "1 sample per pixel".to_owned(),
         samples => format!("{samples} samples per pixel"),
     };
@@ -50,7 +53,11 @@ pub(super) fn pane_ui(
     // Escape puts away what it would without the focus.
     let filter = EventFilter { tab: false, horizontal_arrows: true, vertical_arrows: true, escape: true };
     ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
-    read_keys(ui, state, pane, commands);
+    if is_slice(state, index) {
+        slice::read_keys(ui, state, pane, commands);
+    } else {
+        read_keys(ui, state, pane, commands);
+    }
     if !has_ring {
         return;
     }

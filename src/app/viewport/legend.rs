@@ -104,6 +104,16 @@ fn paint_scale(painter: &Painter, frame: Rect, least: Option<u8>) {
     }
 }
 
+/// The corner of a box beside the pointer, on whichever side there is room.
+pub(super) fn beside(room: Rect, pointer: Pos2, size: Vec2) -> Pos2 {
+    let beyond =
+        |at: f32, length: f32, end: f32| if at + 14.0 + length <= end { at + 14.0 } else { at - 14.0 - length };
+    pos2(
+        beyond(pointer.x, size.x, room.right()).clamp(room.left(), (room.right() - size.x).max(room.left())),
+        beyond(pointer.y, size.y, room.bottom()).clamp(room.top(), (room.bottom() - size.y).max(room.top())),
+    )
+}
+
 /// The surfaces under the pointer, front to back, in a box beside it.
 pub(super) fn show_faces(ui: &Ui, state: &State, pane: &Pane, pointer: Pos2, point: [f64; 2]) {
     let (Some(report), Ok(camera)) = (&state.report, Camera::new(&state.film_camera())) else { return };
@@ -130,14 +140,7 @@ pub(super) fn show_faces(ui: &Ui, state: &State, pane: &Pane, pointer: Pos2, poi
     let painter = ui.painter();
     let galley = painter.layout_no_wrap(lines.join("\n"), theme::small_mono_style().resolve(ui.style()), TEXT);
     let size = galley.size() + Vec2::splat(2.0 * PADDING);
-    // Beside the pointer, on whichever side there is room.
-    let room = pane.visible.shrink(4.0);
-    let beyond =
-        |at: f32, length: f32, end: f32| if at + 14.0 + length <= end { at + 14.0 } else { at - 14.0 - length };
-    let min = pos2(
-        beyond(pointer.x, size.x, room.right()).clamp(room.left(), (room.right() - size.x).max(room.left())),
-        beyond(pointer.y, size.y, room.bottom()).clamp(room.top(), (room.bottom() - size.y).max(room.top())),
-    );
+    let min = beside(pane.visible.shrink(4.0), pointer, size);
     let painter = painter.with_clip_rect(pane.visible.intersect(ui.clip_rect()));
     painter.rect_filled(Rect::from_min_size(min, size), 5.0, Color32::from_black_alpha(215));
     painter.galley(min + Vec2::splat(PADDING), galley, TEXT);

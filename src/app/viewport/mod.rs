@@ -10,6 +10,7 @@ mod path;
 mod range;
 mod shot;
 pub mod sight;
+mod slice;
 mod snapshots;
 mod tools;
 mod values;
@@ -43,6 +44,7 @@ const MOST_HIDDEN: usize = 8;
 pub struct Viewport {
     shown: BTreeMap<PaneContent, Shot>,
     drag: Option<input::Drag>,
+    slice_drag: Option<slice::SliceDrag>,
     handles: handles::Handles,
     /// Where the pointer is over a pane, in [0, 1]² of the film.
     pub pointer: Option<[f64; 2]>,
@@ -67,12 +69,16 @@ impl Viewport {
         picture_floor: u64,
     ) {
         for (content, picture) in pictures {
-            if picture.about.source.epochs().any(|epoch| epoch < floor) {
+            let slice = picture.about.source.slice.iter().map(|slice| slice.epoch);
+            if picture.about.source.epochs().chain(slice).any(|epoch| epoch < floor) {
                 continue;
             }
             match self.shown.get_mut(&content) {
-                Some(shot) => shot.take_in(ctx, content, picture, picture_floor),
-                None => {
+                // A slice that is dragged is coarse at times: no finer one of another plane stands for it.
+                Some(shot) if picture.about.source.slice.is_none() => {
+                    shot.take_in(ctx, content, picture, picture_floor);
+                }
+                _ => {
                     self.shown.insert(content, Shot::new(ctx, content, picture));
                 }
             }
@@ -206,7 +212,12 @@ impl Viewport {
         for (index, pane) in panes.iter().enumerate() {
             self.paint_picture(ui, state, index, *pane);
             let painter = ui.painter().with_clip_rect(pane.visible.intersect(ui.clip_rect()));
+            if is_slice(state, index) {
+                slice::paint_path(&painter, state, index, pane);
+                continue;
+            }
             path::paint(&painter, state, index, pane);
+            slice::paint_outline(&painter, state, pane);
             if !self.is_still {
                 self.handles.paint(&painter, state, &panes, index);
             }
@@ -223,11 +234,18 @@ impl Viewport {
             overlay::area_ui(ui, state, area);
             return;
         }
-        if let Some(pos) = response.hover_pos().filter(|_| self.drag.is_none())
+        if let Some(pos) = response.hover_pos().filter(|_| self.drag.is_none() && self.slice_drag.is_none())
             && let Some(index) = panes.iter().position(|pane| pane.visible.contains(pos))
-            && matches!(state.settings.panes[index], PaneContent::Surfaces(_))
         {
-            legend::show_faces(ui, state, &panes[index], pos, handles::film_point(state, &panes[index], pos));
+            match state.settings.panes[index] {
+                PaneContent::Surfaces(_) => {
+                    legend::show_faces(ui, state, &panes[index], pos, handles::film_point(state, &panes[index], pos));
+                }
+                PaneContent::Slice(mode) if state.settings.show_values => {
+                    slice::show_probe(ui, state, &panes[index], mode, pos);
+                }
+                _ => {}
+            }
         }
         tools::show(ui, state, &panes[0], commands);
         self.values_ui(ui, &response, state, &panes);
@@ -238,12 +256,17 @@ impl Viewport {
     fn values_ui(&mut self, ui: &Ui, response: &egui::Response, state: &State, panes: &[Pane]) {
         let hovered = response.hover_pos().filter(|_| self.drag.is_none());
         let over = hovered.and_then(|pos| Some((pos, panes.iter().position(|pane| pane.visible.contains(pos))?)));
+        // A point of a slice is none of the film.
+        let over = over.filter(|(_, index)| !is_slice(state, *index));
         self.pointer = over.map(|(pos, index)| handles::film_point(state, &panes[index], pos));
         let (Some(point), Some((_, over))) = (self.pointer.filter(|_| state.settings.show_values), over) else {
             return;
         };
         for (index, pane) in panes.iter().enumerate() {
             let content = state.settings.panes[index];
+            if is_slice(state, index) {
+                continue;
+            }
             if index != over && state.settings.arrangement == Arrangement::Tiles {
                 let painter = ui.painter().with_clip_rect(pane.visible.intersect(ui.clip_rect()));
                 values::paint_cross(&painter, state, pane.picture, point);
@@ -263,7 +286,11 @@ impl Viewport {
     fn paint_picture(&self, ui: &Ui, state: &State, index: usize, pane: Pane) {
         let painter = ui.painter().with_clip_rect(pane.visible.intersect(ui.clip_rect()));
         if let Some(shot) = self.shown.get(&state.settings.panes[index]) {
-            let window = film_window(state.view.zoom, state.view.zoom_center);
+            // A slice has a magnification of its own.
+            let is_slice = is_slice(state, index);
+            let zoom = if is_slice { 1.0 } else { state.view.zoom };
+            let center = if is_slice { [0.5; 2] } else { state.view.zoom_center };
+            let window = film_window(zoom, center);
             let is_kept = matches!(state.settings.panes[index], PaneContent::Snapshot(_));
             if let Some(size) = shot.about.source.full_size().filter(|_| is_kept) {
                 let place = fitted(pane.picture, Vec2::new(size[0] as f32, size[1] as f32));
@@ -291,12 +318,13 @@ impl Viewport {
                 () if state.report.is_none() => "Preparing the scene…",
                 () if is_error && !state.measurement.is_on() => "No reference image: make one in the tab Measure",
                 () if is_error => "Waiting for the reference image…",
+                () if is_slice(state, index) => "Cutting…",
                 () => "Rendering…",
             };
             let font = egui::TextStyle::Body.resolve(ui.style());
             painter.text(pane.visible.center(), egui::Align2::CENTER_CENTER, text, font, palette.weak_text);
         }
-        if state.has_path_at_pixel() {
+        if state.has_path_at_pixel() && !is_slice(state, index) {
             overlay::paint_marker(&painter, state, pane.picture);
         }
         if state.settings.pane_count > 1 && index == state.view.active_pane && !self.is_still {
@@ -331,4 +359,8 @@ fn fitted(room: Rect, size: Vec2) -> Rect {
     let fitted = size * scale;
     let is_same = (room.size() - fitted).max_elem() <= 0.01 * room.size().max_elem();
     if is_same { room } else { Rect::from_center_size(room.center(), fitted) }
+}
+
+fn is_slice(state: &State, index: usize) -> bool {
+    matches!(state.settings.panes[index], PaneContent::Slice(_))
 }

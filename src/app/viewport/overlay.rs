@@ -4,7 +4,7 @@ use egui::text::LayoutJob;
 use egui::{Button, Color32, Painter, Pos2, Rect, Stroke, TextFormat, Ui, UiBuilder, Vec2, pos2, vec2};
 
 use super::layout::{Pane, film_window, screen_from_film};
-use super::{legend, range, snapshots};
+use super::{legend, range, slice, snapshots};
 use crate::app::command::Command;
 use crate::app::develop::About;
 use crate::app::settings::{Arrangement, DifferenceKind, PaneContent};
@@ -12,10 +12,15 @@ use crate::app::state::State;
 use crate::app::theme::over_pictures::{ALERT, GROUND, TEXT, WEAK};
 use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
 use crate::app::widgets::{menu_ui, short_count};
+use crate::render::slice::SLICED_MODES;
 use crate::render::surfaces::SurfaceQuantity;
 use crate::tracking::{Events, Mode};
 
 const MARGIN: f32 = 8.0;
+/// What is to be said of every painted surface.
+const LAYERS: &str = "Each pixel shows the innermost surface on its way, in a shade of a colour of the legend; dark lines are outlines of everything in front and behind.";
+/// What is to be said of every slice.
+const SLICE: &str = "A plane through the scene, filled with the medium that the mode finds at each place. Striped: the surfaces around the place do not agree.";
 
 /// A pane's label, with the menu that chooses what it shows, and its legend. Returns where the label is, where there is room for one.
 pub(super) fn pane_ui(
@@ -47,6 +52,9 @@ pub(super) fn pane_ui(
         }
         PaneContent::Surfaces(quantity) => {
             legend::show(ui, state, &about.source, quantity, room, to_right && to_bottom);
+        }
+        PaneContent::Slice(_) => {
+            slice::show_legend(ui, state, &about.source, index, room, to_right && to_bottom);
         }
         PaneContent::Mode(_) | PaneContent::Snapshot(_) => {}
     }
@@ -86,7 +94,8 @@ fn label_ui(ui: &mut Ui, state: &State, about: &About, index: usize, commands: &
             let mode = mode.name();
             format!("The luminance of {mode} less that of the reference image.")
         }
-        PaneContent::Surfaces(quantity) => quantity.about().to_owned(),
+        PaneContent::Surfaces(quantity) => format!("{}\n{LAYERS}", quantity.about()),
+        PaneContent::Slice(mode) => format!("{SLICE}\n{}", mode.about()),
         PaneContent::Snapshot(_) | PaneContent::Change(..) | PaneContent::SnapshotDifference => {
             snapshots::about(state, content)
         }
@@ -168,6 +177,10 @@ fn label_text(ui: &Ui, state: &State, about: &About, content: PaneContent, detai
             job.append("error", 9.0, TextFormat::simple(body, TEXT));
         }
         PaneContent::Surfaces(quantity) => job.append(quantity.name(), 0.0, TextFormat::simple(body, TEXT)),
+        PaneContent::Slice(mode) => {
+            dot(mode, 0.0);
+            job.append("slice", 9.0, TextFormat::simple(body, TEXT));
+        }
         PaneContent::Snapshot(_) | PaneContent::Change(..) | PaneContent::SnapshotDifference => {
             snapshots::append_label(ui, state, content, &mut job);
         }
@@ -176,7 +189,7 @@ fn label_text(ui: &Ui, state: &State, about: &About, content: PaneContent, detai
         0 => "…".to_owned(),
         _ if source.is_preview() => "preview".to_owned(),
         // A painted picture is soon done, and no noise is left in it.
-        _ if source.painted.is_some() => String::new(),
+        _ if source.painted.is_some() || source.slice.is_some() => String::new(),
         samples if about.is_denoised => format!("{samples} spp, denoised"),
         samples => format!("{samples} spp"),
     };
@@ -215,6 +228,13 @@ pub fn content_menu_ui(ui: &mut Ui, shown: PaneContent) -> Option<PaneContent> {
             let content = PaneContent::Surfaces(quantity);
             let response = ui.selectable_label(shown == content, quantity.name());
             entry(response.on_hover_text(quantity.about()), content);
+        }
+    });
+    submenu_ui(ui, "slice", |ui| {
+        for mode in SLICED_MODES {
+            let content = PaneContent::Slice(mode);
+            let response = ui.selectable_label(shown == content, content.to_string());
+            entry(response.on_hover_text(format!("{SLICE}\n{}", mode.about())), content);
         }
     });
     submenu_ui(ui, "difference", |ui| {

@@ -127,10 +127,14 @@ fn paint(
     painter.image(texture.id(), screen, uv, tint);
 }
 
-/// Pixels of a finished picture stay pixels when one zooms in; previews are smoothed.
+/// Pixels of a finished picture stay pixels when one zooms in; previews are smoothed, except those of slices, whose colours have names.
 fn options(source: &Source) -> TextureOptions {
     TextureOptions {
-        magnification: if source.is_preview() { TextureFilter::Linear } else { TextureFilter::Nearest },
+        magnification: if source.is_preview() && source.slice.is_none() {
+            TextureFilter::Linear
+        } else {
+            TextureFilter::Nearest
+        },
         minification: TextureFilter::Linear,
         ..TextureOptions::default()
     }
