@@ -22,6 +22,7 @@ fn open_window(arguments: &WindowArguments) -> Result<(), WindowError> {
     let launch = Launch {
         scene: arguments.scene.clone(),
         size: arguments.window_size.map(|size| [size.width, size.height]),
+        pane_count: arguments.panes,
         measures: arguments.tab.as_deref() == Some("measure"),
         inspect: arguments.inspect.map(|percent| percent.map(|x| f64::from(x) / 100.0)),
         is_ghost: arguments.ghost,
@@ -41,7 +42,6 @@ fn open_window(arguments: &WindowArguments) -> Result<(), WindowError> {
 fn settings_for(shot: &WindowArguments) -> Settings {
     let defaults = Settings::default();
     Settings {
-        pane_count: shot.panes.unwrap_or(defaults.pane_count),
         arrangement: if shot.wipe { Arrangement::Wipe } else { Arrangement::Tiles },
         theme: if shot.light { Theme::Light } else { Theme::Dark },
         tab: match shot.tab.as_deref() {

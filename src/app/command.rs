@@ -199,6 +199,10 @@ pub enum Command {
     ShowShortcuts(bool),
     ShowAbout(bool),
     ShowMessages(bool),
+    /// A step of the tour, from 0; `None` closes it for good.
+    ShowTour(Option<usize>),
+    /// Whether built-in scenes choose the panes.
+    ToggleFirstPanes,
     DismissNotice(u64),
     /// Closes whatever is on top.
     Escape,

@@ -39,6 +39,8 @@ pub struct Launch {
     pub measure_frames: Option<PathBuf>,
     /// Settings instead of the remembered ones, which are then neither read nor written.
     pub settings: Option<Settings>,
+    /// Panes that are shown, whatever the scene or the settings say: 1, 2 or 4.
+    pub pane_count: Option<usize>,
     /// Whether to begin with a ground truth and measure.
     pub measures: bool,
     /// A pixel to inspect, in [0, 1]² of the film.
@@ -109,6 +111,9 @@ pub fn run(launch: Launch) -> Result<(), RunError> {
             }
             if let Some(folder) = autosave::folder().filter(|_| !is_scripted) {
                 app.keep_edits_in(&cc.egui_ctx, folder)?;
+            }
+            if let Some(count) = launch.pane_count.filter(|count| [1, 2, 4].contains(count)) {
+                app.state.apply(Command::SetPaneCount(count), 0.0);
             }
             if launch.measures {
                 app.state.apply(Command::SetGroundTruth(GroundTruthDemand::On), 0.0);

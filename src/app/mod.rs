@@ -14,6 +14,7 @@ mod enlarge;
 mod entry;
 mod files;
 mod frame_clock;
+mod first_panes;
 mod graphics;
 mod histogram;
 mod ior_control;
@@ -139,7 +140,7 @@ impl App {
         description: scene::Description,
         settings: Option<Settings>,
     ) -> std::io::Result<Self> {
-        let settings = settings.or_else(|| remembered(cc)).unwrap_or_default();
+        let settings = settings.or_else(|| remembered(cc)).unwrap_or_else(Settings::of_first_start);
         Self::with_state(cc, State::new(Arc::new(description), settings))
     }
 
@@ -150,7 +151,7 @@ impl App {
         reading: Reading,
         settings: Option<Settings>,
     ) -> std::io::Result<Self> {
-        let settings = settings.or_else(|| remembered(cc)).unwrap_or_default();
+        let settings = settings.or_else(|| remembered(cc)).unwrap_or_else(Settings::of_first_start);
         let mut app = Self::with_state(cc, State::without_scene(settings))?;
         let id = app.state.begin_opening(name_or_path, true);
         app.files.finish(id, reading);

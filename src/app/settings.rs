@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::first_panes;
 use super::measurement::{ErrorAxis, ErrorMetric};
 use super::objects::Manipulation;
 use super::range::DifferenceRange;
@@ -12,6 +13,7 @@ use super::snapshots::SnapshotId;
 use crate::render::Display;
 use crate::render::slice::SLICED_MODES;
 use crate::render::surfaces::SurfaceQuantity;
+use crate::scene::Description;
 use crate::tracking::Mode;
 
 /// Most panes that can be shown.
@@ -300,6 +302,10 @@ pub struct Settings {
     pub handles: Option<Manipulation>,
     /// Where tev listens: `HOST:PORT`; empty for its usual address.
     pub tev_address: String,
+    /// Whether built-in scenes choose what the panes show.
+    pub has_first_panes: bool,
+    /// Whether the next start shows the tour.
+    pub show_tour: bool,
     /// Paths, latest first.
     pub recent: Vec<String>,
 }
@@ -332,12 +338,19 @@ impl Default for Settings {
             tab: Tab::Render,
             handles: Some(Manipulation::Move),
             tev_address: String::new(),
+            has_first_panes: true,
+            show_tour: false,
             recent: Vec::new(),
         }
     }
 }
 
 impl Settings {
+    /// Those of the very first start: with the tour.
+    pub fn of_first_start() -> Self {
+        Self { show_tour: true, ..Self::default() }
+    }
+
     /// Brings what came from an older or damaged file back into range.
     #[must_use]
     pub fn repaired(mut self) -> Self {
@@ -363,6 +376,13 @@ impl Settings {
         self.noise_target = self.noise_target.filter(|target| (1e-6..=1.0).contains(target));
         self.recent.truncate(MAX_RECENT);
         self
+    }
+
+    /// Shows what a built-in scene is about, unless the user wants to choose the panes.
+    pub fn take_first_panes(&mut self, description: &Description) {
+        if let Some(first) = first_panes::of(description).filter(|_| self.has_first_panes) {
+            (self.pane_count, self.panes) = (first.count, first.panes);
+        }
     }
 
     pub fn shown_panes(&self) -> &[PaneContent] {

@@ -91,6 +91,8 @@ pub struct State {
     pub messages: Vec<Notice>,
     next_notice: u64,
     pub windows: Windows,
+    /// The step of the tour that is shown.
+    pub tour: Option<usize>,
     /// The object that is highlighted in the tree, by name.
     pub selected: Option<String>,
     /// Which part of the world is shown where the world is selected.
@@ -138,6 +140,8 @@ pub struct State {
 impl State {
     pub fn new(description: Arc<Description>, settings: Settings) -> Self {
         let camera = description.camera;
+        let mut settings = settings.repaired();
+        settings.take_first_panes(&description);
         Self {
             document: Document::new(description),
             has_scene: true,
@@ -145,7 +149,8 @@ impl State {
             next_opening: 1,
             left_behind: Vec::new(),
             last_good: None,
-            settings: settings.repaired(),
+            tour: settings.show_tour.then_some(0),
+            settings,
             view: View { camera, zoom: 1.0, zoom_center: [0.5; 2], divider: [0.5; 2], active_pane: 0 },
             is_paused: false,
             notices: Vec::new(),
@@ -261,6 +266,8 @@ impl State {
         {
             self.settings.remember(&source.path);
         }
+        self.settings.take_first_panes(&description);
+        self.view.active_pane = 0;
         self.show_document(Document::new(Arc::new(description)));
     }
 

@@ -109,6 +109,11 @@ impl Palette {
         if ui.visuals().dark_mode { DARK } else { LIGHT }
     }
 
+    /// The palette of the theme that is shown.
+    pub fn of_context(ctx: &egui::Context) -> Self {
+        if ctx.theme() == egui::Theme::Dark { DARK } else { LIGHT }
+    }
+
     /// The mark of a mode, on labels and in tables.
     pub fn mode(&self, mode: Mode) -> Color32 {
         let [on_dark, on_light] = MODES[mode as usize % MODES.len()];

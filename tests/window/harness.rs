@@ -7,7 +7,7 @@ use iorect::app::{App, Command, Settings};
 
 /// Images of a quarter of the size are enough and quick.
 pub fn quick() -> Settings {
-    Settings { resolution_scale: 0.25, ..Settings::default() }
+    Settings { resolution_scale: 0.25, has_first_panes: false, ..Settings::default() }
 }
 
 pub fn window_of(scene: &str, settings: Settings, size: [f32; 2]) -> Harness<'static, App> {

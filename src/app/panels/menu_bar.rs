@@ -223,6 +223,8 @@ fn view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             choice(ui, is_on, preset.name(), None, commands, Command::SetPreset(preset));
         }
     });
+    let text = "Built-in scenes choose the panes";
+    choice(ui, settings.has_first_panes, text, None, commands, Command::ToggleFirstPanes);
     let is_wipe = settings.arrangement == Arrangement::Wipe;
     let next = if is_wipe { Arrangement::Tiles } else { Arrangement::Wipe };
     choice(ui, is_wipe, "Wipe", Some(keys::WIPE), commands, Command::SetArrangement(next));
@@ -277,6 +279,7 @@ fn render_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 fn help_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
     item(ui, "Keyboard and mouse", Some(keys::SHORTCUTS), commands, Command::ShowShortcuts(true));
+    item(ui, "Tour", None, commands, Command::ShowTour(Some(0)));
     item(ui, "Messages", None, commands, Command::ShowMessages(true));
     item(ui, "About iorect", None, commands, Command::ShowAbout(true));
 }

@@ -25,10 +25,12 @@ mod slice;
 mod snapshots;
 mod status;
 mod world;
+mod tour;
 
 use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Ui};
 
 use self::dialogs::Dialogs;
+use self::tour::Part;
 use super::command::Command;
 use super::settings::Tab;
 use super::state::State;
@@ -53,7 +55,9 @@ pub fn show(
 ) {
     let fill = ui.visuals().panel_fill;
     let bar = Frame::new().fill(fill).inner_margin(Margin::symmetric(8, 3));
-    Panel::top("menu").frame(bar).show(ui, |ui| menu_bar::show(ui, state, commands));
+    let ctx = ui.ctx().clone();
+    let menus = Panel::top("menu").frame(bar).show(ui, |ui| menu_bar::show(ui, state, commands));
+    tour::mark(&ctx, Part::Menus, menus.response.rect);
     let strip = Frame::new().fill(ui.visuals().faint_bg_color).inner_margin(Margin::symmetric(10, 4));
     if !state.left_behind.is_empty() {
         Panel::top("recovery").frame(strip).show(ui, |ui| recovery::show(ui, state, commands));
@@ -71,6 +75,8 @@ pub fn show(
         room
     });
     sides::drawer(ui, pictures.inner, state, viewport, commands);
+    tour::mark(&ctx, Part::Pictures, pictures.response.rect);
+    tour::show(&ctx, state, commands);
     gallery::show(ui.ctx(), state, commands);
     shortcuts::show(ui.ctx(), state, commands);
     about::show(ui.ctx(), state, commands);

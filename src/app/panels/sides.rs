@@ -3,6 +3,7 @@
 
 use egui::{Area, Frame, Id, Margin, Order, Panel, Rect, Response, Sense, Ui, Vec2, pos2, vec2};
 
+use super::tour::{self, Part};
 use super::{scene_tree, tabs_ui};
 use crate::app::command::Command;
 use crate::app::settings::SidePanel;
@@ -48,11 +49,13 @@ pub fn show(ui: &mut Ui, state: &mut State, viewport: &Viewport, commands: &mut 
     let sizes = LEAST_PANEL..=most.max(LEAST_PANEL + 1.0);
     if state.has_panel(SidePanel::Scene) {
         let panel = Panel::left("scene").frame(frame(ui)).default_size(SCENE_PANEL_WIDTH).size_range(sizes.clone());
-        panel.show(ui, |ui| scene_tree::show(ui, state, commands));
+        let shown = panel.show(ui, |ui| scene_tree::show(ui, state, commands));
+        tour::mark(ui.ctx(), Part::ScenePanel, shown.response.rect);
     }
     if state.has_panel(SidePanel::Render) {
         let panel = Panel::right("render").frame(frame(ui)).default_size(RENDER_PANEL_WIDTH).size_range(sizes);
-        panel.show(ui, |ui| tabs_ui(ui, state, viewport, commands));
+        let shown = panel.show(ui, |ui| tabs_ui(ui, state, viewport, commands));
+        tour::mark(ui.ctx(), Part::RenderPanel, shown.response.rect);
     }
 }
 

@@ -132,6 +132,11 @@ impl State {
             Command::ShowShortcuts(show) => self.windows = Windows { shortcuts: show, ..Windows::default() },
             Command::ShowAbout(show) => self.windows = Windows { about: show, ..Windows::default() },
             Command::ShowMessages(show) => self.windows = Windows { messages: show, ..Windows::default() },
+            Command::ShowTour(step) => {
+                self.tour = step;
+                self.settings.show_tour = step.is_some();
+            }
+            Command::ToggleFirstPanes => self.settings.has_first_panes ^= true,
             Command::DismissNotice(id) => self.notices.retain(|notice| notice.id != id),
             Command::Escape => self.escape(),
             Command::SetPaneContent(..)
