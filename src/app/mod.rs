@@ -40,6 +40,7 @@ mod state;
 mod tev;
 mod text_field;
 mod theme;
+mod verdicts;
 mod viewport;
 mod widgets;
 
@@ -72,6 +73,7 @@ use self::paths::Tracer;
 use self::screenshot::Camera as WindowCamera;
 use self::slicer::{Cutting, Of, Slicer};
 use self::snapshots::Kept;
+use self::verdicts::Judge;
 use self::viewport::Viewport;
 use crate::scene;
 use crate::session::{News, Snapshot, Worker};
@@ -100,6 +102,7 @@ pub struct App {
     /// Of these, what the thread knows.
     tev_sent: u64,
     was_live_in_tev: bool,
+    judge: Judge,
     /// `None` where edits are not kept: in scripts and tests.
     autosaver: Option<Autosaver>,
     /// The place of the edits that were restored.
@@ -173,6 +176,7 @@ impl App {
             }))?
         };
         let developer = develop::start(bell, Arc::clone(worker.board()), Arc::clone(&repaint))?;
+        let judge = verdicts::start(Arc::clone(&repaint))?;
         let measurer = measurer::start(measurer_bell, Arc::clone(worker.board()), Arc::clone(&repaint))?;
         let tracer = paths::tracer::start(Arc::clone(&repaint))?;
         let slicer = Slicer::start(Arc::clone(&repaint))?;
@@ -190,6 +194,7 @@ impl App {
             tracer,
             slicer,
             worker,
+            judge,
             autosaver: None,
             restored: None,
             restoring: None,
@@ -588,6 +593,9 @@ impl App {
         if let Some(results) = self.measurer.take_finished() {
             self.state.measurement.results = results;
         }
+        if let Some(verdicts) = self.judge.take_finished() {
+            self.state.verdicts = verdicts;
+        }
         if let Some(report) = self.autosaver.as_ref().map(Autosaver::take_finished) {
             self.state.left_behind.extend(report.found);
             report.failure.into_iter().for_each(|failure| self.state.notify_error(failure));
@@ -763,6 +771,12 @@ impl eframe::App for App {
             rectification_seconds: self.state.report.as_ref().map_or(0.0, |r| r.prepared.table.seconds.total()),
         });
         self.send_to_tev();
+        self.judge.set_order(&verdicts::Order {
+            report: self.state.report.clone().filter(|_| self.state.is_prepared()),
+            camera: Some(self.state.film_camera()),
+            size: self.state.film_size(),
+            modes: self.state.settings.modes(),
+        });
         self.keep_edits();
         if let Some(request) = self.state.take_request() {
             self.worker.submit(request);

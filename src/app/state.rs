@@ -26,6 +26,7 @@ use super::quotes::quoted;
 use super::settings::Settings;
 use super::slice::SliceView;
 use super::snapshots::Snapshots;
+use super::verdicts::Verdicts;
 use crate::check::Problem;
 use crate::render::ImageSettings;
 use crate::scene::camera::Camera;
@@ -117,6 +118,8 @@ pub struct State {
     pub snapshots: Snapshots,
     /// The latest film of each mode that is rendered.
     pub films: BTreeMap<Mode, Arc<Snapshot>>,
+    /// What is to be said of the modes that the panes show.
+    pub verdicts: Verdicts,
     /// What is measured, and how far that is.
     pub measurement: Measurement,
     /// What is doubtful in the scene, as last found out: while an edit is being looked at, what was found before it.
@@ -170,6 +173,7 @@ impl State {
             is_live_in_tev: false,
             snapshots: Snapshots::default(),
             films: BTreeMap::new(),
+            verdicts: Verdicts::default(),
             measurement: Measurement::default(),
             problems: None,
             has_problem_strip: false,

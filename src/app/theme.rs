@@ -42,6 +42,7 @@ pub mod over_pictures {
     pub const GROUND: Color32 = Color32::from_black_alpha(178);
     pub const TEXT: Color32 = Color32::from_rgb(0xf0, 0xf1, 0xf3);
     pub const WEAK: Color32 = Color32::from_rgb(0xc0, 0xc5, 0xcc);
+    pub const FINE: Color32 = Color32::from_rgb(0x6f, 0xdc, 0xb0);
     pub const ALERT: Color32 = Color32::from_rgb(0xf5, 0xc0, 0x4a);
 }
 

@@ -16,3 +16,4 @@ mod samples;
 mod screen;
 mod slice;
 mod texts;
+mod teach;

@@ -53,7 +53,7 @@ const STEPS: [Step; 5] = [
         text: "Click a line that says “wrong here”, or any place in a picture. The path of the light through that pixel is \
                listed at the right, surface by surface, with the place where it goes wrong.",
         part: Part::Pictures,
-        action: Some(("Show me", super::teach::show_first_wrong)),
+        action: Some(("Show me", crate::app::viewport::show_first_wrong)),
     },
     Step {
         title: "Change an index of refraction",

@@ -14,6 +14,7 @@ mod slice;
 mod snapshots;
 mod tools;
 mod values;
+mod verdict;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -25,6 +26,7 @@ pub use self::overlay::{content_menu_ui, event_meaning, event_name};
 pub use self::path::modes_drawn;
 use self::shot::Shot;
 pub use self::values::pixel_at;
+pub use self::verdict::show_first_wrong;
 use super::command::Command;
 use super::develop::{About, Picture, Source};
 use super::graphics::film_size;

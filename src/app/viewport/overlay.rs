@@ -4,7 +4,7 @@ use egui::text::LayoutJob;
 use egui::{Button, Color32, Painter, Pos2, Rect, Stroke, TextFormat, Ui, UiBuilder, Vec2, pos2, vec2};
 
 use super::layout::{Pane, film_window, screen_from_film};
-use super::{legend, range, slice, snapshots};
+use super::{legend, range, slice, snapshots, verdict};
 use crate::app::command::Command;
 use crate::app::develop::About;
 use crate::app::settings::{Arrangement, DifferenceKind, PaneContent};
@@ -101,25 +101,7 @@ fn label_ui(ui: &mut Ui, state: &State, about: &About, index: usize, commands: &
         }
     };
     response.accessible_name(name).on_hover_text(format!("{hint}\nClick to show something else in this pane."));
-    let mut events = Events::default();
-    films.iter().for_each(|film| events += film.events);
-    if events.total() > 0 && matches!(content, PaneContent::Mode(_)) {
-        let (kind, count) = events.named().into_iter().max_by_key(|(_, count)| *count).unwrap_or_default();
-        let samples = films.iter().map(|f| f.samples_per_second() * f.seconds).sum::<f64>().max(1.0);
-        let short = format!("{WARNING_MARK} {}", short_count(count as f64));
-        let full = format!("{short} {}", event_name(kind));
-        let font = egui::TextStyle::Small.resolve(ui.style());
-        let is_fitting = ui.painter().layout_no_wrap(full.clone(), font, ALERT).size().x <= room;
-        let text = if is_fitting { full } else { short };
-        let text = egui::RichText::new(text).text_style(egui::TextStyle::Small).color(ALERT);
-        let chip = Button::new(text).fill(GROUND).stroke(Stroke::NONE).corner_radius(5).min_size(Vec2::ZERO).truncate();
-        let response = ui.add(chip.sense(egui::Sense::click()));
-        let tip = format!("{} ({:.2} per sample).\n{}", event_name(kind), count as f64 / samples, event_meaning(kind));
-        if response.accessible_name(format!("Events of pane {}", index + 1)).on_hover_text(tip).clicked() {
-            commands.push(Command::SetActivePane(index));
-            commands.push(Command::ShowTab(crate::app::settings::Tab::Render));
-        }
-    }
+    verdict::show(ui, state, index, commands);
     if let Some((kind, mean)) = *mean_difference {
         let text = if mean == 0.0 { "identical".to_owned() } else { format!("mean {mean:.3e}") };
         let text = egui::RichText::new(text).text_style(theme::small_mono_style()).color(WEAK);
