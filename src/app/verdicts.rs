@@ -72,7 +72,9 @@ fn work(desk: &Desk<Order, Option<Verdicts>>, wake: &Repaint) {
             desk.put(|finished| *finished = Some(verdicts.clone()));
             wake();
         }
-        let (Some(report), Some(Ok(camera))) = (&order.report, order.camera.as_ref().map(Camera::new)) else { continue };
+        let (Some(report), Some(Ok(camera))) = (&order.report, order.camera.as_ref().map(Camera::new)) else {
+            continue;
+        };
         for mode in order.modes.iter().filter(|mode| !verdicts.of.contains_key(mode)).copied().collect::<Vec<_>>() {
             let mut is_wanted = true;
             judge(&report.prepared, &camera, order.size, mode, |verdict| {

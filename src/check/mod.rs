@@ -16,6 +16,7 @@ mod notes;
 mod overlap;
 mod rims;
 mod samples;
+pub mod verdict;
 
 use std::collections::BTreeSet;
 

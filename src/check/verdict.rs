@@ -62,7 +62,9 @@ impl Verdict {
     pub fn explanation(&self) -> String {
         let Self { mode, paths, wrong, findings } = self;
         if findings.is_empty() {
-            return format!("{paths} paths through this picture were followed: all media are those that mode reference finds.");
+            return format!(
+                "{paths} paths through this picture were followed: all media are those that mode reference finds."
+            );
         }
         let share = 100.0 * f64::from(*wrong) / f64::from((*paths).max(1));
         let mut text = format!("{mode} goes wrong on {} of the paths through this picture.", percent(share));
@@ -98,7 +100,13 @@ fn percent(percent: f64) -> String {
 
 /// Judges `mode` in the picture that `camera` takes on a film of `size` pixels. `publish` is given the verdict so far from time to time, and at
 /// the end; it says whether to go on.
-pub fn judge(prepared: &Prepared, camera: &Camera, size: [u32; 2], mode: Mode, mut publish: impl FnMut(&Verdict) -> bool) {
+pub fn judge(
+    prepared: &Prepared,
+    camera: &Camera,
+    size: [u32; 2],
+    mode: Mode,
+    mut publish: impl FnMut(&Verdict) -> bool,
+) {
     let mut verdict = Verdict { mode, paths: 0, wrong: 0, findings: Vec::new() };
     let film = UVec2::from(size.map(|side| side.max(1))).as_dvec2();
     while verdict.paths < PATHS {

@@ -15,5 +15,5 @@ mod recovery;
 mod samples;
 mod screen;
 mod slice;
-mod texts;
 mod teach;
+mod texts;

@@ -24,8 +24,8 @@ mod sides;
 mod slice;
 mod snapshots;
 mod status;
-mod world;
 mod tour;
+mod world;
 
 use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Ui};
 

@@ -9,12 +9,12 @@ use crate::app::command::Command;
 use crate::app::develop::About;
 use crate::app::settings::{Arrangement, DifferenceKind, PaneContent};
 use crate::app::state::State;
-use crate::app::theme::over_pictures::{ALERT, GROUND, TEXT, WEAK};
-use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
-use crate::app::widgets::{menu_ui, short_count};
+use crate::app::theme::over_pictures::{GROUND, TEXT, WEAK};
+use crate::app::theme::{self, DOT, Palette};
+use crate::app::widgets::menu_ui;
 use crate::render::slice::SLICED_MODES;
 use crate::render::surfaces::SurfaceQuantity;
-use crate::tracking::{Events, Mode};
+use crate::tracking::Mode;
 
 const MARGIN: f32 = 8.0;
 /// What is to be said of every painted surface.
@@ -68,9 +68,8 @@ pub(super) fn label_corner(state: &State, index: usize) -> [bool; 2] {
 }
 
 fn label_ui(ui: &mut Ui, state: &State, about: &About, index: usize, commands: &mut Vec<Command>) {
-    let About { source, mean_difference, .. } = about;
+    let mean_difference = &about.mean_difference;
     let content = state.settings.panes[index];
-    let films = &source.films[..];
     let room = ui.available_width() - 2.0 * ui.spacing().button_padding.x;
     let fits = |job: &LayoutJob| ui.painter().layout_job(job.clone()).size().x <= room;
     let text = |detail| label_text(ui, state, about, content, detail);

@@ -4,10 +4,11 @@ use egui::{Button, RichText, Stroke, TextStyle, Ui, Vec2};
 
 use crate::app::command::Command;
 use crate::app::settings::{PaneContent, Tab};
-use crate::app::state::State;
+use crate::app::state::{PathOption, State};
 use crate::app::theme::over_pictures::{ALERT, FINE, GROUND, WEAK};
 use crate::app::theme::{CHECK_MARK, WARNING_MARK};
 use crate::check::verdict::Verdict;
+use crate::tracking::Mode;
 
 /// What is said of a pane.
 struct Sentence {
@@ -90,6 +91,8 @@ pub(super) fn show_finding(verdict: &Verdict, index: usize) -> Vec<Command> {
         Command::SetActivePane(index),
         Command::Inspect(Some(finding.place)),
         Command::SetFollow(finding.follow),
+        Command::SetPathOption(PathOption::Seed(finding.seed)),
+        Command::SetPathOption(PathOption::Against(Some(Mode::Reference))),
         Command::ShowTab(Tab::Inspector),
     ]
 }

@@ -72,6 +72,21 @@ impl fmt::Display for Claim {
 }
 
 impl Cause {
+    /// What a mode does that this misleads, in a few words, after "it": "forgets that volumes overlap".
+    pub fn habit(&self) -> &'static str {
+        match self {
+            Self::StartsInside { .. } => "does not know where the path starts",
+            Self::VacuumOutside => "takes everything outside for vacuum",
+            Self::OneAnswerPerObject { .. } => "has one answer for a whole object",
+            Self::Overlap { .. } => "forgets that volumes overlap",
+            Self::EqualPriorities { .. } => "cannot tell which overlapping volume fills",
+            Self::SurfacesCoincide { .. } => "cannot order surfaces that coincide",
+            Self::OpenSurface { .. } => "counts wrong at an open surface",
+            Self::Doubtful => "a doubtful place",
+            Self::Unexplained => "not what reference finds",
+        }
+    }
+
     /// Why `mode` is wrong, in one sentence.
     pub fn sentence(&self, mode: Mode) -> String {
         match self {
