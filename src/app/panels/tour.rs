@@ -23,7 +23,8 @@ pub enum Part {
 
 /// Says where a part of the window is in this frame.
 pub fn mark(ctx: &Context, part: Part, rect: Rect) {
-    ctx.data_mut(|data| data.insert_temp(Id::unique(("tour", part)), (ctx.cumulative_pass_nr(), rect)));
+    let pass = ctx.cumulative_pass_nr();
+    ctx.data_mut(|data| data.insert_temp(Id::unique(("tour", part)), (pass, rect)));
 }
 
 /// Where a part is; `None` while it is not shown.
