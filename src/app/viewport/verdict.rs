@@ -80,7 +80,8 @@ fn sentence(state: &State, index: usize) -> Option<Sentence> {
             let commands = show_finding(verdict, index);
             Some(Sentence { text, tip: verdict.explanation(), kind: Kind::Neutral, commands })
         }
-        PaneContent::Surfaces(_) => None,
+        // Pictures that are no mode's.
+        _ => None,
     }
 }
 
