@@ -42,6 +42,8 @@ pub enum PathOption {
     Ghost(bool),
     /// Other random numbers.
     NextSample,
+    /// These random numbers.
+    Seed(u64),
 }
 
 /// The pixel that is inspected.
@@ -156,6 +158,7 @@ impl State {
                 options.keeps_ray |= is_on;
             }
             PathOption::NextSample => options.seed = options.seed.wrapping_add(1),
+            PathOption::Seed(seed) => options.seed = seed,
         }
         let keeps_ray = options.keeps_ray;
         if keeps_ray != before.keeps_ray
