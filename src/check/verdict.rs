@@ -112,7 +112,7 @@ pub fn judge(
     while verdict.paths < PATHS {
         let seed = u64::from(verdict.paths);
         // Every other path goes through all surfaces; both kinds are spread over the whole picture.
-        let follow = if verdict.paths % 2 == 0 { Follow::Transmit } else { Follow::Sample };
+        let follow = if verdict.paths.is_multiple_of(2) { Follow::Transmit } else { Follow::Sample };
         let point = spread(verdict.paths / 2);
         let pixel = (film * point).floor() + 0.5;
         let place = (pixel / film).to_array();

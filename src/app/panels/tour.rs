@@ -37,9 +37,11 @@ struct Step {
     title: &'static str,
     text: &'static str,
     part: Part,
-    /// What its button does, and says.
-    action: Option<(&'static str, fn(&State) -> Vec<Command>)>,
+    action: Option<Action>,
 }
+
+/// A step's button: what it says, and what it does; disabled where that is nothing.
+type Action = (&'static str, fn(&State) -> Vec<Command>);
 
 const STEPS: [Step; 5] = [
     Step {
