@@ -109,6 +109,15 @@ impl Scale {
         }
     }
 
+    /// The size of the difference at a place, from 0 to 1.
+    pub fn size_at(self, place: f32) -> f32 {
+        match self.curve {
+            RangeCurve::Root => place * place * self.end,
+            RangeCurve::Linear => place * self.end,
+            RangeCurve::Logarithmic => self.end * 10_f32.powf((place - 1.0) * DECADES),
+        }
+    }
+
     /// The least luminance that has a colour of its own; 0 but for logarithmic scales.
     pub fn least(self) -> f32 {
         match self.curve {
@@ -144,6 +153,7 @@ mod tests {
             assert_eq!((places[0], places[400]), (0.0, 1.0));
             assert!((places[200] - 1.0).abs() < 1e-6 && places[150] < 1.0, "{curve:?}");
             assert_eq!(scale.place(-0.03), -scale.place(0.03));
+            assert!([0.1, 0.5, 1.0].iter().all(|place| (scale.place(scale.size_at(*place)) - place).abs() < 1e-5));
             assert!(scale.place(f32::NAN).is_nan() && scale.place(f32::INFINITY) == 1.0);
         }
     }

@@ -39,7 +39,7 @@ pub fn show(ui: &mut Ui, state: &State, viewport: &Viewport) {
             paint_difference(ui, &painter, plot, difference, viewport.scale(content));
             let share = 100.0 * f64::from(difference.beyond) / f64::from(difference.pixels.max(1));
             let about = "Pixels by difference, each in its colour; counts are logarithmic.";
-            (format!("{} % of the pixels at the end of the range or beyond", brief(share)), about)
+            (format!("{} % of the pixels beyond the range", brief(share)), about)
         }
     };
     let name = format!("Histogram of {content}: {text}");
@@ -111,9 +111,9 @@ fn paint_difference(ui: &Ui, painter: &Painter, plot: Rect, difference: &Differe
     let (first, last) = if is_signed { (format!("−{end}"), format!("+{end}")) } else { ("0".to_owned(), end) };
     label(painter, pos2(plot.left(), bottom), Align2::LEFT_TOP, &first, palette.weak_text);
     label(painter, pos2(plot.right(), bottom), Align2::RIGHT_TOP, &last, palette.weak_text);
-    if is_signed {
-        label(painter, pos2(plot.center().x, bottom), Align2::CENTER_TOP, "0", palette.weak_text);
-    }
+    let middle = scale.map_or(0.5, |scale| scale.size_at(0.5));
+    let middle = if is_signed { "0".to_owned() } else { brief(f64::from(middle)) };
+    label(painter, pos2(plot.center().x, bottom), Align2::CENTER_TOP, &middle, palette.weak_text);
 }
 
 fn label(painter: &Painter, at: Pos2, align: Align2, text: &str, color: Color32) {

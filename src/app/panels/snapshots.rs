@@ -17,8 +17,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let row = format!("Snapshot {id}");
         row_ui(ui, &row, "A picture that is kept, to be held against what comes after an edit.", |ui| {
             let about = format!("Keeps the picture of the active pane ({keys}).");
-            let keep = ui.button("Keep").on_hover_text(about).clicked();
-            if keep {
+            let keep = ui.button("Keep").on_hover_text(about);
+            if keep.accessible_name(format!("Keep as snapshot {id}")).clicked() {
                 commands.push(Command::KeepSnapshot(id));
             }
             let Some(kept) = kept else {
@@ -45,7 +45,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         });
         if let Some(kept) = kept {
             let title = kept.title(state.document.description(), &state.view.camera);
-            ui.add(Label::new(RichText::new(title).small().weak()).truncate());
+            ui.add(Label::new(RichText::new(title).small().weak()).wrap());
         }
     }
 }
