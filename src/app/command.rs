@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 
+use super::build::Addition;
 use super::edit::{Edit, MediumEdit, ObjectEdit};
 use super::measurement::{ErrorAxis, ErrorMetric};
 use super::objects::Manipulation;
@@ -66,6 +67,14 @@ pub enum Command {
     EndDrag,
     Undo,
     Redo,
+
+    /// Adds an object where the camera looks, and selects it.
+    Add(Addition),
+    AskMesh,
+    /// Adds a refractor with the mesh in the file at that path.
+    ReadMesh(PathBuf),
+    /// Turns the name of the object of that name into a field to type in; `None` puts it away.
+    Rename(Option<String>),
 
     // The view.
     SetCamera(CameraDescription),
@@ -134,12 +143,22 @@ pub enum Command {
     SetErrorAxis(ErrorAxis),
 
     // Files.
+    /// An empty, lit scene.
+    New,
+    /// [`Self::New`] even though there are unsaved changes.
+    NewAnyway,
     AskOpen,
     /// A path or the name of a built-in scene.
     Open(PathBuf),
     /// [`Self::Open`] even though there are unsaved changes.
     OpenAnyway(PathBuf),
     Save,
+    /// [`Self::Save`] even though the file has changed on disk.
+    SaveAnyway,
+    /// Shows the scene as its file says now.
+    LoadChanged,
+    /// Leaves the scene as it is although its file has changed.
+    KeepMine,
     AskSaveAs,
     /// Asks first if there is such a file.
     SaveAs(PathBuf),
@@ -196,6 +215,7 @@ pub enum Command {
     /// The next click in a picture puts the focus there, or does not any more.
     PickFocus(bool),
     ShowGallery(bool),
+    ShowAdd(bool),
     ShowShortcuts(bool),
     ShowAbout(bool),
     ShowMessages(bool),

@@ -73,6 +73,14 @@ impl Document {
         }
     }
 
+    /// Replaces the scene by what its file says now; "Undo" goes back to what was there.
+    pub fn reload(&mut self, description: Arc<Description>) {
+        self.before_gesture = None;
+        self.edit(EditKey::single("loading the changed file"), f64::NEG_INFINITY, Description::clone(&description));
+        self.current.description = description;
+        self.saved_revision = self.current.revision;
+    }
+
     /// Replaces the scene by an edited one. `now_secs` is any steady clock.
     pub fn edit(&mut self, key: EditKey, now_secs: f64, description: Description) {
         let version = Version { description: Arc::new(description), revision: self.next_revision };
@@ -221,5 +229,17 @@ mod tests {
         assert!(Arc::ptr_eq(document.description(), &before));
         assert!(document.redo() && document.redo() && !document.redo());
         assert_eq!(ior(&document), 1.4);
+    }
+
+    #[test]
+    fn what_a_changed_file_says_is_in_the_file_and_can_be_undone() {
+        let mut document = Document::new(no_scene());
+        set(&mut document, 1.0, 1.1);
+        let before = Arc::clone(document.description());
+        let changed = Arc::new(Description { name: "other".into(), ..(*no_scene()).clone() });
+        document.reload(Arc::clone(&changed));
+        assert!(!document.is_dirty() && Arc::ptr_eq(document.description(), &changed));
+        assert!(document.undo() && document.is_dirty() && Arc::ptr_eq(document.description(), &before));
+        assert!(document.redo() && !document.is_dirty());
     }
 }

@@ -17,6 +17,7 @@ use crate::export::{self, Comparison, ExportError, LabelledPane, Picture};
 use crate::formats::disk;
 use crate::render::Display;
 use crate::render::slice::Slice;
+use crate::scene::description::Shape;
 use crate::scene::environment::EnvironmentImage;
 use crate::scene::{Description, SceneError};
 use crate::session::Snapshot;
@@ -34,6 +35,7 @@ pub enum Purpose {
     SaveAs,
     /// An image that surrounds the scene.
     Environment,
+    Mesh,
     Export(ExportKind),
 }
 
@@ -43,6 +45,7 @@ impl Purpose {
         match self {
             Self::Open => "Open a scene",
             Self::SaveAs => "Save the scene as",
+            Self::Mesh => "Add a mesh",
             Self::Export(ExportKind::ShownPane) => "Export the active pane as it is shown",
             Self::Export(ExportKind::ShownPanes) => "Export all panes as they are shown",
             Self::Export(ExportKind::PanePng) => "Export the picture of the active pane",
@@ -60,6 +63,7 @@ impl Purpose {
         match self {
             Self::Open | Self::SaveAs => ("iorect scenes", &["toml"]),
             Self::Environment => ("images", &["exr", "hdr", "png", "jpg", "jpeg"]),
+            Self::Mesh => ("meshes", &["obj", "ply"]),
             Self::Export(ExportKind::PaneExr) => ("OpenEXR", &["exr"]),
             Self::Export(ExportKind::ErrorsCsv) => ("CSV", &["csv"]),
             Self::Export(ExportKind::PathSvg) => ("SVG", &["svg"]),
@@ -68,14 +72,17 @@ impl Purpose {
         }
     }
 
-    /// Of a file that is written.
-    pub fn extension(self) -> &'static str {
-        self.filter().1[0]
+    pub fn endings(self) -> &'static [&'static str] {
+        self.filter().1
     }
 
-    /// Whether the file is there already.
+    pub fn extension(self) -> &'static str {
+        self.endings()[0]
+    }
+
+    /// Whether the file is read, and not written.
     pub fn is_reading(self) -> bool {
-        matches!(self, Self::Open | Self::Environment)
+        matches!(self, Self::Open | Self::Environment | Self::Mesh)
     }
 
     /// The path with the extension where the user typed none.
@@ -90,6 +97,7 @@ impl Purpose {
             Self::Open => Command::Open(path),
             Self::SaveAs => Command::SaveAs(path),
             Self::Environment => Command::ReadEnvironment(path),
+            Self::Mesh => Command::ReadMesh(path),
             Self::Export(kind) => Command::Export(kind, path),
         }
     }
@@ -100,6 +108,7 @@ impl Purpose {
             Self::Open => Command::Open(path),
             Self::SaveAs => Command::SaveAsAnyway(path),
             Self::Environment => Command::ReadEnvironment(path),
+            Self::Mesh => Command::ReadMesh(path),
             Self::Export(kind) => Command::ExportAnyway(kind, path),
         }
     }
@@ -110,6 +119,7 @@ impl Purpose {
             Self::Open => Command::AskOpen,
             Self::SaveAs => Command::AskSaveAs,
             Self::Environment => Command::AskEnvironmentImage,
+            Self::Mesh => Command::AskMesh,
             Self::Export(kind) => Command::AskExport(kind),
         }
     }
@@ -133,6 +143,10 @@ pub enum Outcome {
     NotOpened(u64, String),
     /// An image to surround the scene, and its file.
     EnvironmentRead(PathBuf, EnvironmentImage),
+    /// The scene in the file at that path, which another program has changed.
+    Reloaded(PathBuf, Result<Box<Description>, String>),
+    /// A mesh that is to be added under that name.
+    Mesh(String, Box<Shape>),
     Saved(PathBuf, Arc<Description>),
     Exported(PathBuf),
     /// In words for the user.
@@ -224,9 +238,27 @@ impl Files {
         });
     }
 
+    /// Reads a scene's file again.
+    pub fn reload(&self, path: PathBuf) {
+        self.spawn(move || {
+            let read = crate::formats::file(&path).map(Box::new).map_err(|error| error.to_string());
+            Some(Outcome::Reloaded(path, read))
+        });
+    }
+
     /// Goes on with a scene that is being read already.
     pub fn finish(&self, id: u64, reading: Reading) {
         self.spawn(move || Some(opened(id, reading.wait())));
+    }
+
+    /// Reads a mesh that the scene is to name as `written`.
+    pub fn read_mesh(&self, path: PathBuf, written: PathBuf) {
+        self.attempt(move || {
+            let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+            let (mesh, notes) = crate::formats::mesh_from_file(&path)?;
+            let shape = Shape::Mesh { path: written, mesh: Arc::new(mesh), notes };
+            Ok::<_, SceneError>(Outcome::Mesh(name, Box::new(shape)))
+        });
     }
 
     /// Reads what an earlier instance left behind.

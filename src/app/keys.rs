@@ -2,8 +2,9 @@
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
+use super::build;
 use super::command::{Command, ExportKind};
-use super::edit::ObjectEdit;
+use super::edit::{Edit, ObjectEdit};
 use super::objects::Manipulation;
 use super::settings::{Arrangement, MAX_PANES, Tab};
 use super::snapshots::SnapshotId;
@@ -36,6 +37,7 @@ const fn on(keys: KeyboardShortcut, what: &'static str, command: fn(&State) -> C
     Shortcut { keys, what, command }
 }
 
+pub const NEW: KeyboardShortcut = key(CTRL, Key::N);
 pub const OPEN: KeyboardShortcut = key(CTRL, Key::O);
 pub const GALLERY: KeyboardShortcut = key(CTRL, Key::B);
 pub const SAVE: KeyboardShortcut = key(CTRL, Key::S);
@@ -50,6 +52,10 @@ pub const KEEP_B: KeyboardShortcut = key(SHIFT, Key::K);
 pub const QUIT: KeyboardShortcut = key(CTRL, Key::Q);
 pub const UNDO: KeyboardShortcut = key(CTRL, Key::Z);
 pub const REDO: KeyboardShortcut = key(CTRL_SHIFT, Key::Z);
+pub const ADD: KeyboardShortcut = key(Modifiers::SHIFT, Key::A);
+pub const DUPLICATE: KeyboardShortcut = key(CTRL, Key::D);
+pub const DELETE: KeyboardShortcut = key(NONE, Key::Delete);
+pub const RENAME: KeyboardShortcut = key(NONE, Key::F2);
 const MOVE: KeyboardShortcut = key(NONE, Key::G);
 const ROTATE: KeyboardShortcut = key(NONE, Key::T);
 const SCALE: KeyboardShortcut = key(NONE, Key::S);
@@ -64,7 +70,7 @@ pub const WIPE: KeyboardShortcut = key(NONE, Key::W);
 pub const RESET_CAMERA: KeyboardShortcut = key(NONE, Key::Home);
 pub const RESET_ZOOM: KeyboardShortcut = key(NONE, Key::Z);
 pub const SCENE_PANEL: KeyboardShortcut = key(NONE, Key::F1);
-pub const RENDER_PANEL: KeyboardShortcut = key(NONE, Key::F2);
+pub const RENDER_PANEL: KeyboardShortcut = key(NONE, Key::F3);
 pub const BOTH_PANELS: KeyboardShortcut = key(NONE, Key::H);
 pub const PAUSE: KeyboardShortcut = key(NONE, Key::Space);
 pub const RESTART: KeyboardShortcut = key(NONE, Key::R);
@@ -77,6 +83,7 @@ pub const GROUPS: &[Group] = &[
     Group {
         title: "Files",
         shortcuts: &[
+            on(NEW, "New scene", |_| Command::New),
             on(OPEN, "Open a scene", |_| Command::AskOpen),
             on(GALLERY, "Built-in scenes", |s| Command::ShowGallery(!s.windows.gallery)),
             on(SAVE_AS, "Save as…", |_| Command::AskSaveAs),
@@ -92,6 +99,10 @@ pub const GROUPS: &[Group] = &[
             on(REDO, "Redo", |_| Command::Redo),
             on(UNDO, "Undo", |_| Command::Undo),
             on(key(CTRL, Key::Y), "", |_| Command::Redo),
+            on(ADD, "Add an object", |s| Command::ShowAdd(!s.windows.add)),
+            on(DUPLICATE, "Duplicate the selected object", duplicate),
+            on(DELETE, "Delete it", delete),
+            on(RENAME, "Rename it", rename),
             on(COPY_PANES, "Copy all panes as pictures", |_| Command::CopyPanes),
             on(COPY_PANE, "Copy the active pane as a picture", |_| Command::CopyPane),
             on(COPY_VALUES, "Copy the values of the pixel", |_| Command::CopyValues),
@@ -183,6 +194,19 @@ fn hide(state: &State) -> Command {
     state
         .selected_object()
         .map_or(Command::Nothing, |o| Command::object(o.name.clone(), ObjectEdit::Visible(!o.visible)))
+}
+
+fn duplicate(state: &State) -> Command {
+    let edit = state.selected.as_deref().and_then(|name| build::duplicate(state.document.description(), name));
+    edit.map_or(Command::Nothing, Command::Edit)
+}
+
+fn delete(state: &State) -> Command {
+    state.selected_object().map_or(Command::Nothing, |object| Command::Edit(Edit::Remove(object.name.clone())))
+}
+
+fn rename(state: &State) -> Command {
+    state.selected_object().map_or(Command::Nothing, |object| Command::Rename(Some(object.name.clone())))
 }
 
 fn frame(state: &State) -> Command {

@@ -5,6 +5,7 @@
 
 mod autosave;
 mod background;
+mod build;
 mod capture;
 mod command;
 mod develop;
@@ -42,12 +43,15 @@ mod text_field;
 mod theme;
 mod verdicts;
 mod viewport;
+mod watch;
 mod widgets;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+pub use build::profiles::Vessel;
+pub use build::{Addition, Body};
 pub use command::{Command, ExportKind, MediumRef};
 pub use edit::{Edit, EditKey, MediaEdit, MediumEdit, ObjectEdit};
 pub use launch::{Launch, RunError, Screenshot, run};
@@ -103,6 +107,9 @@ pub struct App {
     tev_sent: u64,
     was_live_in_tev: bool,
     judge: Judge,
+    watcher: watch::Watcher,
+    /// The scene whose files are watched, and what of them.
+    watched: (Option<Arc<scene::Description>>, watch::Order),
     /// `None` where edits are not kept: in scripts and tests.
     autosaver: Option<Autosaver>,
     /// The place of the edits that were restored.
@@ -188,6 +195,8 @@ impl App {
             tev_serial: 0,
             tev_sent: 0,
             was_live_in_tev: false,
+            watcher: watch::start(Arc::clone(&repaint))?,
+            watched: (None, watch::Order::default()),
             files: Files::new(repaint),
             developer,
             measurer,
@@ -265,6 +274,14 @@ impl App {
 
     pub fn apply(&mut self, ctx: &egui::Context, command: Command) {
         match command {
+            Command::New if self.state.document.is_dirty() => self.dialogs.leaving = Some(Command::NewAnyway),
+            Command::New | Command::NewAnyway => {
+                self.state.cancel_opening();
+                self.state.open(build::empty_scene());
+                self.viewport.forget();
+            }
+            Command::AskMesh => self.ask(Purpose::Mesh),
+            Command::ReadMesh(path) => self.read_mesh(path),
             Command::AskOpen => self.ask(Purpose::Open),
             Command::AskSaveAs => self.ask(Purpose::SaveAs),
             Command::AskExport(kind) => self.ask(Purpose::Export(kind)),
@@ -302,12 +319,24 @@ impl App {
                     self.files.discard(found);
                 }
             }
-            Command::Save => match self.state.document.path.clone() {
+            Command::Save if self.state.outside_change.is_some() && self.state.document.path.is_some() => {
+                self.dialogs.is_outdated = true;
+            }
+            Command::LoadChanged => self.reload(),
+            Command::Save | Command::SaveAnyway => match self.state.document.path.clone() {
                 Some(path) => self.files.save(Arc::clone(self.state.document.description()), path),
                 None => self.ask(Purpose::SaveAs),
             },
             Command::SaveAs(path) => self.files.look(Purpose::SaveAs, path),
-            Command::SaveAsAnyway(path) => self.files.save(Arc::clone(self.state.document.description()), path),
+            Command::SaveAsAnyway(path) => {
+                // A new scene is called like its first file.
+                if let Some(stem) = path.file_stem()
+                    && self.state.document.description().name == build::UNTITLED
+                {
+                    self.apply(ctx, Command::Edit(Edit::Name(stem.to_string_lossy().into_owned())));
+                }
+                self.files.save(Arc::clone(self.state.document.description()), path);
+            }
             Command::Export(kind, path) => self.files.look(Purpose::Export(kind), path),
             Command::ExportAnyway(kind @ (ExportKind::ShownPane | ExportKind::ShownPanes), path) => {
                 self.begin_capture(kind == ExportKind::ShownPanes, Some(path));
@@ -330,9 +359,48 @@ impl App {
         }
     }
 
+    /// Reads the scene's file again, which another program has changed.
+    fn reload(&self) {
+        if let Some(path) = self.state.document.path.clone() {
+            self.files.reload(path);
+        }
+    }
+
+    /// Keeps an eye on the files of the scene that is shown.
+    fn watch_files(&mut self) {
+        let document = &self.state.document;
+        let (known, order) = &mut self.watched;
+        if known.as_ref().is_none_or(|known| !Arc::ptr_eq(known, document.description())) {
+            order.files = watch::files_of(document.description(), document.path.as_deref());
+            *known = Some(Arc::clone(document.description()));
+        }
+        self.watcher.set_order(order);
+    }
+
+    /// The scene's files are as the program knows them now.
+    fn trust_files(&mut self) {
+        let (known, order) = &mut self.watched;
+        *known = None;
+        order.round += 1;
+    }
+
     fn open(&mut self, name_or_path: PathBuf, may_lose_edits: bool) {
         let id = self.state.begin_opening(name_or_path.clone(), may_lose_edits);
         self.files.open(id, name_or_path);
+    }
+
+    /// Reads a mesh that is to become part of the scene. In the scene it goes by a path beside the scene's own file where it lies there.
+    fn read_mesh(&mut self, path: PathBuf) {
+        let source = self.state.document.description().source.as_ref().filter(|source| !source.is_builtin);
+        let folder = source.and_then(|source| std::path::absolute(source.path.parent()?).ok());
+        let Ok(path) = std::path::absolute(&path) else { return };
+        let written = folder.and_then(|folder| path.strip_prefix(folder).ok()).unwrap_or(&path).to_owned();
+        if written.to_str().is_none() {
+            let name = path.display();
+            self.state.notify_error(format!("{name}: a scene file cannot name this path, for it is not UTF-8."));
+            return;
+        }
+        self.files.read_mesh(path, written);
     }
 
     /// Where the first scene cannot be shown, or is not wanted any more.
@@ -357,6 +425,7 @@ impl App {
                 self.restoring = Some((found, Arc::clone(self.state.document.description())));
             }
         }
+        self.trust_files();
         self.viewport.forget();
     }
 
@@ -380,7 +449,7 @@ impl App {
         let source = document.description().source.as_ref();
         let stem = source.and_then(|source| source.path.file_stem()).map_or("scene".into(), |s| s.to_string_lossy());
         let name = match purpose {
-            Purpose::Open | Purpose::Environment => String::new(),
+            Purpose::Open | Purpose::Environment | Purpose::Mesh => String::new(),
             Purpose::SaveAs => format!("{stem}.toml"),
             Purpose::Export(ExportKind::AllPanesPng) => format!("{stem}-comparison.png"),
             Purpose::Export(ExportKind::ShownPanes) => format!("{stem}-panes.png"),
@@ -600,6 +669,13 @@ impl App {
             self.state.left_behind.extend(report.found);
             report.failure.into_iter().for_each(|failure| self.state.notify_error(failure));
         }
+        if self.watcher.take_finished().has_changed {
+            if self.state.document.is_dirty() {
+                self.state.outside_change = Some(state::OutsideChange::Offered);
+            } else {
+                self.reload();
+            }
+        }
         if let Some(refusal) = self.refusals.take() {
             self.state.notify_error(format!("The graphics card cannot show this: {refusal}"));
         }
@@ -631,7 +707,20 @@ impl App {
                     let command = Command::Edit(self.state.environment_of(path, image));
                     self.apply(ctx, command);
                 }
+                Outcome::Mesh(name, shape) => {
+                    let state = &self.state;
+                    let (scene, view) = (state.document.description(), &state.view.camera);
+                    let edit = build::mesh_edit(scene, view, state.selected.as_deref(), &name, *shape);
+                    self.apply(ctx, Command::Edit(edit));
+                }
+                Outcome::Reloaded(path, read) => {
+                    if self.state.document.path.as_ref() == Some(&path) {
+                        self.state.reload(read.map(|description| *description));
+                    }
+                }
                 Outcome::Saved(path, description) => {
+                    self.trust_files();
+                    self.state.outside_change = None;
                     self.state.document.mark_saved(path.clone(), &description);
                     self.state.settings.remember(&path);
                     self.state.notify(format!("Saved {}", path.display()));
@@ -644,7 +733,14 @@ impl App {
 
     /// Files that were dropped on the window.
     fn dropped(&self, ctx: &egui::Context) -> Option<Command> {
-        ctx.input(|input| Some(Command::Open(input.raw.dropped_files.first()?.path().to_owned())))
+        let path = ctx.input(|input| Some(input.raw.dropped_files.first()?.path().to_owned()))?;
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+        let is_of = |purpose: Purpose| purpose.endings().contains(&&*ending);
+        Some(match () {
+            () if is_of(Purpose::Mesh) => Command::ReadMesh(path),
+            () if is_of(Purpose::Environment) => Command::ReadEnvironment(path),
+            () => Command::Open(path),
+        })
     }
 
     fn set_window_title(&mut self, ctx: &egui::Context) {
@@ -778,6 +874,7 @@ impl eframe::App for App {
             modes: self.state.settings.modes(),
         });
         self.keep_edits();
+        self.watch_files();
         if let Some(request) = self.state.take_request() {
             self.worker.submit(request);
         }

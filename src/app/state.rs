@@ -66,9 +66,19 @@ pub struct View {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Windows {
     pub gallery: bool,
+    pub add: bool,
     pub shortcuts: bool,
     pub about: bool,
     pub messages: bool,
+}
+
+/// What has become of a change of the scene's file by another program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OutsideChange {
+    /// There are edits, so the user is asked.
+    Offered,
+    /// The user keeps the edits.
+    Declined,
 }
 
 /// Everything that the window shows, apart from images.
@@ -91,6 +101,10 @@ pub struct State {
     /// What notices have said, also those that have gone, latest last.
     pub messages: Vec<Notice>,
     next_notice: u64,
+    /// `None` as long as the scene's file is as it was read or written.
+    pub outside_change: Option<OutsideChange>,
+    /// The notice that the changed file cannot be read.
+    broken_file: Option<u64>,
     pub windows: Windows,
     /// The step of the tour that is shown.
     pub tour: Option<usize>,
@@ -100,6 +114,8 @@ pub struct State {
     pub world_part: WorldPart,
     /// Whether the next click in a picture puts the focus there.
     pub is_focusing: bool,
+    /// The object whose name is being typed.
+    pub renaming: Option<String>,
     pub inspection: Option<Inspection>,
     pub path_options: PathOptions,
     /// The slice as it was chosen; `None`: as [`Self::slice_view`] proposes.
@@ -159,10 +175,13 @@ impl State {
             notices: Vec::new(),
             messages: Vec::new(),
             next_notice: 0,
+            outside_change: None,
+            broken_file: None,
             windows: Windows::default(),
             selected: None,
             world_part: WorldPart::Medium,
             is_focusing: false,
+            renaming: None,
             inspection: None,
             path_options: PathOptions::default(),
             slice: None,
@@ -285,7 +304,9 @@ impl State {
         self.view = View { camera, zoom: 1.0, zoom_center: [0.5; 2], ..self.view };
         self.document = document;
         self.has_scene = true;
+        self.outside_change = None;
         self.selected = None;
+        self.renaming = None;
         self.inspection = None;
         self.slice = None;
         self.last_pick = None;
@@ -293,6 +314,28 @@ impl State {
         self.problems = None;
         self.invalidate();
         self.epoch_floor = self.epoch;
+    }
+
+    /// Shows the scene as its file says now; `Err` where the file is broken: then the scene stays as it is.
+    pub fn reload(&mut self, read: Result<Description, String>) {
+        if let Some(id) = self.broken_file.take() {
+            self.notices.retain(|notice| notice.id != id);
+        }
+        let description = match read {
+            Ok(description) => Arc::new(description),
+            Err(why) => {
+                self.broken_file = Some(self.next_notice);
+                return self.notify_error(why);
+            }
+        };
+        // A view that was not moved goes along with the scene's own.
+        if self.view.camera == self.document.description().camera {
+            self.view.camera = description.camera;
+        }
+        self.document.reload(description);
+        self.outside_change = None;
+        self.renaming = None;
+        self.after_history();
     }
 
     pub fn scene_ready(&mut self, report: Arc<SceneReport>) {

@@ -25,7 +25,7 @@ pub fn run(arguments: &SceneArguments) -> Result<ExitCode, Failure> {
     let prepared = crate::formats::open(&arguments.scene).and_then(|description| prepare_shown(Arc::new(description)));
     let problems = match &prepared {
         Ok(prepared) => check(prepared),
-        Err(error) => vec![unusable(&arguments.scene.to_string_lossy(), error)],
+        Err(error) => error.each().map(|error| unusable(&arguments.scene.to_string_lossy(), error)).collect(),
     };
     let is_usable = problems.iter().all(|problem| problem.severity != Severity::Error);
     let report = Report { scene: arguments.scene.to_string_lossy(), problems };

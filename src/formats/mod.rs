@@ -30,7 +30,7 @@ use self::suggest::suggestion;
 pub use self::toml::{parse, save, to_text};
 use crate::geometry::Mesh;
 use crate::scene::environment::EnvironmentImage;
-use crate::scene::{Description, SceneError};
+use crate::scene::{Description, LoadNote, SceneError};
 
 /// A scene by the name of a built-in one, or by its file's path.
 ///
@@ -81,6 +81,29 @@ pub fn mesh_from_bytes(bytes: &[u8], name: &Path) -> Result<Mesh, String> {
         Ok((mesh, _)) => Ok(mesh),
         Err(fault) => Err(fault.line.map(|line| format!("line {line}: ")).unwrap_or_default() + &fault.message),
     }
+}
+
+/// A mesh from a file on the disk, and what of the file was passed over.
+///
+/// # Errors
+/// When the file cannot be read or holds no mesh.
+pub fn mesh_from_file(path: &Path) -> Result<(Mesh, Vec<LoadNote>), SceneError> {
+    let format = mesh::format_of(path).map_err(|message| SceneError::in_file(path, message))?;
+    let bytes = Disk.read(path).map_err(|message| SceneError::in_file(path, message))?;
+    mesh::read(&bytes, format).map_err(|fault| match fault.line {
+        Some(line) => SceneError::at(path, line, 1, fault.message),
+        None => SceneError::in_file(path, fault.message),
+    })
+}
+
+/// An environment image from a file on the disk.
+///
+/// # Errors
+/// When the file cannot be read or holds no image that can be used.
+pub fn image_from_file(path: &Path) -> Result<EnvironmentImage, SceneError> {
+    let in_file = |message| SceneError::in_file(path, message);
+    let format = image::format_of(path).map_err(in_file)?;
+    image::read(&Disk.read(path).map_err(in_file)?, format).map_err(in_file)
 }
 
 /// An environment image from the `bytes` of a file called `name`, of which only the ending counts.

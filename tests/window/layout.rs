@@ -31,7 +31,7 @@ fn shown(harness: &Harness<'_, App>) -> [bool; 2] {
 fn every_panel_is_reached_at_every_size_by_keys() {
     for size in SIZES {
         let mut harness = window_of("plain-glass", quick(), size);
-        for (panel, key) in [(SidePanel::Scene, Key::F1), (SidePanel::Render, Key::F2)] {
+        for (panel, key) in [(SidePanel::Scene, Key::F1), (SidePanel::Render, Key::F3)] {
             if harness.state().state().has_panel(panel) {
                 press(&mut harness, Modifiers::NONE, key);
             }

@@ -6,6 +6,7 @@ mod tev_listener;
 
 mod accessibility;
 mod app;
+mod building;
 mod export;
 mod layout;
 mod measuring;

@@ -4,20 +4,32 @@
 mod media;
 mod media_list;
 mod objects;
+pub mod priorities;
+#[cfg(test)]
+mod tests;
 
 pub use self::media::{MediumEdit, ior_of};
 pub use self::media_list::MediaEdit;
 pub use self::objects::ObjectEdit;
 use super::command::MediumRef;
 use super::objects::replaced;
-use crate::scene::description::{CameraDescription, Environment};
+use crate::optics::Medium;
+use crate::scene::description::{CameraDescription, Environment, Object};
 use crate::scene::{Description, Fault, validate};
 
 /// A change to a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Edit {
+    /// The scene's own name.
+    Name(String),
     /// Of one object, by name.
     Object(String, ObjectEdit),
+    /// A new object, and the medium that it brings where it is made of none that is there.
+    Add(Box<Object>, Option<Medium>),
+    /// Takes an object out of the scene, by name.
+    Remove(String),
+    /// Of several refractors, by name.
+    Priorities(Vec<(String, i32)>),
     Medium(MediumRef, MediumEdit),
     /// Of the list of media.
     Media(MediaEdit),
@@ -57,7 +69,11 @@ impl EditKey {
 impl Edit {
     pub fn key(&self) -> EditKey {
         match self {
+            Self::Name(_) => EditKey::single("name of the scene"),
             Self::Object(name, edit) => edit.key(name),
+            Self::Add(object, _) => EditKey::single(format!("adding {}", object.name)),
+            Self::Remove(name) => EditKey::single(format!("deleting {name}")),
+            Self::Priorities(_) => EditKey::continuous("order of priorities"),
             Self::Medium(medium, edit) => edit.key(medium),
             Self::Media(edit) => edit.key(),
             Self::Camera(_) => EditKey::continuous("scene camera"),
@@ -69,6 +85,16 @@ impl Edit {
         }
     }
 
+    /// The object that is selected after the edit, if one of that name was before; `None` if another is to be.
+    pub fn selection(&self, before: Option<&str>) -> Option<String> {
+        match self {
+            Self::Add(object, _) => Some(object.name.clone()),
+            Self::Remove(name) if before == Some(name) => None,
+            Self::Object(name, ObjectEdit::Rename(new)) if before == Some(name) => Some(new.trim().to_owned()),
+            _ => before.map(str::to_owned),
+        }
+    }
+
     /// The edited scene; `None` where nothing changes, such as for an object that is not there.
     ///
     /// # Errors
@@ -76,7 +102,12 @@ impl Edit {
     pub fn apply(&self, description: &Description) -> Result<Option<Description>, String> {
         let mut edited = description.clone();
         let is_changed = match self {
+            Self::Name(name) if name.trim().is_empty() => Fault::at("name", "`name` is empty").map(|()| false),
+            Self::Name(name) => Ok(replaced(&mut edited.name, name.trim().to_owned())),
             Self::Object(name, edit) => edit.apply(name, &mut edited),
+            Self::Add(object, medium) => objects::add(object, medium.as_ref(), &mut edited),
+            Self::Remove(name) => Ok(objects::remove(name, &mut edited)),
+            Self::Priorities(priorities) => Ok(objects::set_priorities(priorities, &mut edited)),
             Self::Medium(medium, edit) => edit.apply(medium, &mut edited),
             Self::Media(edit) => edit.apply(&mut edited),
             Self::Camera(camera) => {

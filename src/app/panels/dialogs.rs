@@ -21,6 +21,8 @@ pub struct Dialogs {
     pub overwriting: Option<(Purpose, PathBuf)>,
     /// Where tev listens, being typed.
     pub tev: Option<String>,
+    /// Whether to save over a file that another program has changed is asked.
+    pub is_outdated: bool,
 }
 
 /// Asks for a path.
@@ -42,12 +44,17 @@ impl PathPrompt {
 
 impl Dialogs {
     pub fn is_open(&self) -> bool {
-        self.prompt.is_some() || self.leaving.is_some() || self.overwriting.is_some() || self.tev.is_some()
+        self.is_outdated
+            || self.prompt.is_some()
+            || self.leaving.is_some()
+            || self.overwriting.is_some()
+            || self.tev.is_some()
     }
 
     /// Closes what is on top; `false` if nothing was open.
     pub fn close(&mut self) -> bool {
-        self.overwriting.take().is_some()
+        std::mem::take(&mut self.is_outdated)
+            || self.overwriting.take().is_some()
             || self.leaving.take().is_some()
             || self.tev.take().is_some()
             || self.prompt.take().is_some()
@@ -78,6 +85,12 @@ impl Dialogs {
         });
         if answer.is_closed || answer.inner == Some(true) {
             self.overwriting = None;
+        }
+        let answer = modal::show(ctx, "File has changed", self.is_outdated, |ui, is_opening| {
+            outdated_ui(ui, is_opening, state, commands)
+        });
+        if answer.is_closed || answer.inner == Some(true) {
+            self.is_outdated = false;
         }
     }
 }
@@ -112,6 +125,32 @@ impl PathPrompt {
 }
 
 /// `true` when the question has been answered.
+fn outdated_ui(ui: &mut Ui, is_opening: bool, state: &State, commands: &mut Vec<Command>) -> bool {
+    ui.set_width((ui.ctx().content_rect().width() - 80.0).min(420.0));
+    ui.heading("The file has changed on disk");
+    let path = state.document.path.as_deref().unwrap_or(Path::new("")).display();
+    ui.label(format!("Another program has written to {path} since it was read. Saving replaces what it wrote."));
+    ui.add_space(10.0);
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        let save_as = ui.button("Save as…").clicked();
+        let stay = ui.button("Cancel");
+        if is_opening {
+            stay.request_focus();
+        }
+        let stay = stay.clicked();
+        let overwrite = ui.button("Overwrite").clicked();
+        if save_as {
+            commands.push(Command::AskSaveAs);
+        }
+        if overwrite {
+            commands.push(Command::SaveAnyway);
+        }
+        save_as || stay || overwrite
+    })
+    .inner
+}
+
+/// `true` when the question has been answered.
 fn leaving_ui(ui: &mut Ui, leaving: &Command, is_opening: bool, state: &State, commands: &mut Vec<Command>) -> bool {
     ui.set_width((ui.ctx().content_rect().width() - 80.0).min(380.0));
     ui.heading("Unsaved changes");
@@ -126,6 +165,7 @@ fn leaving_ui(ui: &mut Ui, leaving: &Command, is_opening: bool, state: &State, c
         let stay = ui.button("Stay").clicked();
         let verb = match leaving {
             Command::QuitAnyway => "Quit without saving",
+            Command::NewAnyway => "New without saving",
             Command::RestoreEditsAnyway(_) => "Restore without saving",
             _ => "Open without saving",
         };

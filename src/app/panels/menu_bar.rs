@@ -3,6 +3,7 @@
 use egui::text::LayoutJob;
 use egui::{Align, Atom, Button, KeyboardShortcut, Layout, MenuBar, Response, RichText, TextFormat, TextStyle, Ui};
 
+use crate::app::build;
 use crate::app::command::{Command, ExportKind};
 use crate::app::edit::{Edit, ObjectEdit};
 use crate::app::keys;
@@ -16,6 +17,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| menu_ui(ui, |ui| file_ui(ui, state, commands)));
         ui.menu_button("Edit", |ui| menu_ui(ui, |ui| edit_ui(ui, state, commands)));
+        ui.menu_button("Add", |ui| menu_ui(ui, |ui| super::add::menu_ui(ui, state, commands)));
         ui.menu_button("View", |ui| menu_ui(ui, |ui| view_ui(ui, state, commands)));
         ui.menu_button("Render", |ui| menu_ui(ui, |ui| render_ui(ui, state, commands)));
         ui.menu_button("Help", |ui| menu_ui(ui, |ui| help_ui(ui, commands)));
@@ -27,6 +29,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let hint = match (&state.document.path, is_dirty) {
                 (Some(path), false) => path.display().to_string(),
                 (Some(path), true) => format!("{}\nEdited: not saved yet.", path.display()),
+                (None, _) if state.document.description().source.is_none() => "A new scene: not saved yet.".to_owned(),
                 (None, false) => "A built-in scene.".to_owned(),
                 (None, true) => "A built-in scene, edited: not saved yet.".to_owned(),
             };
@@ -85,6 +88,7 @@ fn submenu_ui(ui: &mut Ui, text: &str, contents: impl FnOnce(&mut Ui)) {
 }
 
 fn file_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    item(ui, "New", Some(keys::NEW), commands, Command::New);
     item(ui, "Open…", Some(keys::OPEN), commands, Command::AskOpen);
     item(ui, "Built-in scenes…", Some(keys::GALLERY), commands, Command::ShowGallery(true));
     submenu_ui(ui, "Open recent", |ui| {
@@ -201,7 +205,16 @@ fn edit_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let text = format!("{} by handles", manipulation.name());
         choice(ui, is_on, &text, Some(keys::of(manipulation)), commands, command);
     }
+    ui.separator();
     let selected = state.selected_object();
+    let copy = selected.and_then(|object| build::duplicate(state.document.description(), &object.name));
+    let is_some = selected.is_some();
+    item(ui, "Add…", Some(keys::ADD), commands, Command::ShowAdd(true));
+    let duplicate = copy.map_or(Command::Nothing, Command::Edit);
+    item_enabled(ui, is_some, "Duplicate", Some(keys::DUPLICATE), commands, duplicate);
+    let name = selected.map(|object| object.name.clone()).unwrap_or_default();
+    item_enabled(ui, is_some, "Rename", Some(keys::RENAME), commands, Command::Rename(Some(name.clone())));
+    item_enabled(ui, is_some, "Delete", Some(keys::DELETE), commands, Command::Edit(Edit::Remove(name)));
     let name = selected.map(|object| object.name.clone()).unwrap_or_default();
     let visible = selected.is_none_or(|object| object.visible);
     let verb = if visible { "Hide" } else { "Show" };

@@ -1,6 +1,7 @@
 //! The panels around the pictures, one per file. They read the state and return commands.
 
 pub mod about;
+mod add;
 mod camera;
 pub mod dialogs;
 mod environment;
@@ -13,12 +14,16 @@ mod menu_bar;
 mod messages;
 mod notices;
 mod object;
+mod outside;
+mod priorities;
 mod problems;
 mod range;
 mod recovery;
 mod rectification;
 mod render;
+mod role;
 mod scene_tree;
+mod shape;
 mod shortcuts;
 mod sides;
 mod slice;
@@ -33,7 +38,7 @@ use self::dialogs::Dialogs;
 use self::tour::Part;
 use super::command::Command;
 use super::settings::Tab;
-use super::state::State;
+use super::state::{OutsideChange, State};
 use super::viewport::Viewport;
 use super::widgets::segmented_ui;
 
@@ -62,6 +67,9 @@ pub fn show(
     if !state.left_behind.is_empty() {
         Panel::top("recovery").frame(strip).show(ui, |ui| recovery::show(ui, state, commands));
     }
+    if state.outside_change == Some(OutsideChange::Offered) {
+        Panel::top("outside").frame(strip).show(ui, |ui| outside::show(ui, state, commands));
+    }
     Panel::bottom("status").frame(bar).show(ui, |ui| status::show(ui, state, viewport, commands));
     let is_pressed = ui.input(|input| input.pointer.any_down());
     if state.problem_strip(is_pressed) {
@@ -77,6 +85,7 @@ pub fn show(
     sides::drawer(ui, pictures.inner, state, viewport, commands);
     tour::mark(&ctx, Part::Pictures, pictures.response.rect);
     tour::show(&ctx, state, commands);
+    add::show(ui.ctx(), state, commands);
     gallery::show(ui.ctx(), state, commands);
     shortcuts::show(ui.ctx(), state, commands);
     about::show(ui.ctx(), state, commands);

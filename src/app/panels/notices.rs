@@ -151,7 +151,13 @@ pub fn drop_hint_ui(ctx: &Context) {
     let rect = ctx.content_rect();
     painter.rect_filled(rect, 0.0, Color32::from_black_alpha(170));
     let font = egui::FontId::proportional(20.0);
-    painter.text(rect.center(), Align2::CENTER_CENTER, "Drop a scene to open it", font, Color32::WHITE);
+    painter.text(
+        rect.center(),
+        Align2::CENTER_CENTER,
+        "Drop a scene to open it, a mesh or an environment image to add it",
+        font,
+        Color32::WHITE,
+    );
 }
 
 #[cfg(test)]

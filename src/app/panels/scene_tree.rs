@@ -1,16 +1,17 @@
 //! The tree of what contains what, as rectification found it, with every medium's IOR; solids and lights below.
 
 use egui::{
-    Align, CollapsingHeader, Label, Layout, Rect, Response, RichText, ScrollArea, Sense, Stroke, Ui, UiBuilder, pos2,
-    vec2,
+    Align, CollapsingHeader, Label, Layout, Rect, Response, RichText, ScrollArea, Sense, Stroke, TextEdit, Ui,
+    UiBuilder, pos2, vec2,
 };
 
-use super::{medium, object, world};
+use super::{medium, object, priorities, role, shape, world};
+use crate::app::build;
 use crate::app::command::{Command, MediumRef};
-use crate::app::edit::ObjectEdit;
+use crate::app::edit::{Edit, ObjectEdit};
 use crate::app::state::{State, medium_of};
 use crate::app::theme::{Palette, WARNING_MARK, opaque};
-use crate::app::widgets::{fact_ui, focus_ring, note, section_first_ui, section_ui, swatch_ui};
+use crate::app::widgets::{button_ui, fact_ui, focus_ring, note, section_first_ui, section_ui, swatch_ui};
 use crate::rectify::Patch;
 use crate::scene::Description;
 use crate::scene::ObjectId;
@@ -40,6 +41,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         format!("{count} {}", if count == 1 { "refractor" } else { "refractors" })
     });
     section_first_ui(ui, "Scene", &detail);
+    let about = "Add an object where the camera looks (Shift + A).";
+    button_ui(ui, "Add…", about, commands, Command::ShowAdd(!state.windows.add));
     // The selected object's card stands at the bottom, where it does not move the tree.
     let most = 0.62 * ui.available_height();
     egui::Panel::bottom("card").frame(egui::Frame::new()).show_separator_line(false).show(ui, |ui| {
@@ -63,7 +66,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let indent = (MOST_INDENT / deepest as f32).clamp(LEAST_INDENT, INDENT);
         for row in rows {
             let response = refractor_row_ui(ui, state, description, &row, indent, commands);
-            if to_show.as_ref() == Some(&description.objects.refractors()[row.refractor].name) {
+            let to_show = to_show.as_ref().or(state.renaming.as_ref());
+            if to_show == Some(&description.objects.refractors()[row.refractor].name) {
                 response.scroll_to_me(None);
             }
         }
@@ -73,6 +77,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.add_space(8.0);
         plain_rows_ui(ui, state, "Solids", description.objects.solids(), to_show.as_deref(), commands);
         plain_rows_ui(ui, state, "Lights", description.objects.lights(), to_show.as_deref(), commands);
+        priorities::show(ui, state, commands);
     });
 }
 
@@ -191,7 +196,7 @@ fn refractor_row_ui(
             mixture_mark_ui(ui, &object.name, mixture);
         }
     };
-    row_contents_ui(ui, rect, depth as f32 * indent, &object.name, object.visible, doubt, marks);
+    row_contents_ui(ui, state, rect, depth as f32 * indent, &object.name, object.visible, doubt, marks, commands);
     let medium = MediumRef::Named(medium_name.to_owned());
     medium::row_ui(ui, controls_of(rect), description, &medium, &object.name, commands);
     let response = response.on_hover_ui(|ui| {
@@ -204,7 +209,7 @@ fn refractor_row_ui(
     if response.clicked() {
         commands.push(Command::SelectObject((!is_selected).then(|| object.name.clone())));
     }
-    row_menu_ui(&response, &object.name, object.visible, commands);
+    row_menu_ui(&response, state, object, commands);
     response
 }
 
@@ -213,14 +218,17 @@ fn controls_of(row: Rect) -> Rect {
     Rect::from_min_max(pos2(row.right() - medium::ROW_WIDTH - 4.0, row.top()), row.max - vec2(2.0, 0.0))
 }
 
+#[expect(clippy::too_many_arguments, reason = "one row, drawn in two places")]
 fn row_contents_ui(
     ui: &mut Ui,
+    state: &State,
     row: Rect,
     indent: f32,
     name: &str,
     visible: bool,
     doubt: Option<f64>,
     marks: impl FnOnce(&mut Ui),
+    commands: &mut Vec<Command>,
 ) {
     let left = Rect::from_min_max(row.min + vec2(4.0 + indent, 0.0), pos2(controls_of(row).left() - 4.0, row.bottom()));
     let mut contents = ui.new_child(UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center)));
@@ -230,7 +238,36 @@ fn row_contents_ui(
         let tip = format!("The rays did not agree: {:.0} % for this place in the tree.", confidence * 100.0);
         contents.label(RichText::new(WARNING_MARK).small().color(color)).on_hover_text(tip);
     }
-    contents.add(Label::new(row_name(ui, name, visible)).truncate().sense(Sense::empty()));
+    name_ui(&mut contents, state, name, visible, commands);
+}
+
+/// The name of an object in its row, or a field to type another.
+fn name_ui(ui: &mut Ui, state: &State, name: &str, visible: bool, commands: &mut Vec<Command>) {
+    if state.renaming.as_deref() != Some(name) {
+        ui.add(Label::new(row_name(ui, name, visible)).truncate().sense(Sense::empty()));
+        return;
+    }
+    let id = egui::Id::unique(("renamed", name));
+    let pass = ui.ctx().cumulative_pass_nr();
+    // What was typed, and when the field was last there: one that comes back begins with the name.
+    let known: Option<(String, u64)> = ui.data(|data| data.get_temp(id));
+    let known = known.filter(|(_, last)| last + 1 >= pass).map(|(text, _)| text);
+    let is_new = known.is_none();
+    let mut text = known.unwrap_or_else(|| name.to_owned());
+    let field = ui.add(TextEdit::singleline(&mut text).id(id.with("field")).desired_width(ui.available_width()));
+    let field = field.accessible_name(format!("New name of {name}"));
+    if is_new {
+        field.request_focus();
+    }
+    ui.data_mut(|data| data.insert_temp(id, (text.clone(), pass)));
+    if !is_new && !field.has_focus() {
+        ui.data_mut(|data| data.remove::<(String, u64)>(id));
+        let is_given_up = commands.contains(&Command::Escape) || ui.input(|input| input.key_pressed(egui::Key::Escape));
+        if !is_given_up {
+            commands.push(Command::object(name, ObjectEdit::Rename(text)));
+        }
+        commands.push(Command::Rename(None));
+    }
 }
 
 /// A disc of which one half is filled.
@@ -254,17 +291,25 @@ fn row_name(ui: &Ui, name: &str, visible: bool) -> RichText {
     }
 }
 
-/// What a right click on a row offers.
-fn row_menu_ui(response: &Response, name: &str, visible: bool, commands: &mut Vec<Command>) {
+/// What a right click on a row offers, and a double click.
+fn row_menu_ui(response: &Response, state: &State, object: &Object, commands: &mut Vec<Command>) {
+    let (name, visible) = (&object.name, object.visible);
+    if response.double_clicked() {
+        commands.push(Command::Rename(Some(name.clone())));
+    }
     response.context_menu(|ui| {
-        if ui.button("Camera to it").clicked() {
-            commands.push(Command::FrameObject(name.to_owned()));
-            ui.close();
-        }
-        if ui.button(if visible { "Hide" } else { "Show" }).clicked() {
-            commands.push(Command::object(name.to_owned(), ObjectEdit::Visible(!visible)));
-            ui.close();
-        }
+        let mut item = |text: &str, command: &dyn Fn() -> Option<Command>| {
+            if ui.button(text).clicked() {
+                commands.extend(command());
+                ui.close();
+            }
+        };
+        item("Camera to it", &|| Some(Command::FrameObject(name.clone())));
+        let verb = if visible { "Hide" } else { "Show" };
+        item(verb, &|| Some(Command::object(name, ObjectEdit::Visible(!visible))));
+        item("Duplicate", &|| build::duplicate(state.document.description(), name).map(Command::Edit));
+        item("Rename", &|| Some(Command::Rename(Some(name.clone()))));
+        item("Delete", &|| Some(Command::Edit(Edit::Remove(name.clone()))));
     });
 }
 
@@ -331,6 +376,7 @@ fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut
     if let Some(medium) = medium_of(description, selected) {
         section_ui(ui, selected, medium.name());
         object::show(ui, object, commands);
+        shape::show(ui, description, object, commands);
         medium::object_ui(ui, description, selected, medium.name(), commands);
         fact_ui(ui, "Outside", outside(state, selected), "The medium that rectification found on the other side.");
         if let Some(patch) = state.report.as_deref().and_then(|report| patch_of(report, selected)) {
@@ -342,13 +388,9 @@ fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut
     let role = &object.role;
     let kind = if matches!(role, Role::Solid(solid) if solid.mirror) { "mirror" } else { role.kind().name() };
     section_ui(ui, selected, kind);
+    role::show(ui, object, commands);
     object::show(ui, object, commands);
-    fact_ui(ui, "Shape", shape_name(&object.shape), "");
-    match role {
-        Role::Refractor(_) => {}
-        Role::Solid(solid) => fact_ui(ui, "Colour", paint_name(&solid.paint), "Albedo, linear RGB."),
-        Role::Light(light) => fact_ui(ui, "Radiance", triple(light.radiance), "Linear RGB."),
-    }
+    shape::show(ui, description, object, commands);
 }
 
 /// The colour of what is no refractor.
@@ -376,6 +418,7 @@ fn plain_rows_ui(
     if objects.is_empty() {
         return;
     }
+    let to_show = to_show.or(state.renaming.as_deref());
     let is_shown = to_show.is_some_and(|to_show| objects.iter().any(|object| object.name == to_show));
     let header = CollapsingHeader::new(format!("{heading} ({})", objects.len())).id_salt(heading);
     header.open(is_shown.then_some(true)).show(ui, |ui| {
@@ -396,23 +439,12 @@ fn plain_row_ui(ui: &mut Ui, state: &State, object: &Object, commands: &mut Vec<
     let left = rect.shrink2(vec2(4.0, 0.0));
     let mut contents = ui.new_child(UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center)));
     swatch_ui(&mut contents, color);
-    contents.add(Label::new(row_name(ui, name, object.visible)).truncate().sense(Sense::empty()));
+    name_ui(&mut contents, state, name, object.visible, commands);
     if response.clicked() {
         commands.push(Command::SelectObject((!is_selected).then(|| name.clone())));
     }
-    row_menu_ui(&response, name, object.visible, commands);
+    row_menu_ui(&response, state, object, commands);
     response
-}
-
-fn triple(values: [f64; 3]) -> String {
-    values.map(|x| format!("{x:.3}").trim_end_matches('0').trim_end_matches('.').to_owned()).join(", ")
-}
-
-fn paint_name(paint: &Paint) -> String {
-    match paint {
-        Paint::Color(color) => triple(*color),
-        Paint::Checker { size, .. } => format!("checker of {size}"),
-    }
 }
 
 fn shape_name(shape: &Shape) -> String {

@@ -1,9 +1,10 @@
 //! Commands, one by one.
 
-use super::{MAX_ZOOM, Room, State, Windows};
+use super::{MAX_ZOOM, OutsideChange, Room, State, Windows};
 use crate::app::command::Command;
 use crate::app::edit::Edit;
 use crate::app::settings::{MAX_PANES, PaneContent, Settings, SidePanel};
+use crate::optics::medium;
 use crate::session::GroundTruthDemand;
 
 impl State {
@@ -11,6 +12,19 @@ impl State {
     pub fn apply(&mut self, command: Command, now_secs: f64) {
         match command {
             Command::Edit(edit) => self.edit(&edit, now_secs),
+            Command::Add(addition) => {
+                let scene = self.document.description();
+                match addition.edit(scene, &self.view.camera, self.selected.as_deref()) {
+                    Ok(edit) => self.edit(&edit, now_secs),
+                    Err(why) => self.notify_error(why),
+                }
+                self.windows.add = false;
+            }
+            Command::Rename(name) => {
+                self.settings.show_scene_panel |= name.is_some();
+                self.selected = name.clone().or_else(|| self.selected.take());
+                self.renaming = name;
+            }
             Command::BeginDrag => self.document.begin_gesture(),
             Command::Drag(edit) if self.document.has_gesture() => self.edit(&edit, now_secs),
             Command::EndDrag => self.document.end_gesture(),
@@ -18,14 +32,14 @@ impl State {
                 let camera = self.document.description().camera;
                 if self.document.cancel_gesture() || self.document.undo() {
                     self.follow_camera(camera);
-                    self.invalidate();
+                    self.after_history();
                 }
             }
             Command::Redo => {
                 let camera = self.document.description().camera;
                 if self.document.redo() {
                     self.follow_camera(camera);
-                    self.invalidate();
+                    self.after_history();
                 }
             }
             Command::SetCamera(camera) => self.set_camera(camera),
@@ -113,6 +127,11 @@ impl State {
                 self.restarts += 1;
                 self.invalidate();
             }
+            Command::KeepMine => {
+                if self.outside_change.is_some() {
+                    self.outside_change = Some(OutsideChange::Declined);
+                }
+            }
             Command::ClearRecent => self.settings.recent.clear(),
             Command::PostponeEdits => self.left_behind.clear(),
             Command::ToggleScenePanel => self.toggle_panel(SidePanel::Scene),
@@ -129,6 +148,7 @@ impl State {
             }
             Command::PickFocus(is_focusing) => self.is_focusing = is_focusing,
             Command::ShowGallery(show) => self.windows = Windows { gallery: show, ..Windows::default() },
+            Command::ShowAdd(show) => self.windows = Windows { add: show, ..Windows::default() },
             Command::ShowShortcuts(show) => self.windows = Windows { shortcuts: show, ..Windows::default() },
             Command::ShowAbout(show) => self.windows = Windows { about: show, ..Windows::default() },
             Command::ShowMessages(show) => self.windows = Windows { messages: show, ..Windows::default() },
@@ -144,6 +164,10 @@ impl State {
             | Command::Drag(_)
             | Command::Nothing
             | Command::StepInterfaceScale(_)
+            | Command::New
+            | Command::NewAnyway
+            | Command::AskMesh
+            | Command::ReadMesh(_)
             | Command::AskOpen
             | Command::AskEnvironmentImage
             | Command::ReadEnvironment(_)
@@ -155,6 +179,8 @@ impl State {
             | Command::Open(_)
             | Command::OpenAnyway(_)
             | Command::Save
+            | Command::SaveAnyway
+            | Command::LoadChanged
             | Command::AskSaveAs
             | Command::SaveAs(_)
             | Command::SaveAsAnyway(_)
@@ -179,10 +205,19 @@ impl State {
                 let camera = self.document.description().camera;
                 self.document.edit(edit.key(), now_secs, edited);
                 self.follow_camera(camera);
+                self.selected = edit.selection(self.selected.as_deref());
                 self.invalidate();
             }
             Err(why) => self.notify_error(why),
         }
+    }
+
+    /// The scene is an earlier or a later one.
+    pub(super) fn after_history(&mut self) {
+        self.invalidate();
+        // What was selected may not be there.
+        let objects = &self.document.description().objects;
+        self.selected.take_if(|name| name != medium::WORLD && objects.find(name).is_none());
     }
 
     /// Changes what the panes show; films of modes that stay go on.
@@ -199,7 +234,9 @@ impl State {
     }
 
     fn escape(&mut self) {
-        if self.document.cancel_gesture() {
+        if self.renaming.take().is_some() {
+            // The name stays as it was.
+        } else if self.document.cancel_gesture() {
             self.invalidate();
         } else if self.windows != Windows::default() {
             self.windows = Windows::default();

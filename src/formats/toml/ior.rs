@@ -21,7 +21,7 @@ pub(super) fn ior(node: &Node<'_>) -> Result<Ior, SceneError> {
         return node.number_within(IOR).map(Ior::Constant);
     }
     let table = node.table()?;
-    table.only(&FORMS)?;
+    table.unknown(&FORMS).next().map_or(Ok(()), Err)?;
     let model = match table.present(&FORMS)[..] {
         ["catalog"] => {
             let entry = table.need("catalog")?;

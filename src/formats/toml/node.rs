@@ -74,17 +74,15 @@ impl<'a> Table<'a> {
         self.text.error(self.start, message)
     }
 
-    /// Refuses keys that are not in `valid`, listing those that are.
-    pub fn only(&self, valid: &[&str]) -> Result<(), SceneError> {
-        match self.table.iter().find(|(key, item)| !item.is_none() && !valid.contains(key)) {
-            None => Ok(()),
-            Some((key, item)) => {
-                let start = self.key_start(key).or_else(|| item.span().map(|span| span.start)).unwrap_or(self.start);
-                let hint = suggestion(key, valid.iter().copied());
-                let message = format!("unknown key `{key}` in {}{hint}; valid keys: {}", self.name, valid.join(", "));
-                Err(self.text.error(start, message))
-            }
-        }
+    /// An error for each key that is not in `valid`, which lists those that are.
+    pub fn unknown(&self, valid: &[&str]) -> impl Iterator<Item = SceneError> {
+        let unknown = self.table.iter().filter(|(key, item)| !item.is_none() && !valid.contains(key));
+        unknown.map(|(key, item)| {
+            let start = self.key_start(key).or_else(|| item.span().map(|span| span.start)).unwrap_or(self.start);
+            let hint = suggestion(key, valid.iter().copied());
+            let message = format!("unknown key `{key}` in {}{hint}; valid keys: {}", self.name, valid.join(", "));
+            self.text.error(start, message)
+        })
     }
 
     pub fn get(&self, key: &str) -> Option<Node<'a>> {

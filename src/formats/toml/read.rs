@@ -1,6 +1,6 @@
 //! Scenes from TOML.
 //!
-//! Every error names file, line and column where it has them. Nothing that a file asks for is ignored: an unknown key is an error
+//! Every error names file, line and column where it has them, and all errors are found in one go. Nothing that a file asks for is ignored: an unknown key is an error
 //! that lists the valid ones, a feature that is not built yet is refused as such.
 
 use std::path::Path;
@@ -53,36 +53,46 @@ fn parse_with(text: &str, path: &Path, files: Option<&dyn Files>) -> Result<Desc
         }
     })?;
     let root = Table::root(&place, document.as_table());
-    root.only(&[&["name", "camera", "world", "environment", "medium"][..], &Kind::ALL.map(Kind::name)].concat())?;
-
     let stem = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
     let mut context = Context::new(files, path.parent().unwrap_or(Path::new("")));
-    let media = read_list(&root, "medium", &mut context, blank_medium, medium_fields)?;
-    context.set_media(&media);
+    let keys = [&["name", "camera", "world", "environment", "medium"][..], &Kind::ALL.map(Kind::name)].concat();
+    context.errors.extend(root.unknown(&keys));
+    let media = read_list(&root, "medium", &mut context, blank_medium, medium_fields);
+    context.set_media(media.as_deref());
     let mut objects = Vec::new();
     for kind in Kind::ALL {
-        objects.extend(read_list(&root, kind.name(), &mut context, || Object::blank(kind), Object::fields)?);
+        objects.extend(
+            read_list(&root, kind.name(), &mut context, || Object::blank(kind), Object::fields).into_iter().flatten(),
+        );
     }
-    let mut section = |key: &'static str, node: Node<'_>, fields: &mut dyn FnMut(&mut dyn Visitor)| {
-        read_table(node.table()?.renamed(format!("[{key}]")), key, &mut context, fields)
-    };
-    let name = root.read("name", stem, |node| node.words().map(str::to_owned))?;
+    let name = root.read("name", stem, |node| node.words().map(str::to_owned));
+    let name = name.unwrap_or_else(|error| context.report(error));
+    let mut section =
+        |key: &'static str, node: Result<Node<'_>, SceneError>, fields: &mut dyn FnMut(&mut dyn Visitor)| match node
+            .and_then(|node| node.table())
+        {
+            Ok(table) => read_table(table.renamed(format!("[{key}]")), key, &mut context, true, fields),
+            Err(error) => context.report(error),
+        };
     let mut camera = CameraDescription::blank();
-    section("camera", root.need("camera")?, &mut |v| camera.fields(v))?;
+    section("camera", root.need("camera"), &mut |v| camera.fields(v));
     let mut world = WorldMedium::DEFAULT;
     if let Some(node) = root.get("world") {
-        section("world", node, &mut |v| world.fields(v))?;
+        section("world", Ok(node), &mut |v| world.fields(v));
     }
     let mut environment = Environment::DEFAULT;
     if let Some(node) = root.get("environment") {
-        section("environment", node, &mut |v| environment.fields(v))?;
+        section("environment", Ok(node), &mut |v| environment.fields(v));
+    }
+    if let Some(error) = SceneError::all(context.errors, path) {
+        return Err(error);
     }
     Ok(Description {
         name,
         camera,
         world,
         environment,
-        media,
+        media: media.unwrap_or_default(),
         objects: objects.into_iter().collect(),
         source: Some(Arc::new(Source {
             path: path.to_path_buf(),
@@ -90,4 +100,96 @@ fn parse_with(text: &str, path: &Path, files: Option<&dyn Files>) -> Result<Desc
             is_builtin: files.is_some_and(Files::is_builtin),
         })),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::Memory;
+
+    fn errors(text: &str) -> Vec<String> {
+        let error = parse(text, Path::new("s.toml"), &Memory::default()).expect_err("the scene is broken");
+        error.each().map(ToString::to_string).collect()
+    }
+
+    const HEAD: &str = "[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n";
+
+    /// One mistake of each kind, each in a place of its own: all are found, in the order of lines.
+    #[test]
+    fn all_mistakes_are_found_in_one_go() {
+        let text = "\
+colour = 1
+[camera]
+position = [0, 0]
+target = [0, 0, 0]
+vertical_fov = 200
+[[medium]]
+name = \"glass\"
+ior = -1
+[[medium]]
+name = \"glass\"
+ior = 1.5
+[[refractor]]
+name = \"a\"
+medium = \"water\"
+shape = { sphere = { center = [0, 0, 0], radius = 0 } }
+[[refractor]]
+name = \"a\"
+medium = \"glass\"
+priority = 1.5
+shape = { mesh = \"missing.obj\" }
+[[solid]]
+name = \"s\"
+color = [0.5, 2, 0.5]
+shape = { box = { min = [0, 0, 0], max = [1, 1, 1] } }
+transform = { scale = 0 }
+[[light]]
+name = \"l\"
+shape = { torus = { center = [0, 0, 0], major = 1 } }
+[environment]
+color = [0, 0, 0]
+image = \"x.hdr\"
+";
+        let found = errors(text);
+        let expected = [
+            ("s.toml:1:1", "colour"),
+            ("s.toml:3:12", "array of 3"),
+            ("s.toml:5:16", "less than 180"),
+            ("s.toml:8:7", "greater than 0"),
+            ("s.toml:10:8", "two media"),
+            ("s.toml:14:10", "no medium"),
+            ("s.toml:15", "radius"),
+            ("s.toml:17:8", "already"),
+            ("s.toml:19:12", "whole number"),
+            ("s.toml:20", "missing.obj"),
+            ("s.toml:23:9", "between 0 and 1"),
+            ("s.toml:25:23", "scale"),
+            ("s.toml:26:1", "radiance"),
+            ("s.toml:28", "minor"),
+            ("s.toml:29:1", "exactly one"),
+        ];
+        for ((place, word), found) in expected.iter().zip(&found) {
+            assert!(found.starts_with(place) && found.contains(word), "{found:?} is not at {place} about {word}");
+        }
+        assert_eq!(found.len(), expected.len(), "{found:#?}");
+    }
+
+    /// What follows from another mistake alone is not said.
+    #[test]
+    fn one_mistake_is_one_error() {
+        for tail in [
+            "[environment]\ncolor = [1, 1, 1]\ngradient = { zenith = [1, 1, 1], horizon = [1, 1, 1], nadir = [1, 1, 1] }\n",
+            "[environment]\ncolour = [1, 1, 1]\n",
+            "[[light]]\nname = \"l\"\nradiance = [1, 1, 1]\nshape = { sphere = { center = [0, 0, 0], radus = 1 } }\n",
+            "[[light]]\nname = \"l\"\nradiance = [1, 1, 1]\nshape = { icosphere = { center = [0, 0, 0], radius = 1, subdivisions = 99 } }\ntransform = { scale = [1, 2, 3] }\n",
+            "[[light]]\nname = \"l\"\nradiance = [1, 1, 1]\nshape = { }\ntransform = { scale = [1, 2, 3] }\n",
+            "[[solid]]\nname = \"s\"\ncolor = [1, 1, 1]\nchecker = { a = [1, 1, 1], b = [1, 1, 1], size = 1 }\nshape = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n",
+            "[[medium]]\nname = 5\nior = 1\n[[refractor]]\nname = \"r\"\nmedium = \"water\"\nshape = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n",
+            "[[refractor]]\nname = \"r\"\nmedium = \"water\"\nshape = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n[medium]\nname = \"water\"\n",
+        ] {
+            let found = errors(&format!("{HEAD}{tail}"));
+            assert_eq!(found.len(), 1, "{tail}: {found:#?}");
+        }
+        assert!(parse(HEAD, Path::new("s.toml"), &Memory::default()).is_ok(), "the twin");
+    }
 }

@@ -24,28 +24,40 @@ pub(super) struct Context<'a> {
     /// Names of the media, in their order.
     media: Vec<String>,
     known_media: HashSet<String>,
+    /// Whether the media could not be found out: then any name may be one.
+    has_lost_media: bool,
     /// Names so far, each with what it names.
     names: HashMap<String, &'static str>,
     /// Meshes read so far, with what was passed over in their files: objects that name one file share it.
     meshes: HashMap<PathBuf, (Arc<Mesh>, Vec<LoadNote>)>,
+    /// In the order in which they were found.
+    pub errors: Vec<SceneError>,
 }
 
 impl<'a> Context<'a> {
     pub fn new(files: Option<&'a dyn Files>, folder: &'a Path) -> Self {
-        let (names, meshes) = (HashMap::new(), HashMap::new());
-        Self { files, folder, media: Vec::new(), known_media: HashSet::new(), names, meshes }
+        let (names, meshes, errors) = (HashMap::new(), HashMap::new(), Vec::new());
+        let known_media = HashSet::new();
+        Self { files, folder, media: Vec::new(), known_media, has_lost_media: false, names, meshes, errors }
     }
 
-    /// From here on names are those of objects, which may name these media.
-    pub fn set_media(&mut self, media: &[Medium]) {
-        self.media = media.iter().map(|medium| medium.name.clone()).collect();
+    /// Keeps an error; whatever stands for the value that could not be read.
+    pub fn report<T: Default>(&mut self, error: SceneError) -> T {
+        self.errors.push(error);
+        T::default()
+    }
+
+    /// From here on names are those of objects, which may name these media; `None` where they could not be found out.
+    pub fn set_media(&mut self, media: Option<&[Medium]>) {
+        self.has_lost_media = media.is_none_or(|media| media.iter().any(|medium| medium.name.is_empty()));
+        self.media = media.unwrap_or_default().iter().map(|medium| medium.name.clone()).collect();
         self.known_media = self.media.iter().cloned().collect();
         self.names.clear();
     }
 
     fn medium(&self, node: &Node<'_>) -> Result<String, SceneError> {
         let name = node.words()?;
-        if self.known_media.contains(name) {
+        if self.known_media.contains(name) || self.has_lost_media {
             return Ok(name.to_owned());
         }
         let hint = if matches!(name, medium::WORLD | medium::VACUUM) {
@@ -88,34 +100,54 @@ impl<'a> Context<'a> {
     }
 }
 
-/// Reads one table into what `fields` goes through. Errors are first where it has unknown keys, then where `fields` meets the first fault.
+/// Reads one table into what `fields` goes through, and keeps all its errors. Whether something is missing is not said of a table with unknown
+/// keys, for one of those is probably meant. `is_checked`: whether what only several fields together show is looked at.
 pub(super) fn read_table(
     table: Table<'_>,
     kind: &'static str,
     context: &mut Context<'_>,
+    is_checked: bool,
     fields: impl FnOnce(&mut dyn Visitor),
-) -> Result<(), SceneError> {
-    let mut reader = Reader { named: table.clone(), table, kind, context, keys: Vec::new(), error: None };
+) {
+    let errors = context.errors.len();
+    let mut reader = Reader {
+        named: table.clone(),
+        table,
+        kind,
+        context,
+        errors,
+        keys: Vec::new(),
+        missing: Vec::new(),
+        is_lost: false,
+        has_bad_table: !is_checked,
+    };
     fields(&mut reader);
-    reader.table.only(&reader.keys)?;
-    reader.error.map_or(Ok(()), Err)
+    let Reader { table, keys, missing, context, .. } = reader;
+    let before = context.errors.len();
+    context.errors.extend(table.unknown(&keys));
+    if context.errors.len() == before {
+        context.errors.extend(missing);
+    }
 }
 
-/// The tables of `[[kind]]`, each read into a blank value.
+/// The tables of `[[kind]]`, each read into a blank value; `None` where there is something else.
 pub(super) fn read_list<T>(
     root: &Table<'_>,
     kind: &'static str,
     context: &mut Context<'_>,
     blank: impl Fn() -> T,
     fields: impl Fn(&mut T, &mut dyn Visitor),
-) -> Result<Vec<T>, SceneError> {
-    let tables = root.read(kind, Vec::new(), Node::tables)?;
+) -> Option<Vec<T>> {
+    let tables = match root.read(kind, Vec::new(), Node::tables) {
+        Ok(tables) => tables,
+        Err(error) => return context.report(error),
+    };
     let read_one = |table: Table<'_>| {
         let mut value = blank();
-        read_table(table.renamed(format!("[[{kind}]]")), kind, context, |v| fields(&mut value, v))?;
-        Ok(value)
+        read_table(table.renamed(format!("[[{kind}]]")), kind, context, true, |v| fields(&mut value, v));
+        value
     };
-    tables.into_iter().map(read_one).collect()
+    Some(tables.into_iter().map(read_one).collect())
 }
 
 struct Reader<'t, 'c, 'f> {
@@ -125,13 +157,23 @@ struct Reader<'t, 'c, 'f> {
     /// What the table describes, such as `medium`.
     kind: &'static str,
     context: &'c mut Context<'f>,
+    /// Errors that there were before the table.
+    errors: usize,
     /// The keys that the table may have.
     keys: Vec<&'static str>,
-    /// The first.
-    error: Option<SceneError>,
+    /// Errors about keys that are not there.
+    missing: Vec<SceneError>,
+    /// Whether it is not known which form the table has: what is said of its fields then would be wrong.
+    is_lost: bool,
+    /// Whether a table that others look at has errors.
+    has_bad_table: bool,
 }
 
 impl Reader<'_, '_, '_> {
+    fn is_sound(&self) -> bool {
+        self.context.errors.len() == self.errors && self.missing.is_empty() && !self.is_lost
+    }
+
     fn allow(&mut self, key: &'static str) {
         if !self.keys.contains(&key) {
             self.keys.push(key);
@@ -163,7 +205,15 @@ impl Reader<'_, '_, '_> {
                     *image = Arc::new(read);
                 }
             }
-            Slot::Table(fields) => read_table(node.table()?, self.kind, self.context, fields)?,
+            Slot::Table(fields) => {
+                let before = self.context.errors.len();
+                let is_checked = !self.has_bad_table;
+                match node.table() {
+                    Ok(table) => read_table(table, self.kind, self.context, is_checked, fields),
+                    Err(error) => self.context.report(error),
+                }
+                self.has_bad_table |= self.context.errors.len() > before;
+            }
         }
         Ok(())
     }
@@ -171,12 +221,11 @@ impl Reader<'_, '_, '_> {
     /// Later errors call the table by its name.
     fn name(&mut self, node: &Node<'_>) -> Result<String, SceneError> {
         let (name, kind) = (node.words()?, self.kind);
-        if let Some(message) = validate::reserved_name(name, kind) {
-            return Err(node.error(message));
-        }
-        if let Some(other) = self.context.names.insert(name.to_owned(), kind) {
-            return Err(node.error(validate::duplicate_name(name, kind, other)));
-        }
+        // Whatever is wrong with it: who uses the name means this.
+        let other = self.context.names.insert(name.to_owned(), kind);
+        let message =
+            (validate::reserved_name(name, kind)).or_else(|| Some(validate::duplicate_name(name, kind, other?)));
+        self.context.errors.extend(message.map(|message| node.error(message)));
         self.named = self.table.clone().renamed(format!("{kind} `{name}`"));
         Ok(name.to_owned())
     }
@@ -186,12 +235,16 @@ impl Visitor for Reader<'_, '_, '_> {
     fn field(&mut self, Field { key, slot, is_default }: Field<'_>) -> bool {
         self.allow(key);
         let node = self.table.get(key);
-        if self.error.is_none() {
-            self.error = match &node {
-                Some(node) => self.fill(node, slot).err(),
-                None if is_default.is_none() => self.named.need(key).err(),
-                None => None,
-            };
+        if !self.is_lost {
+            match &node {
+                Some(node) => {
+                    if let Err(error) = self.fill(node, slot) {
+                        self.context.errors.push(error);
+                    }
+                }
+                None if is_default.is_none() => self.missing.extend(self.named.need(key).err()),
+                None => {}
+            }
         }
         node.is_some()
     }
@@ -199,37 +252,40 @@ impl Visitor for Reader<'_, '_, '_> {
     fn form(&mut self, forms: &[&'static str], current: &'static str, default: Option<&'static str>) -> &'static str {
         forms.iter().for_each(|form| self.allow(form));
         match (&self.table.present(forms)[..], default) {
-            ([form], _) => form,
-            ([], Some(default)) => default,
+            ([form], _) => return form,
+            ([], Some(default)) => return default,
             ([first, .., last], Some(_)) => {
                 let both = format!("{} has both `{first}` and `{last}`; remove one", self.named.name);
                 let place = self.table.get(last);
-                self.error.get_or_insert_with(|| place.map_or_else(|| self.table.error(&*both), |p| p.error(&*both)));
-                current
+                self.context.errors.push(place.map_or_else(|| self.table.error(&*both), |p| p.error(&*both)));
             }
-            (_, None) => {
+            (present, None) => {
                 let message = format!("{} must have exactly one of {}", self.named.name, forms.join(", "));
-                self.error.get_or_insert_with(|| self.table.error(message));
-                current
+                let error = self.table.error(message);
+                if present.is_empty() { self.missing.push(error) } else { self.context.errors.push(error) }
             }
         }
+        self.is_lost = true;
+        current
     }
 
     fn refuse(&mut self, key: &'static str, why: &str) {
         self.allow(key);
-        if let Some(node) = self.table.get(key) {
-            self.error.get_or_insert_with(|| node.error(why));
+        if let Some(node) = self.table.get(key).filter(|_| !self.is_lost) {
+            self.context.errors.push(node.error(why));
         }
     }
 
     fn check(&mut self, check: &dyn Fn() -> Result<(), Fault>) {
         // What is blank would be at fault too.
-        if self.error.is_some() || self.context.files.is_none() {
+        if !self.is_sound() || self.has_bad_table || self.context.files.is_none() {
             return;
         }
-        self.error = check().err().map(|Fault { key, message }| match self.table.get(key) {
-            Some(node) => node.error(message),
-            None => self.table.error(message),
-        });
+        if let Err(Fault { key, message }) = check() {
+            self.context.errors.push(match self.table.get(key) {
+                Some(node) => node.error(message),
+                None => self.table.error(message),
+            });
+        }
     }
 }
