@@ -230,6 +230,35 @@ fn computed_assets_are_what_their_command_makes() {
     }
 }
 
+/// In a picture of 2160 lines facets leave the round by less than a tenth of a pixel, and normals are interpolated: edges seen through the
+/// glass show no teeth.
+#[test]
+fn round_things_are_smooth_at_4k() {
+    let mut count = 0;
+    for scene in builtin::all() {
+        let description = formats::open(scene.name).unwrap();
+        let camera = &description.camera;
+        for object in description.objects.iter() {
+            let (radius, segments) = match &object.shape {
+                Shape::Cylinder { radius, segments, .. } => (*radius, *segments),
+                Shape::Lathe { profile, segments } => (profile.iter().fold(0.0, |most, [r, _]| r.max(most)), *segments),
+                Shape::Torus { major, minor, segments, .. } => (major + minor, *segments),
+                _ => continue,
+            };
+            count += 1;
+            let (min, max) = object.shape.bounds();
+            let middle = object.transform.matrix().transform_point3((min + max) / 2.0);
+            let radius = radius * object.transform.scale.abs().max_element();
+            let distance = middle.distance(camera.position) - radius;
+            let pixels = 1080.0 / ((camera.vertical_fov / 2.0).to_radians().tan() * distance);
+            let height = radius * pixels * (1.0 - (std::f64::consts::PI / f64::from(segments)).cos());
+            assert!(height < 0.1, "{}: {} leaves the round by {height} pixels", scene.name, object.name);
+            assert!(object.is_smooth() || object.light().is_some(), "{}: {} shows facets", scene.name, object.name);
+        }
+    }
+    assert!(count > 5);
+}
+
 #[test]
 fn the_brilliant_is_convex_and_closed() {
     let scene = formats::open("diamond-in-water").unwrap();
