@@ -1,18 +1,23 @@
 //! The window: panes with images of the scene in several modes, the scene's tree with its media, and everything around them.
 //!
-//! Panels only read the [`state::State`] and return [`command::Command`]s; `State::apply` and [`files`] are the only places that
-//! act on them. Rendering is done by [`crate::session`], developing by [`develop`]: nothing here waits.
+//! Panels only read the [`state::State`] and return [`command::Command`]s; [`dispatch`] acts on those that need files, threads or the
+//! window, `State::apply` on all others. What the threads have done is taken in by [`collect`]. Rendering is done by [`crate::session`],
+//! developing by [`develop`]: nothing here waits.
 
 mod autosave;
 mod background;
 mod build;
 mod capture;
+mod collect;
 mod command;
 mod develop;
+mod dispatch;
 mod document;
+mod documents;
 mod edit;
 mod enlarge;
 mod entry;
+mod exporting;
 mod files;
 mod first_panes;
 mod frame_clock;
@@ -46,7 +51,7 @@ mod viewport;
 mod watch;
 mod widgets;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -63,20 +68,19 @@ pub use slice::{Facing, SliceView};
 pub use snapshots::SnapshotId;
 pub use state::{State, WorldPart};
 
-use self::autosave::{Autosaver, Edits, Found, Slot};
+use self::autosave::{Autosaver, Found, Slot};
 use self::background::{Bell, Repaint};
-use self::capture::{Capture, Subject};
-use self::develop::{Developer, Recipe, Source};
-use self::files::{ExportJob, Files, Outcome, Purpose};
+use self::capture::Capture;
+use self::develop::{Developer, Recipe};
+use self::files::Files;
 use self::frame_clock::FrameClock;
 use self::graphics::{Refusals, WindowSize};
 use self::measurement::measurer::{self, Measurer, Plan};
-use self::opening::{Opening, Reading};
-use self::panels::dialogs::{Dialogs, PathPrompt};
+use self::opening::Reading;
+use self::panels::dialogs::Dialogs;
 use self::paths::Tracer;
 use self::screenshot::Camera as WindowCamera;
 use self::slicer::{Cutting, Of, Slicer};
-use self::snapshots::Kept;
 use self::verdicts::Judge;
 use self::viewport::Viewport;
 use crate::scene;
@@ -270,477 +274,6 @@ impl App {
     /// The latest film of a mode.
     pub fn film(&self, mode: Mode) -> Option<Arc<Snapshot>> {
         self.worker.board().snapshots().remove(&mode)
-    }
-
-    pub fn apply(&mut self, ctx: &egui::Context, command: Command) {
-        match command {
-            Command::New if self.state.document.is_dirty() => self.dialogs.leaving = Some(Command::NewAnyway),
-            Command::New | Command::NewAnyway => {
-                self.state.cancel_opening();
-                self.state.open(build::empty_scene());
-                self.viewport.forget();
-            }
-            Command::AskMesh => self.ask(Purpose::Mesh),
-            Command::ReadMesh(path) => self.read_mesh(path),
-            Command::AskOpen => self.ask(Purpose::Open),
-            Command::AskSaveAs => self.ask(Purpose::SaveAs),
-            Command::AskExport(kind) => self.ask(Purpose::Export(kind)),
-            Command::AskEnvironmentImage => self.ask(Purpose::Environment),
-            Command::ReadEnvironment(path) => self.files.read_environment(path),
-            Command::Open(name_or_path) if self.state.document.is_dirty() => {
-                self.dialogs.leaving = Some(Command::OpenAnyway(name_or_path));
-            }
-            Command::Open(name_or_path) => self.open(name_or_path, false),
-            Command::OpenAnyway(name_or_path) => self.open(name_or_path, true),
-            Command::CancelOpening => {
-                self.state.cancel_opening();
-                self.open_default_instead_of_nothing();
-            }
-            Command::CancelPreparation => {
-                if let Some(preparation) = &self.state.preparation {
-                    preparation.give_up();
-                }
-                if self.state.last_good.is_none() && !self.state.document.is_dirty() {
-                    self.open(crate::formats::builtin::DEFAULT.into(), true);
-                }
-            }
-            Command::RestoreEdits(path) if self.state.document.is_dirty() => {
-                self.dialogs.leaving = Some(Command::RestoreEditsAnyway(path));
-            }
-            Command::RestoreEdits(path) | Command::RestoreEditsAnyway(path) => {
-                let found = self.state.left_behind.iter().find(|found| found.slot.path() == path);
-                if let Some(found) = found.cloned() {
-                    let id = self.state.begin_opening(found.name().into(), true);
-                    self.files.restore(id, found);
-                }
-            }
-            Command::DiscardEdits(path) => {
-                for found in self.state.left_behind.extract_if(.., |found| found.slot.path() == path) {
-                    self.files.discard(found);
-                }
-            }
-            Command::Save if self.state.outside_change.is_some() && self.state.document.path.is_some() => {
-                self.dialogs.is_outdated = true;
-            }
-            Command::LoadChanged => self.reload(),
-            Command::Save | Command::SaveAnyway => match self.state.document.path.clone() {
-                Some(path) => self.files.save(Arc::clone(self.state.document.description()), path),
-                None => self.ask(Purpose::SaveAs),
-            },
-            Command::SaveAs(path) => self.files.look(Purpose::SaveAs, path),
-            Command::SaveAsAnyway(path) => {
-                // A new scene is called like its first file.
-                if let Some(stem) = path.file_stem()
-                    && self.state.document.description().name == build::UNTITLED
-                {
-                    self.apply(ctx, Command::Edit(Edit::Name(stem.to_string_lossy().into_owned())));
-                }
-                self.files.save(Arc::clone(self.state.document.description()), path);
-            }
-            Command::Export(kind, path) => self.files.look(Purpose::Export(kind), path),
-            Command::ExportAnyway(kind @ (ExportKind::ShownPane | ExportKind::ShownPanes), path) => {
-                self.begin_capture(kind == ExportKind::ShownPanes, Some(path));
-            }
-            Command::ExportAnyway(kind, path) => self.export(kind, path),
-            Command::KeepSnapshot(id) => self.keep_snapshot(id),
-            Command::SendToTev => self.tev_serial += 1,
-            Command::AskTevAddress => self.dialogs.tev = Some(self.state.settings.tev_address.clone()),
-            Command::CopyPane => self.begin_capture(false, None),
-            Command::CopyPanes => self.begin_capture(true, None),
-            Command::CopyValues => self.copy_values(ctx),
-            Command::StepInterfaceScale(step) => self.step_interface_scale(ctx, step),
-            Command::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
-            Command::QuitAnyway => {
-                self.may_close = true;
-                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-            }
-            Command::Escape if self.dialogs.close() => {}
-            other => self.state.apply(other, self.start.elapsed().as_secs_f64()),
-        }
-    }
-
-    /// Reads the scene's file again, which another program has changed.
-    fn reload(&self) {
-        if let Some(path) = self.state.document.path.clone() {
-            self.files.reload(path);
-        }
-    }
-
-    /// Keeps an eye on the files of the scene that is shown.
-    fn watch_files(&mut self) {
-        let document = &self.state.document;
-        let (known, order) = &mut self.watched;
-        if known.as_ref().is_none_or(|known| !Arc::ptr_eq(known, document.description())) {
-            order.files = watch::files_of(document.description(), document.path.as_deref());
-            *known = Some(Arc::clone(document.description()));
-        }
-        self.watcher.set_order(order);
-    }
-
-    /// The scene's files are as the program knows them now.
-    fn trust_files(&mut self) {
-        let (known, order) = &mut self.watched;
-        *known = None;
-        order.round += 1;
-    }
-
-    fn open(&mut self, name_or_path: PathBuf, may_lose_edits: bool) {
-        let id = self.state.begin_opening(name_or_path.clone(), may_lose_edits);
-        self.files.open(id, name_or_path);
-    }
-
-    /// Reads a mesh that is to become part of the scene. In the scene it goes by a path beside the scene's own file where it lies there.
-    fn read_mesh(&mut self, path: PathBuf) {
-        let source = self.state.document.description().source.as_ref().filter(|source| !source.is_builtin);
-        let folder = source.and_then(|source| std::path::absolute(source.path.parent()?).ok());
-        let Ok(path) = std::path::absolute(&path) else { return };
-        let written = folder.and_then(|folder| path.strip_prefix(folder).ok()).unwrap_or(&path).to_owned();
-        if written.to_str().is_none() {
-            let name = path.display();
-            self.state.notify_error(format!("{name}: a scene file cannot name this path, for it is not UTF-8."));
-            return;
-        }
-        self.files.read_mesh(path, written);
-    }
-
-    /// Where the first scene cannot be shown, or is not wanted any more.
-    fn open_default_instead_of_nothing(&mut self) {
-        if !self.state.has_scene {
-            self.open(crate::formats::builtin::DEFAULT.into(), true);
-        }
-    }
-
-    /// Shows a scene that has been read, from an autosave if it comes from one.
-    fn opened(&mut self, opening: &Opening, description: scene::Description, found: Option<Found>) {
-        if self.state.document.is_dirty() && !opening.may_lose_edits {
-            // Edited while it was read.
-            self.dialogs.leaving = Some(Command::OpenAnyway(opening.name.clone()));
-            return;
-        }
-        match found {
-            None => self.state.open(description),
-            Some(found) => {
-                self.state.restore(description, found.scene_path().map(Path::to_owned));
-                self.state.left_behind.retain(|other| other.slot != found.slot);
-                self.restoring = Some((found, Arc::clone(self.state.document.description())));
-            }
-        }
-        self.trust_files();
-        self.viewport.forget();
-    }
-
-    /// Tells the thread that keeps edits what to keep.
-    fn keep_edits(&mut self) {
-        let Some(autosaver) = &self.autosaver else { return };
-        let document = &self.state.document;
-        let is_settled =
-            |scene: &Arc<scene::Description>| self.state.is_prepared() || !Arc::ptr_eq(scene, document.description());
-        if let Some((found, _)) = self.restoring.take_if(|(_, scene)| is_settled(scene)) {
-            self.restored = Some(found.slot);
-        }
-        let is_kept = document.is_dirty() && !self.is_closing && self.restoring.is_none();
-        let edits = || Edits { description: Arc::clone(document.description()), path: document.path.clone() };
-        autosaver.set_order(&autosave::Order { edits: is_kept.then(edits), slot: self.restored.clone() });
-    }
-
-    fn ask(&self, purpose: Purpose) {
-        let document = &self.state.document;
-        let folder = document.path.as_deref().and_then(Path::parent).map(Path::to_owned).unwrap_or_default();
-        let source = document.description().source.as_ref();
-        let stem = source.and_then(|source| source.path.file_stem()).map_or("scene".into(), |s| s.to_string_lossy());
-        let name = match purpose {
-            Purpose::Open | Purpose::Environment | Purpose::Mesh => String::new(),
-            Purpose::SaveAs => format!("{stem}.toml"),
-            Purpose::Export(ExportKind::AllPanesPng) => format!("{stem}-comparison.png"),
-            Purpose::Export(ExportKind::ShownPanes) => format!("{stem}-panes.png"),
-            Purpose::Export(ExportKind::ErrorsCsv) => format!("{stem}-errors.csv"),
-            Purpose::Export(ExportKind::PathSvg | ExportKind::PathJson) => {
-                format!("{stem}-path.{}", purpose.extension())
-            }
-            Purpose::Export(_) => {
-                let content = match self.state.settings.panes[self.state.view.active_pane] {
-                    PaneContent::Surfaces(quantity) => quantity.name().replace(' ', "-"),
-                    content if purpose == Purpose::Export(ExportKind::ShownPane) => {
-                        content.to_string().replace(" − ", "-minus-").replace([' ', ','], "-").replace("--", "-")
-                    }
-                    PaneContent::Slice(mode) => format!("slice-{mode}"),
-                    content => content.inspected_mode().to_string(),
-                };
-                format!("{stem}-{content}.{}", purpose.extension())
-            }
-        };
-        self.files.ask(purpose, &folder.join(name));
-    }
-
-    fn export(&mut self, kind: ExportKind, path: PathBuf) {
-        if kind == ExportKind::ErrorsCsv {
-            let results = &self.state.measurement.results;
-            if results.curves.values().all(|curve| curve.points.is_empty()) {
-                self.state
-                    .notify_error("Nothing has been measured yet: make a reference image in the tab Measure first.");
-                return;
-            }
-            let table = measurement::csv::table(&self.state.document.description().name, results);
-            return self.files.export_text(table, path);
-        }
-        if matches!(kind, ExportKind::PathSvg | ExportKind::PathJson) {
-            return match paths::export::text_of(&self.state, kind) {
-                Ok(text) => self.files.export_text(text, path),
-                Err(message) => self.state.notify_error(message),
-            };
-        }
-        let Some(report) = &self.state.report else {
-            self.state.notify_error("There is no image to export yet.");
-            return;
-        };
-        let panes = match kind {
-            ExportKind::AllPanesPng => self.state.settings.shown_panes(),
-            _ => std::slice::from_ref(&self.state.settings.panes[self.state.view.active_pane]),
-        };
-        self.files.export(ExportJob {
-            kind,
-            path,
-            prepared: report.prepared.clone(),
-            display: self.state.settings.display,
-            seed: 0,
-            panes: panes.iter().map(|content| self.viewport.source(*content)).collect(),
-        });
-    }
-
-    /// Tells the thread that talks to tev what the panes show, and says what came of it.
-    fn send_to_tev(&mut self) {
-        let report = self.tev.take_finished();
-        if let Some(failure) = report.failure {
-            self.state.is_live_in_tev = false;
-            self.state.notify_error(failure);
-        }
-        match report.sent {
-            Some(0) => {
-                self.state.notify_error("There is nothing to send to tev: surfaces are colours and no radiance.")
-            }
-            Some(count) => {
-                let s = if count == 1 { "" } else { "s" };
-                self.state.notify(format!("Sent {count} image{s} to tev"));
-            }
-            None => {}
-        }
-        let is_live = self.state.is_live_in_tev;
-        if !is_live && !self.was_live_in_tev && self.tev_serial == self.tev_sent {
-            return;
-        }
-        (self.was_live_in_tev, self.tev_sent) = (is_live, self.tev_serial);
-        let scene = &self.state.document.description().name;
-        let mut images: Vec<(String, Source)> = Vec::new();
-        for content in self.state.settings.shown_panes() {
-            let name = format!("{content} – {scene}");
-            if images.iter().all(|(known, _)| *known != name) {
-                images.push((name, self.viewport.source(*content)));
-            }
-        }
-        let address = self.state.settings.tev_address.clone();
-        self.tev.set_order(&tev::Order { address, is_live, serial: self.tev_serial, images });
-    }
-
-    /// Keeps the film of the active pane; of a difference, the first.
-    fn keep_snapshot(&mut self, id: SnapshotId) {
-        let content = self.state.settings.panes[self.state.view.active_pane];
-        let Some(mode) = content.modes().next() else {
-            let text = "Only the picture of a mode can be kept as a snapshot: choose a mode in the active pane.";
-            return self.state.notify_error(text);
-        };
-        let is_current = self.viewport.samples(content, &self.state) > 0;
-        let source = self.viewport.source(content);
-        let Some(film) = source.films.into_iter().find(|film| is_current && film.mode == mode) else {
-            return self.state.notify_error("There is no full picture to keep yet: wait for its first sample.");
-        };
-        let kept = Kept::new(film, Arc::clone(self.state.document.description()), self.state.view.camera);
-        self.state.snapshots.set(id, Some(Arc::new(kept)));
-        self.state
-            .notify(format!("Kept {} as snapshot {id}. Panes can show it, or what changes from now on.", mode.name()));
-    }
-
-    /// Takes a picture of panes as they are shown, for a file or, without a path, for the clipboard.
-    fn begin_capture(&mut self, is_all: bool, path: Option<PathBuf>) {
-        let Some(report) = &self.state.report else {
-            self.state.notify_error("There is no image to export yet.");
-            return;
-        };
-        let settings = &self.state.settings;
-        let shown = settings.shown_panes();
-        let panes = if is_all { shown } else { std::slice::from_ref(&shown[self.state.view.active_pane]) };
-        let modes: Vec<Mode> =
-            Mode::ALL.into_iter().filter(|m| panes.iter().any(|p| p.modes().any(|n| n == *m))).collect();
-        let has_samples = |content: &&PaneContent| !matches!(content, PaneContent::Slice(_));
-        let counts = panes.iter().filter(has_samples).map(|content| self.viewport.source(*content).samples());
-        let mut text = crate::export::metadata(&report.prepared, &modes, counts.min().unwrap_or(0), 0);
-        let titles: Vec<String> = panes.iter().map(ToString::to_string).collect();
-        text.push(("Panes".to_owned(), titles.join("; ")));
-        for id in
-            SnapshotId::ALL.into_iter().filter(|id| panes.iter().any(|content| content.snapshots().any(|s| s == *id)))
-        {
-            if let Some(kept) = self.state.snapshots.get(id) {
-                let title = kept.title(self.state.document.description(), &self.state.view.camera);
-                text.push((format!("Snapshot {id}"), title));
-            }
-        }
-        text.push((
-            "Exposure".to_owned(),
-            format!("{} stops, {} curve", settings.display.exposure, settings.display.curve),
-        ));
-        self.capture = Some(Capture::new(Subject { is_all, path, text }));
-        self.viewport.is_still = true;
-    }
-
-    /// Goes on with the picture that is being taken, at the end of a frame.
-    fn go_on_with_capture(&mut self, ctx: &egui::Context) {
-        // A capture that began in this frame needs one that is drawn for it.
-        let Some(capture) = self.capture.as_mut().filter(|_| self.is_still_frame) else { return };
-        capture::clear_floating_layers(ctx);
-        let index = (!capture.subject.is_all).then_some(self.state.view.active_pane);
-        let Some(outcome) = capture.update(ctx, self.viewport.place(index)) else { return };
-        let subject = self.capture.take().map(|capture| capture.subject);
-        self.viewport.is_still = false;
-        match (outcome, subject) {
-            (Ok(image), Some(Subject { path: Some(path), text, .. })) => self.files.export_image(image, text, path),
-            (Ok(image), Some(Subject { is_all, .. })) => {
-                ctx.copy_image(capture::color_image(&image));
-                let what = if is_all { "all panes" } else { "the active pane" };
-                self.state.notify(format!("Copied {what}: {} × {} pixels", image.width(), image.height()));
-            }
-            (Err(message), _) => self.state.notify_error(message),
-            (Ok(_), None) => {}
-        }
-    }
-
-    /// The numbers of the pixel under the pointer, or of the inspected one, in every pane.
-    fn copy_values(&mut self, ctx: &egui::Context) {
-        let point = self.viewport.pointer.or(self.state.inspection.as_ref().map(|inspection| inspection.point));
-        let panes = self.state.settings.shown_panes().iter().copied();
-        let texts: Vec<String> = (panes.enumerate())
-            .filter_map(|(index, content)| {
-                let lines = self.viewport.values_at(index, &self.state, point?);
-                (!lines.is_empty()).then(|| format!("{content}\n{}", lines.join("\n")))
-            })
-            .collect();
-        if texts.is_empty() {
-            self.state.notify_error("No pixel to copy: point at a picture, or click one to inspect it.");
-        } else {
-            ctx.copy_text(texts.join("\n"));
-            self.state.notify("Copied the values of the pixel.");
-        }
-    }
-
-    fn step_interface_scale(&mut self, ctx: &egui::Context, step: i32) {
-        let now = ctx.zoom_factor();
-        let factors = InterfaceScale::FACTORS;
-        let next = if step > 0 {
-            factors.into_iter().find(|factor| *factor > now + 0.01)
-        } else {
-            factors.into_iter().rev().find(|factor| *factor < now - 0.01)
-        };
-        if let Some(factor) = next {
-            self.state.apply(Command::SetInterfaceScale(InterfaceScale::Factor(factor)), 0.0);
-        }
-    }
-
-    /// Takes in what the threads have done.
-    fn collect(&mut self, ctx: &egui::Context) {
-        let board = Arc::clone(self.worker.board());
-        if let Some((epoch, error)) = board.take_failure() {
-            let is_back = self.state.scene_failed(epoch, &error);
-            // The restored scene could not be shown: it is offered again.
-            self.state.left_behind.extend(self.restoring.take_if(|_| is_back).map(|(found, _)| found));
-        }
-        if let Some(report) = board.scene()
-            && self.state.report.as_ref().is_none_or(|known| !Arc::ptr_eq(known, &report))
-        {
-            self.state.scene_ready(report);
-        }
-        self.state.preparation = board.preparation();
-        self.state.films = board.snapshots();
-        self.state.measurement.set_truth(board.ground_truth());
-        if let Some(results) = self.measurer.take_finished() {
-            self.state.measurement.results = results;
-        }
-        if let Some(verdicts) = self.judge.take_finished() {
-            self.state.verdicts = verdicts;
-        }
-        if let Some(report) = self.autosaver.as_ref().map(Autosaver::take_finished) {
-            self.state.left_behind.extend(report.found);
-            report.failure.into_iter().for_each(|failure| self.state.notify_error(failure));
-        }
-        if self.watcher.take_finished().has_changed {
-            if self.state.document.is_dirty() {
-                self.state.outside_change = Some(state::OutsideChange::Offered);
-            } else {
-                self.reload();
-            }
-        }
-        if let Some(refusal) = self.refusals.take() {
-            self.state.notify_error(format!("The graphics card cannot show this: {refusal}"));
-        }
-        let (floor, picture_floor) = (self.state.epoch_floor, self.state.picture_floor());
-        self.viewport.upload(ctx, self.developer.take_finished(), floor, picture_floor);
-        self.viewport.upload(ctx, self.slicer.take_finished(), floor, picture_floor);
-        while let Some(outcome) = self.files.poll() {
-            match outcome {
-                Outcome::Chosen(purpose, path) | Outcome::IsFree(purpose, path) => {
-                    self.apply(ctx, purpose.command_anyway(path));
-                }
-                Outcome::ChosenUnasked(purpose, path) => self.apply(ctx, purpose.command(path)),
-                Outcome::IsThere(purpose, path) => self.dialogs.overwriting = Some((purpose, path)),
-                Outcome::NoDialog(purpose, suggestion) => {
-                    self.dialogs.prompt = Some(PathPrompt::new(purpose, &suggestion));
-                }
-                Outcome::Opened(id, description, found) => {
-                    if let Some(opening) = self.state.end_opening(id) {
-                        self.opened(&opening, *description, found);
-                    }
-                }
-                Outcome::NotOpened(id, message) => {
-                    if self.state.end_opening(id).is_some() {
-                        self.state.notify_error(message);
-                        self.open_default_instead_of_nothing();
-                    }
-                }
-                Outcome::EnvironmentRead(path, image) => {
-                    let command = Command::Edit(self.state.environment_of(path, image));
-                    self.apply(ctx, command);
-                }
-                Outcome::Mesh(name, shape) => {
-                    let state = &self.state;
-                    let (scene, view) = (state.document.description(), &state.view.camera);
-                    let edit = build::mesh_edit(scene, view, state.selected.as_deref(), &name, *shape);
-                    self.apply(ctx, Command::Edit(edit));
-                }
-                Outcome::Reloaded(path, read) => {
-                    if self.state.document.path.as_ref() == Some(&path) {
-                        self.state.reload(read.map(|description| *description));
-                    }
-                }
-                Outcome::Saved(path, description) => {
-                    self.trust_files();
-                    self.state.outside_change = None;
-                    self.state.document.mark_saved(path.clone(), &description);
-                    self.state.settings.remember(&path);
-                    self.state.notify(format!("Saved {}", path.display()));
-                }
-                Outcome::Exported(path) => self.state.notify(format!("Exported {}", path.display())),
-                Outcome::Failed(message) => self.state.notify_error(message),
-            }
-        }
-    }
-
-    /// Files that were dropped on the window.
-    fn dropped(&self, ctx: &egui::Context) -> Option<Command> {
-        let path = ctx.input(|input| Some(input.raw.dropped_files.first()?.path().to_owned()))?;
-        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
-        let is_of = |purpose: Purpose| purpose.endings().contains(&&*ending);
-        Some(match () {
-            () if is_of(Purpose::Mesh) => Command::ReadMesh(path),
-            () if is_of(Purpose::Environment) => Command::ReadEnvironment(path),
-            () => Command::Open(path),
-        })
     }
 
     fn set_window_title(&mut self, ctx: &egui::Context) {
