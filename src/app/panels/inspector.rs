@@ -1,6 +1,6 @@
 //! The path of a pixel, vertex by vertex, in the active pane's mode.
 
-use egui::{Label, RichText, Sense, Ui};
+use egui::{EventFilter, Id, Key, Label, Response, RichText, Sense, Ui};
 
 use crate::app::command::{Command, ExportKind};
 use crate::app::state::{PathOption, State};
@@ -149,8 +149,13 @@ fn path_ui(ui: &mut Ui, state: &State, path: &TracedPath, commands: &mut Vec<Com
     }
     fact_ui(ui, "Starts in", path.camera_medium.clone(), "The medium that contains the camera.");
     let selected = state.inspection.as_ref().and_then(|inspection| inspection.vertex);
-    for (index, vertex) in path.vertices.iter().take(MOST_SHOWN).enumerate() {
-        vertex_ui(ui, index, vertex, faults[index].as_deref(), selected == Some(index), commands);
+    let count = path.vertices.len().min(MOST_SHOWN);
+    let list = ui.scope_id();
+    for (index, vertex) in path.vertices.iter().take(count).enumerate() {
+        let response = vertex_ui(ui, list, index, vertex, faults[index].as_deref(), selected == Some(index), commands);
+        if response.has_focus() {
+            step_with_arrows(ui, list, index, count, commands);
+        }
     }
     if path.vertices.len() > MOST_SHOWN {
         ui.label(note(ui, format!("… and {} more", path.vertices.len() - MOST_SHOWN)));
@@ -182,15 +187,38 @@ fn faults(path: &TracedPath) -> Vec<Option<String>> {
         .collect()
 }
 
-/// One surface of the list. It has the focus like a button; moving there with the arrow keys points it out in the picture.
+/// The widget of a surface of the list.
+fn id_of(list: Id, index: usize) -> Id {
+    list.with(("vertex", index))
+}
+
+/// Moves the focus, which is on surface `index`, to the next one or the one before, and points that out.
+fn step_with_arrows(ui: &Ui, list: Id, index: usize, count: usize, commands: &mut Vec<Command>) {
+    let filter = EventFilter { vertical_arrows: true, ..EventFilter::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(id_of(list, index), filter));
+    let [up, down] =
+        [Key::ArrowUp, Key::ArrowDown].map(|key| ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, key)));
+    let next = match (up, down) {
+        (true, false) => index.checked_sub(1),
+        (false, true) => Some(index + 1).filter(|next| *next < count),
+        _ => None,
+    };
+    if let Some(next) = next {
+        ui.memory_mut(|memory| memory.request_focus(id_of(list, next)));
+        commands.push(Command::SelectVertex(Some(next)));
+    }
+}
+
+/// One surface of the list. It has the focus like a button, and where it gets it, it is pointed out in the picture.
 fn vertex_ui(
     ui: &mut Ui,
+    list: Id,
     index: usize,
     vertex: &Vertex,
     was_in: Option<&str>,
     is_selected: bool,
     commands: &mut Vec<Command>,
-) {
+) -> Response {
     let palette = Palette::of(ui);
     let fill = if is_selected { ui.visuals().selection.bg_fill } else { ui.visuals().faint_bg_color };
     let stroke = was_in.map_or(egui::Stroke::NONE, |_| egui::Stroke::new(1.0, palette.warning));
@@ -220,7 +248,7 @@ fn vertex_ui(
             ui.set_width(ui.available_width());
         })
         .response;
-    let response = ui.interact(response.rect, ui.scope_id().with(("vertex", index)), Sense::click());
+    let response = ui.interact(response.rect, id_of(list, index), Sense::click());
     if response.has_focus() {
         let ring = egui::Stroke::new(1.0, palette.accent);
         ui.painter().rect_stroke(response.rect, 4.0, ring, egui::StrokeKind::Inside);
@@ -233,7 +261,7 @@ fn vertex_ui(
         response.scroll_to_me(None);
         commands.push(Command::SelectVertex(Some(index)));
     }
-    response.on_hover_text(details_of(vertex));
+    response.on_hover_text(details_of(vertex))
 }
 
 /// The media on both sides, with their colours.
