@@ -107,8 +107,13 @@ mod tests {
     use crate::app::{PaneContent, Settings};
 
     fn state(films: &[(Mode, u32, Option<f64>, f64)]) -> State {
-        let mut settings =
-            Settings { pane_count: 2, sample_limit: Some(1000), noise_target: Some(0.01), ..Settings::default() };
+        let mut settings = Settings {
+            pane_count: 2,
+            sample_limit: Some(1000),
+            noise_target: Some(0.01),
+            has_first_panes: false,
+            ..Settings::default()
+        };
         settings.panes[0] = PaneContent::Mode(Mode::Stack);
         settings.panes[1] = PaneContent::Mode(Mode::Reference);
         let mut state = State::new(Arc::new(crate::formats::open("plain-glass").unwrap()), settings);

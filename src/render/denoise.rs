@@ -143,7 +143,7 @@ mod tests {
             (film, noise)
         };
         let truth = rendered(9, 128).0.to_rgb();
-        for (samples, most) in [(4, 0.7), (32, 1.05)] {
+        for (samples, most) in [(4, 0.85), (32, 1.05)] {
             let (film, noise) = rendered(1, samples);
             let noisy = film.to_rgb();
             let smooth = denoised(&noisy, SIZE[0] as usize, &variances(&film, &noise).unwrap());

@@ -120,6 +120,23 @@ pub struct TracedPath {
     pub events: Events,
 }
 
+impl TracedPath {
+    /// The same path in a scene that is `factor` times as large.
+    #[must_use]
+    pub fn scaled(mut self, factor: f64) -> Self {
+        let scale = |place: [f64; 3]| place.map(|x| x * factor);
+        self.origin = scale(self.origin);
+        for vertex in &mut self.vertices {
+            vertex.position = scale(vertex.position);
+            vertex.distance *= factor;
+            if let Some(crossing) = &mut vertex.ids.crossing {
+                crossing.point.position *= factor;
+            }
+        }
+        self
+    }
+}
+
 /// Follows `ray` (scene coordinates) until it escapes, meets an opaque surface that does not mirror, or has `max_depth` segments (at
 /// most [`MOST_SEGMENTS`]).
 pub fn trace(

@@ -69,10 +69,15 @@ fn unknown_and_missing_keys() {
 
 #[test]
 fn wrong_types() {
-    refused("[camera]\nposition = \"here\"\n", 2, 12, &["`position` must be an array of 3 numbers, found a string"]);
-    refused("[camera]\nposition = [0, 1]\n", 2, 12, &["must be an array of 3 numbers, found 2"]);
     refused(
-        "[camera]\nposition = [0, 1, true]\n",
+        "[camera]\nposition = \"here\"\ntarget = [0, 0, 1]\n",
+        2,
+        12,
+        &["`position` must be an array of 3 numbers, found a string"],
+    );
+    refused("[camera]\nposition = [0, 1]\ntarget = [0, 0, 1]\n", 2, 12, &["must be an array of 3 numbers, found 2"]);
+    refused(
+        "[camera]\nposition = [0, 1, true]\ntarget = [0, 0, 1]\n",
         2,
         19,
         &["element 3 of `position` must be a number, found a boolean"],
@@ -138,7 +143,7 @@ fn impossible_objects() {
     refused(&object("world"), 9, 10, &["reserved"]);
     let whole = object("glass");
     refused(&format!("{whole}[[solid]]\nname = \"a\"\n{ball}"), 12, 8, &["already a refractor called `a`"]);
-    refused(&format!("{CAMERA}[[light]]\nname = \"vacuum\"\n{ball}"), 5, 8, &["reserved"]);
+    refused(&format!("{CAMERA}[[light]]\nname = \"vacuum\"\n{ball}radiance = [1, 1, 1]\n"), 5, 8, &["reserved"]);
     refused(&format!("{whole}priority = 3000000000\n"), 11, 12, &["-2147483648 to 2147483647"]);
     refused(&format!("{whole}roughness = 0.1\n"), 11, 13, &["not yet supported"]);
     refused(&format!("{whole}roughness = 2\n"), 11, 13, &["between 0 and 1"]);

@@ -85,7 +85,7 @@ fn shipped_environments_read_to_the_bit() {
             count += 1;
         }
     }
-    assert_eq!(count, 4);
+    assert_eq!(count, 5);
 }
 
 fn same_as_the_image_crate(image: &EnvironmentImage, bytes: &[u8]) {

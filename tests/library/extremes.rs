@@ -216,9 +216,7 @@ fn c37_scales() {
         let scene = ready(description);
         let trace_one = |(k, ray): (usize, Ray), mode| {
             let ray = Ray::new(ray.origin * scale, ray.direction);
-            let mut path = trace(&scene, mode, ray, Follow::Sample, k as u64, Some(20));
-            path.vertices.iter_mut().for_each(|v| v.position = v.position.map(|x| x / scale));
-            path
+            trace(&scene, mode, ray, Follow::Sample, k as u64, Some(20)).scaled(scale.recip())
         };
         RIGHT
             .into_iter()

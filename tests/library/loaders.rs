@@ -147,8 +147,8 @@ fn every_key_reaches_the_description() {
         (Paint::Color([0.5, 0.4, 0.3]), true)
     );
     assert_eq!(scene.objects.solids()[2].solid().unwrap().paint, Paint::Color([0.8; 3]));
-    assert!(matches!(scene.objects.solids()[2].shape, Shape::Lathe { segments: 128, .. }));
-    assert!(matches!(scene.objects.lights()[0].shape, Shape::Cylinder { segments: 128, .. }));
+    assert!(matches!(scene.objects.solids()[2].shape, Shape::Lathe { segments: 192, .. }));
+    assert!(matches!(scene.objects.lights()[0].shape, Shape::Cylinder { segments: 192, .. }));
     assert!(matches!(scene.objects.lights()[1].shape, Shape::Torus { segments: 32, rings: 16, .. }));
     assert_eq!(scene.objects.lights()[1].light().unwrap().radiance, [1.0, 0.0, 0.0]);
 }

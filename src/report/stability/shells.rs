@@ -234,9 +234,8 @@ fn scaled_paths(mode: Mode, scale: f64, count: usize) -> Result<Vec<TracedPath>,
         let point = numbers.point(DVec3::splat(-0.6), DVec3::splat(0.6));
         // By turns from outside and from within.
         let origin = if k % 2 == 0 { point - direction * 4.0 } else { point };
-        let mut path = trace(&scene, mode, Ray::new(origin * scale, direction), Follow::Sample, k as u64, Some(20));
-        path.vertices.iter_mut().for_each(|v| v.position = v.position.map(|x| x / scale));
-        path
+        let path = trace(&scene, mode, Ray::new(origin * scale, direction), Follow::Sample, k as u64, Some(20));
+        path.scaled(scale.recip())
     });
     Ok(paths.collect())
 }

@@ -184,12 +184,12 @@ fn a_saved_built_in_scene_brings_its_image() {
     let folder = tempfile::tempdir().unwrap();
     let scene = formats::open("plain-glass").unwrap();
     let path = folder.path().join("mine.toml");
-    std::fs::write(folder.path().join("sunset.exr"), "another file of that name").unwrap();
+    std::fs::write(folder.path().join("evening.exr"), "another file of that name").unwrap();
     save(&scene, &path).unwrap();
     save(&scene, &path).unwrap();
     let again = formats::file(&path).unwrap();
     let Environment::Image { path: image, .. } = &again.environment else { panic!("no image") };
-    assert_eq!(image, Path::new("sunset-2.exr"));
+    assert_eq!(image, Path::new("evening-2.exr"));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
 }
 
