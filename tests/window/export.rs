@@ -27,6 +27,12 @@ fn still_window(pane_count: usize, contents: &[PaneContent], arrangement: Arrang
     // The harness would draw a cursor of its own.
     harness.set_render_cursor(false);
     until(&mut harness, "there are images", every_pane_has_an_image);
+    until(&mut harness, "they are judged", |app| {
+        let mut modes = app.state().settings.modes().into_iter();
+        modes.all(|mode| app.state().verdicts.of.get(&mode).is_some_and(|verdict| verdict.paths >= 1024))
+    });
+    // Previews fade away.
+    harness.run_steps(60);
     harness
 }
 

@@ -84,7 +84,8 @@ fn a_slice_is_chosen_by_mouse_and_by_keyboard() {
     // No film is wanted any more, and the legends tell the modes apart: only naive leaves doubt.
     assert!(harness.state().state().settings.modes().is_empty());
     let legends: Vec<String> = (harness.query_all_by_label_contains("Legend: "))
-        .map(|node| node.accesskit_node().label().unwrap_or_default())
+        .map(|node| node.accesskit_node())
+        .map(|node| node.label().or(node.value()).unwrap_or_default())
         .collect();
     assert_eq!(legends.len(), 2, "{legends:?}");
     assert!(

@@ -75,7 +75,7 @@ fn every_wrong_pane_says_why_and_leads_to_the_place() {
         let modes = app.state().settings.modes();
         modes.iter().all(|mode| app.state().verdicts.of.get(mode).is_some_and(|verdict| verdict.paths >= 256))
     });
-    let verdict = harness.get_by_label("Verdict of pane 1: wrong here: does not know where the path starts");
+    let verdict = harness.get_by_label("Verdict of pane 1: wrong here: does not know that it starts in pool water");
     verdict.click();
     harness.run_steps(4);
     let state = harness.state().state();

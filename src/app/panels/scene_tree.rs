@@ -232,6 +232,7 @@ fn row_contents_ui(
 ) {
     let left = Rect::from_min_max(row.min + vec2(4.0 + indent, 0.0), pos2(controls_of(row).left() - 4.0, row.bottom()));
     let mut contents = ui.new_child(UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center)));
+    contents.spacing_mut().item_spacing.x = 3.0;
     marks(&mut contents);
     if let Some(confidence) = doubt {
         let color = Palette::of(&contents).warning;

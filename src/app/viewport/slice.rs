@@ -234,7 +234,7 @@ pub(super) fn show_legend(ui: &Ui, state: &State, source: &Source, index: usize,
     let more = (inks.len() + 1).saturating_sub(fitting);
     inks.truncate(inks.len() - more.min(inks.len()));
     inks.sort_unstable();
-    let width = room.width() * 0.6 - 2.0 * PADDING - SWATCH - 6.0;
+    let width = room.width() * 0.8 - 2.0 * PADDING - SWATCH - 6.0;
     let fit = |text: String| {
         let mut job = egui::text::LayoutJob::simple_singleline(text, font.clone(), TEXT);
         job.wrap = egui::text::TextWrapping::truncate_at_width(width);

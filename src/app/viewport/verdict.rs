@@ -13,6 +13,8 @@ use crate::tracking::Mode;
 /// What is said of a pane.
 struct Sentence {
     text: String,
+    /// Where there is no room for that.
+    brief: &'static str,
     /// In whole sentences, for the pointer.
     tip: String,
     kind: Kind,
@@ -34,8 +36,13 @@ pub(super) fn show(ui: &mut Ui, state: &State, index: usize, commands: &mut Vec<
         Kind::Wrong => (WARNING_MARK, ALERT),
         Kind::Neutral => ("", WEAK),
     };
-    let text = format!("{mark} {}", sentence.text);
-    let text = RichText::new(text.trim_start()).text_style(TextStyle::Small).color(color);
+    let room = ui.available_width() - 2.0 * ui.spacing().button_padding.x;
+    let font = TextStyle::Small.resolve(ui.style());
+    let fits = |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), color).size().x <= room;
+    let [full, brief] =
+        [&sentence.text[..], sentence.brief].map(|text| format!("{mark} {text}").trim_start().to_owned());
+    let text = if fits(&full) { full } else { brief };
+    let text = RichText::new(text).text_style(TextStyle::Small).color(color);
     let chip = Button::new(text).fill(GROUND).stroke(Stroke::NONE).corner_radius(5).min_size(Vec2::ZERO).truncate();
     let leads = if sentence.commands.is_empty() { "" } else { "\nClick to see where." };
     let response = ui.add(chip).on_hover_text(format!("{}{leads}", sentence.tip));
@@ -51,6 +58,7 @@ fn sentence(state: &State, index: usize) -> Option<Sentence> {
             let verdict = verdict(mode)?;
             Some(Sentence {
                 text: verdict.headline(),
+                brief: if verdict.is_right() { "right" } else { "wrong here" },
                 tip: verdict.explanation(),
                 kind: if verdict.is_right() { Kind::Right } else { Kind::Wrong },
                 commands: show_finding(verdict, index),
@@ -67,7 +75,8 @@ fn sentence(state: &State, index: usize) -> Option<Sentence> {
                 (false, false) => "both are wrong somewhere".to_owned(),
             };
             let wrong = if is_right_a { of_b } else { of_a };
-            Some(Sentence { text, tip: wrong.explanation(), kind: Kind::Neutral, commands: show_finding(wrong, index) })
+            let commands = show_finding(wrong, index);
+            Some(Sentence { text, brief: "where?", tip: wrong.explanation(), kind: Kind::Neutral, commands })
         }
         PaneContent::Error(mode) => {
             let verdict = verdict(mode)?;
@@ -78,7 +87,7 @@ fn sentence(state: &State, index: usize) -> Option<Sentence> {
                 format!("bright where {title} is wrong, and where noise is left")
             };
             let commands = show_finding(verdict, index);
-            Some(Sentence { text, tip: verdict.explanation(), kind: Kind::Neutral, commands })
+            Some(Sentence { text, brief: "where?", tip: verdict.explanation(), kind: Kind::Neutral, commands })
         }
         // Pictures that are no mode's.
         _ => None,

@@ -160,9 +160,9 @@ impl Slice {
     /// The last line of a legend.
     pub fn doubt_in_words(&self) -> String {
         match 100.0 * self.doubtful_share() {
-            _ if self.doubtful_pixels == 0 => "no place is doubtful".to_owned(),
-            percent if percent < 0.1 => "striped: doubtful, less than 0.1 %".to_owned(),
-            percent => format!("striped: doubtful, {percent:.1} %"),
+            _ if self.doubtful_pixels == 0 => "no doubt".to_owned(),
+            percent if percent < 0.1 => "striped: doubt, < 0.1 %".to_owned(),
+            percent => format!("striped: doubt, {percent:.1} %"),
         }
     }
 }

@@ -72,18 +72,21 @@ impl fmt::Display for Claim {
 }
 
 impl Cause {
-    /// What a mode does that this misleads, in a few words, after "it": "forgets that volumes overlap".
-    pub fn habit(&self) -> &'static str {
+    /// What a mode that this misleads does, in a few words: "forgets that water and tumbler overlap".
+    pub fn habit(&self) -> String {
         match self {
-            Self::StartsInside { .. } => "does not know where the path starts",
-            Self::VacuumOutside => "takes everything outside for vacuum",
-            Self::OneAnswerPerObject { .. } => "has one answer for a whole object",
-            Self::Overlap { .. } => "forgets that volumes overlap",
-            Self::EqualPriorities { .. } => "cannot tell which overlapping volume fills",
-            Self::SurfacesCoincide { .. } => "cannot order surfaces that coincide",
-            Self::OpenSurface { .. } => "counts wrong at an open surface",
-            Self::Doubtful => "a doubtful place",
-            Self::Unexplained => "not what reference finds",
+            Self::StartsInside { within } => match within.first() {
+                Some(innermost) => format!("does not know that it starts in {innermost}"),
+                None => "does not know where it starts".to_owned(),
+            },
+            Self::VacuumOutside => "takes everything outside for vacuum".to_owned(),
+            Self::OneAnswerPerObject { refractor, .. } => format!("has one answer for all of {refractor}"),
+            Self::Overlap { hidden, filler } => format!("forgets that {hidden} and {filler} overlap"),
+            Self::EqualPriorities { a, b } => format!("cannot tell which fills both, {a} or {b}"),
+            Self::SurfacesCoincide { a, b } => format!("cannot order {a} and {b}, which coincide"),
+            Self::OpenSurface { refractor } => format!("counts wrong where {refractor} is open"),
+            Self::Doubtful => "a doubtful place".to_owned(),
+            Self::Unexplained => "not what reference finds".to_owned(),
         }
     }
 
