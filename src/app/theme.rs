@@ -21,7 +21,7 @@ pub const RENDER_PANEL_WIDTH: f32 = 280.0;
 pub const WARNING_MARK: &str = "▲";
 pub const ERROR_MARK: &str = "■";
 pub const ADVICE_MARK: &str = "◆";
-pub const CHECK_MARK: &str = "✔";
+pub const CHECK_MARK: &str = "√";
 pub const CLOSE_MARK: &str = "×";
 pub const DOT: &str = "●";
 

@@ -128,7 +128,7 @@ mod tests {
     /// Against a far better image: much of the error goes at few samples, and never is any added.
     #[test]
     fn noise_goes_and_the_picture_stays() {
-        let description = Arc::new(crate::formats::open("iced-water").unwrap());
+        let description = Arc::new(crate::formats::open("nested-spheres").unwrap());
         let camera = Camera::new(&description.camera).unwrap();
         let prepared = prepare(description, None).unwrap();
         let rendered = |seed: u64, samples: u32| {

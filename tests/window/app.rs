@@ -657,7 +657,7 @@ fn a_ball_dragged_through_the_surface_of_water_stays_right() {
     settings.panes[2] = PaneContent::Mode(Mode::Reference);
     let mut harness = window_of(path.to_str().expect("a plain path"), settings, [1280.0, 720.0]);
     // One sample of every mode, taken with the same random numbers.
-    apply(&mut harness, Command::TogglePause);
+    apply(&mut harness, Command::SetSampleLimit(Some(1)));
     apply(&mut harness, Command::SelectObject(Some("ball".into())));
     apply(&mut harness, Command::BeginDrag);
     // (height of the ball's middle, whether it is in water and air at once)

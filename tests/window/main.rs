@@ -8,6 +8,7 @@ mod accessibility;
 mod app;
 mod building;
 mod export;
+mod journey;
 mod layout;
 mod measuring;
 mod media;
