@@ -123,7 +123,9 @@ fn walk(by: By, size: [f32; 2], theme: Theme) {
 
     // An overlap without an order, and its remedy.
     apply(&mut journey.harness, Command::SelectObject(Some("water".into())));
-    let tied = Command::object("water", iorect::app::ObjectEdit::Priority(0));
+    let tumbler = journey.harness.state().state().document.description().objects.find("tumbler").unwrap();
+    let priority = tumbler.refractor().unwrap().priority;
+    let tied = Command::object("water", iorect::app::ObjectEdit::Priority(priority));
     apply(&mut journey.harness, tied);
     until(&mut journey.harness, "the tie is found", |app| {
         app.state().is_prepared() && app.state().problems().iter().any(|problem| problem.kind.contains("overlap"))

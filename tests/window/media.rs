@@ -8,7 +8,7 @@ use iorect::app::{App, Command, WorldPart};
 use iorect::optics::{Ior, catalog};
 use iorect::scene::description::Environment;
 
-use crate::harness::{apply, window};
+use crate::harness::{apply, until, window};
 
 fn model(harness: &Harness<'_, App>, medium: &str) -> Ior {
     harness.state().state().document.description().medium(medium).expect("the scene has this medium").ior.clone()
@@ -161,6 +161,11 @@ fn a_drag_snaps_to_the_catalogue_and_is_one_step() {
     assert!((n - 1.421).abs() < 3e-4, "{n}");
 }
 
+/// Waits until cards say what rectification found.
+fn prepared(harness: &mut Harness<'_, App>) {
+    until(harness, "the edited scene is prepared", |app| app.state().is_prepared());
+}
+
 #[test]
 fn objects_of_one_medium_are_linked_until_one_gets_its_own() {
     let mut harness = window("nested-spheres");
@@ -171,7 +176,7 @@ fn objects_of_one_medium_are_linked_until_one_gets_its_own() {
         &mut harness,
         Command::Edit(iorect::app::Edit::Media(iorect::app::MediaEdit::Assign("water ball".into(), glass.clone()))),
     );
-    harness.run_steps(3);
+    prepared(&mut harness);
     assert!(has_text(&harness, "Linked with water ball"));
     harness.get_by_label("Make its own").click_accesskit();
     harness.run_steps(3);
@@ -202,6 +207,7 @@ fn a_medium_of_the_catalogue_is_chosen_with_the_keyboard() {
     harness.key_press(Key::Enter);
     harness.run_steps(3);
     assert_eq!(medium_of(&harness, "glass ball"), "sapphire");
+    prepared(&mut harness);
     assert_eq!(model(&harness, "sapphire"), Ior::Catalog(catalog::find("sapphire").unwrap()));
     assert_eq!(harness.state().state().document.description().media.len(), count + 1);
     // It is in the scene by now: choosing it again adds nothing.
