@@ -3,7 +3,7 @@
 
 use egui::{
     Atom, AtomExt, Button, Color32, Id, Key, Label, Modifiers, Popup, PopupCloseBehavior, Response, RichText,
-    ScrollArea, TextEdit, Ui, vec2,
+    ScrollArea, TextEdit, Ui, UiBuilder, vec2,
 };
 
 use super::theme::Palette;
@@ -47,7 +47,9 @@ pub fn picker_ui(
     let arrow = RichText::new("▼").size(8.0).color(Palette::of(ui).weak_text);
     let label: Atom<'_> = RichText::new(text).atom_shrink(true);
     let button = Button::new(label).right_text(arrow).min_size(size).truncate();
-    let response = ui.add_sized(size, button).on_hover_text(about);
+    // The focus stays although rows above come and go.
+    let place = UiBuilder::new().scope_id(id.with("button"));
+    let response = ui.scope_builder(place, |ui| ui.add_sized(size, button)).inner.on_hover_text(about);
     response.widget_info(|| {
         let mut info = egui::WidgetInfo::labeled(egui::Role::ComboBox, ui.is_enabled(), name);
         info.current_text_value = Some(text.to_owned());

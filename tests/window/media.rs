@@ -163,7 +163,9 @@ fn a_drag_snaps_to_the_catalogue_and_is_one_step() {
 
 /// Waits until cards say what rectification found.
 fn prepared(harness: &mut Harness<'_, App>) {
-    until(harness, "the edited scene is prepared", |app| app.state().is_prepared());
+    until(harness, "the edited scene is prepared", |app| {
+        app.state().is_prepared() && app.state().report.as_ref().is_some_and(|report| report.problems.is_some())
+    });
 }
 
 #[test]
@@ -212,6 +214,7 @@ fn a_medium_of_the_catalogue_is_chosen_with_the_keyboard() {
     assert_eq!(harness.state().state().document.description().media.len(), count + 1);
     // It is in the scene by now: choosing it again adds nothing.
     apply(&mut harness, Command::SelectObject(Some("water ball".into())));
+    prepared(&mut harness);
     harness.get_by_role_and_label(Role::ComboBox, "Medium of water ball").focus();
     harness.run_steps(2);
     harness.key_press(Key::Enter);

@@ -272,7 +272,7 @@ pub(super) fn show_legend(ui: &Ui, state: &State, source: &Source, index: usize,
 
 fn label(ink: Ink, slice: &Slice, prepared: &Prepared) -> String {
     match ink {
-        Ink::Line if slice.has_null_edges => "surface; dotted: one medium".to_owned(),
+        Ink::Line if slice.has_null_edges => "dotted: same medium".to_owned(),
         ink => ink.label(prepared),
     }
 }
