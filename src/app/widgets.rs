@@ -205,12 +205,13 @@ pub fn fact_ui(ui: &mut Ui, name: &str, text: impl Into<String>, about: &str) {
 
 /// A count in at most four characters and a prefix: "12", "3.4 k", "1.2 M".
 pub fn short_count(count: f64) -> String {
-    match count {
-        c if c >= 1e9 => format!("{:.1} G", c / 1e9),
-        c if c >= 1e6 => format!("{:.1} M", c / 1e6),
-        c if c >= 1e3 => format!("{:.1} k", c / 1e3),
-        c => format!("{c:.0}"),
-    }
+    let (size, unit) = match count {
+        c if c >= 1e9 => (c / 1e9, " G"),
+        c if c >= 1e6 => (c / 1e6, " M"),
+        c if c >= 1e3 => (c / 1e3, " k"),
+        c => return format!("{c:.0}"),
+    };
+    if size < 99.95 { format!("{size:.1}{unit}") } else { format!("{size:.0}{unit}") }
 }
 
 /// A duration in seconds in at most six characters.
@@ -232,6 +233,7 @@ mod tests {
     fn numbers_are_readable() {
         assert_eq!(short_count(950.0), "950");
         assert_eq!(short_count(3_100_000.0), "3.1 M");
+        assert_eq!([99_940.0, 99_960.0, 121_800.0].map(short_count), ["99.9 k", "100 k", "122 k"]);
         let short = [0.000_5, 0.012, 1.0, 9.99, 75.0, 36_000.0].map(short_seconds);
         assert_eq!(short, ["500 µs", "12 ms", "1.0 s", "10 s", "75 s", "10.0 h"]);
     }
