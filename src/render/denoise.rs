@@ -125,7 +125,8 @@ mod tests {
         a.iter().zip(b).map(of_pixel).sum::<f64>() / a.len() as f64
     }
 
-    /// Against a far better image: much of the error goes at few samples, and never is any added.
+    /// Against a far better image of a scene with large even areas. Where pixels hold more detail than that, as in iced-water, the filter can add
+    /// error at many samples: it knows variances only, no normals and no colours of surfaces.
     #[test]
     fn noise_goes_and_the_picture_stays() {
         let description = Arc::new(crate::formats::open("nested-spheres").unwrap());
@@ -143,7 +144,7 @@ mod tests {
             (film, noise)
         };
         let truth = rendered(9, 128).0.to_rgb();
-        for (samples, most) in [(4, 0.85), (32, 1.05)] {
+        for (samples, most) in [(4, 0.7), (32, 1.05)] {
             let (film, noise) = rendered(1, samples);
             let noisy = film.to_rgb();
             let smooth = denoised(&noisy, SIZE[0] as usize, &variances(&film, &noise).unwrap());
