@@ -1,6 +1,7 @@
 //! Measures how long frames take while panes render: for the report, and for whoever changes the window.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use super::screenshot::{Receipt, lock};
 use super::state::State;
@@ -19,17 +20,33 @@ pub struct FrameClock {
     seen: usize,
     interface: Vec<f64>,
     whole: Vec<f64>,
+    intervals: Vec<f64>,
+    /// When the last frame ended.
+    last: Option<Instant>,
+    drawn_by: Option<String>,
     samples_before: u32,
 }
 
 impl FrameClock {
     pub fn new(path: PathBuf, receipt: Receipt) -> Self {
-        Self { path, receipt, seen: 0, interface: Vec::new(), whole: Vec::new(), samples_before: 0 }
+        Self {
+            path,
+            receipt,
+            seen: 0,
+            interface: Vec::new(),
+            whole: Vec::new(),
+            intervals: Vec::new(),
+            last: None,
+            drawn_by: None,
+            samples_before: 0,
+        }
     }
 
-    /// To be called at the end of every frame, which took `secs` of the program's own work; the one before it took `whole_secs` with
+    /// To be called at the end of every frame, which took `secs` of the program's own work; `frame` knows what the one before it took with
     /// drawing. Frames count once every pane has `samples`.
-    pub fn tick(&mut self, ctx: &egui::Context, secs: f64, whole_secs: Option<f32>, state: &State, samples: u32) {
+    pub fn tick(&mut self, ctx: &egui::Context, secs: f64, frame: &eframe::Frame, state: &State, samples: u32) {
+        let now = Instant::now();
+        let interval = self.last.replace(now).map(|last| (now - last).as_secs_f64());
         if lock(&self.receipt).is_some() {
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             return;
@@ -44,7 +61,11 @@ impl FrameClock {
             return;
         }
         self.interface.push(secs);
-        self.whole.extend(whole_secs.map(f64::from));
+        self.whole.extend(frame.info().cpu_usage.map(f64::from));
+        self.intervals.extend(interval);
+        if self.drawn_by.is_none() {
+            self.drawn_by = frame.wgpu_render_state().map(|gpu| gpu.adapter.get_info().name);
+        }
         if self.interface.len() == FRAMES {
             let outcome = self.found(ctx, state, samples).map_or_else(
                 || Err("no frame was measured".to_owned()),
@@ -69,6 +90,8 @@ impl FrameClock {
             samples: samples.saturating_sub(self.samples_before),
             interface: Spread::of(std::mem::take(&mut self.interface))?,
             whole: Spread::of(std::mem::take(&mut self.whole)),
+            interval: Spread::of(std::mem::take(&mut self.intervals)),
+            drawn_by: self.drawn_by.take(),
         })
     }
 }

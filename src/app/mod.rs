@@ -414,7 +414,7 @@ impl eframe::App for App {
         if let Some(clock) = &mut self.frame_clock {
             let samples = |content: &PaneContent| self.viewport.samples(*content, &self.state);
             let samples = self.state.settings.shown_panes().iter().map(samples).min().unwrap_or(0);
-            clock.tick(&ctx, begin.elapsed().as_secs_f64(), frame.info().cpu_usage, &self.state, samples);
+            clock.tick(&ctx, begin.elapsed().as_secs_f64(), frame, &self.state, samples);
         }
         if let Some(camera) = &mut self.window_camera {
             let samples = |content: &PaneContent| self.viewport.samples(*content, &self.state);

@@ -381,7 +381,7 @@ impl Settings {
     /// Shows what a built-in scene is about, unless the user wants to choose the panes.
     pub fn take_first_panes(&mut self, description: &Description) {
         if let Some(first) = first_panes::of(description).filter(|_| self.has_first_panes) {
-            (self.pane_count, self.panes) = (first.count, first.panes);
+            (self.pane_count, self.panes) = (first.len(), first);
         }
     }
 

@@ -7,15 +7,22 @@ use super::progress::Progress;
 use super::timing::Timed;
 use crate::measure::{MetricError, flip};
 use crate::render::{Display, ImageSettings};
+use crate::scene::Description;
 use crate::scene::camera::Camera;
+use crate::session::first_modes;
 use crate::tracking::{Mode, Prepared};
 
 /// A picture with less mean FLIP than this looks clean.
 pub const CLEAN: f64 = 0.05;
-/// Modes of the first panes.
-pub const MODES: [Mode; 3] = [Mode::Naive, Mode::Stack, Mode::Rectified];
 /// Pixels of each of the first four panes, in a window of its first size with all panels.
-pub const PANE: [u32; 2] = [485, 434];
+pub const PANE: [u32; 2] = [509, 450];
+
+/// The modes of a scene's first panes, in the order of [`Mode::ALL`]; those of most scenes for one that is not built in.
+pub fn modes(description: &Description) -> Vec<Mode> {
+    let first = first_modes::of(description)
+        .map_or([Mode::Naive, Mode::Stack, Mode::Rectified], |first| [first.wrong, first.right, first.third]);
+    Mode::ALL.into_iter().filter(|mode| first.contains(mode)).collect()
+}
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -68,20 +75,21 @@ impl FirstLook {
     }
 }
 
-/// On rayon's current pool. `Ok(None)` when cancelled.
+/// How long the pictures of the modes `shown` take, on rayon's current pool. `Ok(None)` when cancelled.
 ///
 /// # Errors
 /// When images cannot be compared: not every number in them is finite.
 pub fn measure(
     prepared: &Prepared,
     camera: &Camera,
+    shown: &[Mode],
     plan: &FirstLookPlan,
     progress: &Progress<'_>,
 ) -> Result<Option<FirstLook>, MetricError> {
     let [width, height] = plan.size;
     let timed = |mode, seed| Timed::new(prepared, camera, ImageSettings::new(mode, seed), (width, height));
     let mut modes = Vec::new();
-    for mode in MODES {
+    for &mode in shown {
         let mut converged = timed(mode, plan.seed.wrapping_add(1));
         while converged.film.samples < plan.converged_samples {
             let some = (plan.converged_samples - converged.film.samples).min(16);
@@ -160,15 +168,16 @@ mod tests {
     fn pictures_of_a_scene_become_clean() {
         let description = Arc::new(crate::formats::open("plain-glass").unwrap());
         let camera = Camera::new(&description.camera).unwrap();
+        let shown = modes(&description);
         let prepared = prepare(description, None).unwrap();
         let plan = FirstLookPlan { size: [32, 24], converged_samples: 256, most_secs: 1e9, seed: 0 };
         let measured = |cancel: bool| {
             let progress = Progress { cancel: &AtomicBool::new(cancel), tell: &|_, _| () };
-            measure(&prepared, &camera, &plan, &progress).unwrap()
+            measure(&prepared, &camera, &shown, &plan, &progress).unwrap()
         };
         let found = measured(false).unwrap();
         assert!(measured(true).is_none());
-        assert_eq!(found.modes.iter().map(|mode| mode.mode).collect::<Vec<_>>(), MODES);
+        assert_eq!(found.modes.iter().map(|mode| mode.mode).collect::<Vec<_>>(), shown);
         for mode in &found.modes {
             assert!(
                 mode.points.windows(2).all(|pair| pair[1].secs > pair[0].secs && pair[1].samples > pair[0].samples)

@@ -47,6 +47,12 @@ pub struct FrameTimes {
     /// The whole of the processor's work for a frame: that, making triangles of it, and handing them to the graphics card, which a
     /// processor may stand in for. `None` where the system does not tell.
     pub whole: Option<Spread>,
+    /// From the beginning of one frame to that of the next, the graphics card's work and the wait for the screen included.
+    #[serde(default)]
+    pub interval: Option<Spread>,
+    /// The graphics card, or what stands in for it.
+    #[serde(default)]
+    pub drawn_by: Option<String>,
 }
 
 /// That file could not be read or written.
@@ -105,6 +111,8 @@ mod tests {
             samples: 3,
             interface: spread,
             whole: None,
+            interval: Some(spread),
+            drawn_by: Some("a card".into()),
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("frames.json");

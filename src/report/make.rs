@@ -218,7 +218,7 @@ fn scene(
     let first_look = request.asks_for(Part::FirstLook, || {
         let what = [name, "the first look"];
         tally.piece(what, FIRST_LOOK, "first-look", &(fingerprint, extent.first_look), |progress| {
-            Ok(first_look::measure(prepared, &camera, &extent.first_look, progress)?)
+            Ok(first_look::measure(prepared, &camera, &first_look::modes(description), &extent.first_look, progress)?)
         })
     })?;
     // The experiment keeps its pieces by itself.

@@ -16,6 +16,7 @@
 
 mod board;
 mod film_cache;
+pub mod first_modes;
 mod ground_truth;
 mod job;
 mod lane;

@@ -14,7 +14,7 @@ use std::process::Command;
 
 use iorect::measure::flip;
 use iorect::render::Display;
-use iorect::report::first_look::{CLEAN, Look, MODES, ModeLook, PANE};
+use iorect::report::first_look::{self, CLEAN, Look, ModeLook, PANE};
 use iorect::tracking::Mode;
 use serde_json::Value;
 
@@ -25,7 +25,7 @@ Usage: cargo bench --bench first_look -- --program NAME=PATH [OPTIONS]
 
   --program NAME=PATH  a build, under the name that its column gets; as often as wanted
   --scene NAME         a built-in scene [all that the program has]; as often as wanted
-  --size WxH           pixels of each picture [485x434, as of the first four panes]
+  --size WxH           pixels of each picture [that of the first four panes]
   --converged N        samples per pixel of the converged images [1024]
   --most-secs S        gives a scene up after so many seconds of rendering [300]
   --help               this text
@@ -73,30 +73,29 @@ fn options() -> Option<Options> {
 
 fn run(options: &Options) {
     let folder = tempfile::tempdir().expect("a folder for images");
-    let names = options.programs.iter().map(|(name, _)| name.as_str());
-    let columns: Vec<String> = names.flat_map(|name| MODES.map(|mode| format!("{name}, {mode}"))).collect();
+    let columns: Vec<&str> = options.programs.iter().map(|(name, _)| name.as_str()).collect();
     println!("Seconds until mean FLIP is below {CLEAN} ({} × {} pixels)\n", options.size[0], options.size[1]);
     println!("| scene | {} |\n|---|{}", columns.join(" | "), "---|".repeat(columns.len()));
     let scenes = if options.scenes.is_empty() { scenes_of(&options.programs) } else { options.scenes.clone() };
     for scene in scenes {
-        let cells = options.programs.iter().flat_map(|(_, program)| {
+        let cells = options.programs.iter().map(|(_, program)| {
             let looks = Program { path: program, folder: folder.path(), options }.looks(&scene);
-            MODES.map(|mode| cell(looks.as_ref().and_then(|looks| looks.iter().find(|look| look.mode == mode))))
+            looks.map_or("–".to_owned(), |looks| looks.iter().map(entry).collect::<Vec<_>>().join(", "))
         });
         println!("| {scene} | {} |", cells.collect::<Vec<_>>().join(" | "));
     }
 }
 
-fn cell(look: Option<&ModeLook>) -> String {
-    match look {
-        Some(ModeLook { clean_secs: Some(secs), clean_samples: Some(samples), .. }) => {
+fn entry(look: &ModeLook) -> String {
+    let time = match look {
+        ModeLook { clean_secs: Some(secs), clean_samples: Some(samples), .. } => {
             format!("{secs:.1} ({samples:.0} spp)")
         }
-        Some(ModeLook { points, .. }) => {
+        ModeLook { points, .. } => {
             points.last().map_or("–".to_owned(), |last| format!("> {:.1} (FLIP {:.3})", last.secs, last.flip))
         }
-        None => "–".to_owned(),
-    }
+    };
+    format!("{} {time}", look.mode)
 }
 
 /// The built-in scenes of all programs, each once.
@@ -126,7 +125,7 @@ impl Program<'_> {
     fn looks(&self, scene: &str) -> Option<Vec<ModeLook>> {
         let [width, height] = self.options.size.map(|side| side as usize);
         let mut modes = Vec::new();
-        for mode in MODES {
+        for mode in first_look::modes(&iorect::formats::open(scene).ok()?) {
             let (_, image) = self.render(scene, mode, self.options.converged, 1)?;
             let viewed = flip::DEFAULT_PIXELS_PER_DEGREE;
             let reference = flip::Reference::displayed(&image, width, height, viewed, Display::default()).ok()?;

@@ -57,6 +57,8 @@ fn request(subjects: Vec<Subject>, parts: &[Part]) -> Request {
         samples: 7,
         interface: spread,
         whole: None,
+        interval: Some(spread),
+        drawn_by: Some(HOSTILE.to_owned()),
     };
     Request {
         frames: Some(frames),

@@ -102,3 +102,14 @@ fn the_first_picture_of_a_scene_has_a_wrong_mode_and_a_right_one() {
         assert!(!is_right(0) && is_right(1), "{}: the first pane is to be wrong and the second right", scene.name);
     }
 }
+
+/// The report measures pictures of the size that the first four panes have.
+#[test]
+fn the_first_panes_have_the_size_that_the_report_measures() {
+    let settings = Settings { show_tour: false, ..Settings::default() };
+    let harness = window_of("iced-water", settings, [1600.0, 960.0]);
+    let film = harness.state().state().film_size();
+    for (side, measured) in film.into_iter().zip(iorect::report::first_look::PANE) {
+        assert!(side.abs_diff(measured) <= 4, "{film:?}");
+    }
+}

@@ -4,8 +4,9 @@ use maud::{Markup, html};
 
 use super::words::{fixed, time};
 use crate::report::data::Report;
-use crate::report::first_look::{CLEAN, FirstLook, MODES};
+use crate::report::first_look::{CLEAN, FirstLook, ModeLook};
 use crate::report::frame_times::{FrameTimes, Spread};
+use crate::tracking::Mode;
 
 /// `None` where nothing of it was measured.
 pub fn section(report: &Report) -> Option<Markup> {
@@ -21,6 +22,9 @@ pub fn section(report: &Report) -> Option<Markup> {
 }
 
 fn clean(measured: &[(&String, &FirstLook)], first: &FirstLook) -> Markup {
+    // Not every scene is opened with the same modes.
+    let has = |mode: Mode| measured.iter().any(|(_, look)| look.modes.iter().any(|look| look.mode == mode));
+    let modes: Vec<Mode> = Mode::ALL.into_iter().filter(|mode| has(*mode)).collect();
     html! {
         p {
             "Each scene is rendered as the first panes of the window are, " (first.size[0]) "×" (first.size[1])
@@ -35,7 +39,7 @@ fn clean(measured: &[(&String, &FirstLook)], first: &FirstLook) -> Markup {
                 thead {
                     tr {
                         th { "scene" } th class="n" { "prepared in" }
-                        @for mode in MODES { th class="n" { code { (mode) } } }
+                        @for mode in &modes { th class="n" { code { (mode) } } }
                         th class="n" { "all clean" }
                     }
                 }
@@ -44,21 +48,25 @@ fn clean(measured: &[(&String, &FirstLook)], first: &FirstLook) -> Markup {
                         tr {
                             th scope="row" { (name) }
                             td class="n" { (time(look.prepare_secs)) }
-                            @for mode in &look.modes {
-                                td class="n" {
-                                    @match (mode.clean_secs, mode.clean_samples, mode.points.last()) {
-                                        (Some(secs), Some(samples), _) => { (time(secs)) " " span class="interval" { "(" (fixed(samples, 0)) " spp)" } }
-                                        (.., Some(last)) => { "more than " (time(last.secs)) " " span class="interval" { "(FLIP " (fixed(last.flip, 3)) ")" } }
-                                        _ => "–"
-                                    }
-                                }
-                            }
+                            @for mode in &modes { td class="n" { (clean_mode(look.modes.iter().find(|look| look.mode == *mode))) } }
                             td class="n" { @match look.all_clean_secs() { Some(secs) => (time(secs)), None => "–" } }
                         }
                     }
                 }
             }
         }
+    }
+}
+
+/// When a mode's picture is clean; a dash where the scene is not opened with that mode.
+fn clean_mode(look: Option<&ModeLook>) -> Markup {
+    let interval = |text: String| html! { " " span class="interval" { "(" (text) ")" } };
+    match look.map(|look| (look.clean_secs, look.clean_samples, look.points.last())) {
+        Some((Some(secs), Some(samples), _)) => html! { (time(secs)) (interval(format!("{} spp", fixed(samples, 0)))) },
+        Some((.., Some(last))) => {
+            html! { "more than " (time(last.secs)) (interval(format!("FLIP {}", fixed(last.flip, 3)))) }
+        }
+        _ => html! { "–" },
     }
 }
 
@@ -77,7 +85,9 @@ fn window(frames: &FrameTimes) -> Markup {
             "While " (frames.panes) " panes of " code { (frames.scene) } " rendered (" (frames.pane[0]) "×" (frames.pane[1]) " pixels each, "
             (frames.samples) " samples meanwhile), the window of " (frames.window[0]) "×" (frames.window[1]) " pixels drew " (frames.frames)
             " frames one after the other. Threads that render have a lower priority than the window's. Measured by " code { "iorect --measure-frames" }
-            " on " (machine.cpu.clone().unwrap_or_else(|| "an unknown processor".to_owned())) ", " (machine.cores) " hardware threads, " (frames.date)
+            " on " (machine.cpu.clone().unwrap_or_else(|| "an unknown processor".to_owned())) ", " (machine.cores) " hardware threads, "
+            @if let Some(card) = &frames.drawn_by { "drawn by " (card) ", " }
+            (frames.date)
             @if !frames.is_optimized { ", " strong { "built without optimisation" } } "."
         }
         div class="scroll" {
@@ -87,6 +97,7 @@ fn window(frames: &FrameTimes) -> Markup {
                 tbody {
                     (row("panels, pictures and input", frames.interface))
                     @if let Some(whole) = frames.whole { (row("with drawing", whole)) }
+                    @if let Some(interval) = frames.interval { (row("from frame to frame", interval)) }
                 }
             }
         }

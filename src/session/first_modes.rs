@@ -1,0 +1,56 @@
+//! What a built-in scene is opened with: the mode that goes wrong there beside one that does not.
+
+use crate::scene::Description;
+use crate::tracking::Mode;
+
+/// The modes of a scene's first picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FirstModes {
+    /// Name of the built-in scene.
+    scene: &'static str,
+    /// The one that goes wrong, where one does; its difference from `right` is shown too.
+    pub wrong: Mode,
+    pub right: Mode,
+    pub third: Mode,
+}
+
+const fn modes(scene: &'static str, wrong: Mode, right: Mode, third: Mode) -> FirstModes {
+    FirstModes { scene, wrong, right, third }
+}
+
+pub(crate) const ALL: &[FirstModes] = &[
+    modes("iced-water", Mode::Stack, Mode::Rectified, Mode::Naive),
+    modes("camera-in-water", Mode::Stack, Mode::Rectified, Mode::Naive),
+    modes("nested-spheres", Mode::Naive, Mode::Rectified, Mode::Stack),
+    modes("bubble-in-glass", Mode::Naive, Mode::Rectified, Mode::Stack),
+    modes("three-shells", Mode::Naive, Mode::Rectified, Mode::Stack),
+    modes("siblings", Mode::Naive, Mode::Rectified, Mode::Stack),
+    modes("diamond-in-water", Mode::Naive, Mode::Rectified, Mode::Stack),
+    modes("world-oil", Mode::Naive, Mode::Rectified, Mode::Stack),
+    modes("lamp-in-ice", Mode::Naive, Mode::Rectified, Mode::Stack),
+    modes("luneburg", Mode::Naive, Mode::Rectified, Mode::Stack),
+    modes("plain-glass", Mode::Naive, Mode::Rectified, Mode::Stack),
+    modes("half-submerged", Mode::RectifiedObject, Mode::Rectified, Mode::Stack),
+];
+
+/// The modes for a scene as it was read; `None` for a scene that is not built in.
+pub fn of(description: &Description) -> Option<&'static FirstModes> {
+    let source = description.source.as_ref().filter(|source| source.is_builtin)?;
+    let name = source.path.file_stem()?;
+    ALL.iter().find(|first| name == first.scene)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::{builtin, open};
+
+    #[test]
+    fn every_built_in_scene_has_its_modes() {
+        for scene in builtin::all() {
+            let first = of(&open(scene.name).unwrap()).unwrap_or_else(|| panic!("{} has no modes", scene.name));
+            assert!(first.wrong != first.right && first.right != first.third && first.third != first.wrong);
+        }
+        assert_eq!(ALL.len(), builtin::all().len());
+    }
+}
