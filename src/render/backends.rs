@@ -1,17 +1,25 @@
 //! The renderers, by their backends.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::cpu::Cpu;
 use super::film::Film;
 use super::renderer::{RenderTask, Renderer, Unsupported};
 use super::settings::Backend;
+use crate::tracking::Mode;
 
-/// The renderer of a backend.
+/// The renderer of a backend. Without the Cargo feature `gpu` there is only one.
 pub fn renderer(backend: Backend) -> &'static dyn Renderer {
     match backend {
-        Backend::Cpu => &Cpu,
+        Backend::Cpu | Backend::Mixed => &Cpu,
+        // Nothing chooses it yet.
+        Backend::Gpu => &Cpu,
     }
+}
+
+/// What renders in `mode` where `backend` is asked for: [`Mode::Reference`] is always rendered by the CPU, in f64.
+pub fn backend_of(mode: Mode, backend: Backend) -> Backend {
+    if mode == Mode::Reference || cfg!(not(feature = "gpu")) { Backend::Cpu } else { backend }
 }
 
 impl RenderTask<'_> {
@@ -20,11 +28,25 @@ impl RenderTask<'_> {
     /// # Errors
     /// When it cannot: why, and what to do instead.
     pub fn require(&self) -> Result<(), Unsupported> {
-        renderer(self.settings.backend).require(self)
+        renderer(self.backend()).require(self)
     }
 
-    /// A pass over `film` by the backend that the settings name: see [`Renderer::pass`].
+    /// A pass over `film` by the backend that the settings name: see [`Renderer::pass`]. Where its device fails, the CPU goes on, and
+    /// [`Film::backend`] says so.
     pub fn pass(&self, film: &mut Film, samples: u32, cancel: &AtomicBool) -> bool {
-        renderer(self.settings.backend).pass(self, film, samples, cancel)
+        let backend = self.backend();
+        let is_complete = renderer(backend).pass(self, film, samples, cancel);
+        let has_failed = !is_complete && backend == Backend::Gpu && !cancel.load(Ordering::Relaxed);
+        if !has_failed {
+            film.rendered_by(backend);
+            return is_complete;
+        }
+        let is_complete = Cpu.pass(self, film, samples, cancel);
+        film.rendered_by(Backend::Cpu);
+        is_complete
+    }
+
+    fn backend(&self) -> Backend {
+        backend_of(self.settings.mode, self.settings.backend)
     }
 }

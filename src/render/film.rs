@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::allocation::Allocation;
 use super::exact::{ExactRow, ExactSums};
 use super::pilot::{PILOT, Pilot, PilotRow};
+use super::settings::Backend;
 use crate::spectrum::Spectrum;
 use crate::tracking::Events;
 
@@ -32,6 +33,8 @@ pub struct Film {
     pub exact: Option<ExactSums>,
     /// Samples that each row has beyond `samples`, because a pass was cancelled; empty where none was.
     pub ahead: Vec<u32>,
+    /// What has taken the samples; `None` before the first.
+    pub backend: Option<Backend>,
 }
 
 impl Film {
@@ -49,6 +52,7 @@ impl Film {
             allocation: None,
             exact: None,
             ahead: Vec::new(),
+            backend: None,
         }
     }
 
@@ -114,6 +118,11 @@ impl Film {
             self.samples += samples;
         }
         is_complete
+    }
+
+    /// Takes note of who has added samples.
+    pub(super) fn rendered_by(&mut self, backend: Backend) {
+        self.backend = Some(self.backend.map_or(backend, |before| before.and(backend)));
     }
 
     /// Its rows, to be added to.

@@ -8,6 +8,8 @@ pub mod display;
 pub mod exact;
 pub mod film;
 pub mod fingerprint;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod noise;
 pub mod partial;
 pub mod pilot;

@@ -24,11 +24,26 @@ pub trait Renderer: Sync {
     /// When it cannot: why, and what to do instead.
     fn require(&self, task: &RenderTask<'_>) -> Result<(), Unsupported>;
 
+    /// Whether a pass can begin at once; else [`Self::make_ready`] takes a while, and the first pass as long.
+    fn is_ready(&self, _task: &RenderTask<'_>) -> bool {
+        true
+    }
+
+    /// Does what takes long before the first pass of such a task: compiles shaders.
+    ///
+    /// # Errors
+    /// When it turns out that it cannot be rendered.
+    fn make_ready(&self, task: &RenderTask<'_>) -> Result<(), Unsupported> {
+        self.require(task)
+    }
+
     /// Adds `samples` samples to every pixel of `film`; with an allocation, in the mean. The result depends on the task and on the film's size
     /// and earlier samples, not on how work is divided.
     ///
     /// Returns `false` when `cancel` was set before all was done. A film that [`Film::is_resumable`] has kept each row that was finished
     /// and can be gone on with: the next pass takes what is missing. Another one is spoilt.
+    ///
+    /// Also `false` where the device fails meanwhile: the film is then as it was before the pass, and another renderer can go on with it.
     fn pass(&self, task: &RenderTask<'_>, film: &mut Film, samples: u32, cancel: &AtomicBool) -> bool;
 }
 

@@ -13,6 +13,16 @@ named! {
     pub enum Backend {
         #[default]
         Cpu = "cpu",
+        Gpu = "gpu",
+        /// Some samples each: what the GPU was lost over, and parts of both that were put together. The CPU takes what is missing.
+        Mixed = "mixed",
+    }
+}
+
+impl Backend {
+    /// What has taken the samples of two images that are put together.
+    pub fn and(self, other: Self) -> Self {
+        if self == other { self } else { Self::Mixed }
     }
 }
 
@@ -63,6 +73,9 @@ impl ImageSettings {
         }
     }
 
+    /// How messages name the backend.
+    pub const BACKEND: &'static str = "the backend";
+
     /// Each setting, as messages name it, with its value: what the fingerprint of an image takes up, and what parts of an image must agree in.
     pub fn named(&self) -> [(&'static str, String); 9] {
         let on_or_off = |value: bool| if value { "on" } else { "off" }.to_owned();
@@ -70,7 +83,7 @@ impl ImageSettings {
         let Self { mode, backend, estimator, seed, max_depth, leave_out, splits, sampler, sample_environment } = *self;
         [
             ("the mode", mode.to_string()),
-            ("the backend", backend.name().to_owned()),
+            (Self::BACKEND, backend.name().to_owned()),
             ("the estimator", estimator.name().to_owned()),
             ("the seed", seed.to_string()),
             ("--max-depth", max_depth.map_or("none".into(), |depth| depth.to_string())),
