@@ -4,6 +4,7 @@ mod ior;
 mod node;
 mod read;
 mod reader;
+mod syntax;
 mod write;
 
 pub use self::read::{parse, read};

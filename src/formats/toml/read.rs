@@ -10,6 +10,7 @@ use toml_edit::Document;
 
 use super::node::{Node, Table, Text};
 use super::reader::{Context, read_list, read_table};
+use super::syntax::{Mistake, salvage};
 use crate::formats::encoding::utf16;
 use crate::formats::files::Files;
 use crate::scene::SceneError;
@@ -45,20 +46,34 @@ pub(super) fn parse_text_only(text: &str, path: &Path) -> Result<Description, Sc
 
 fn parse_with(text: &str, path: &Path, files: Option<&dyn Files>) -> Result<Description, SceneError> {
     let place = Text { path, text };
-    let document = Document::parse(text).map_err(|error| {
-        let message = error.message().trim().replace('\n', ", ");
-        match error.span() {
-            Some(span) => place.error(span.start, message),
+    let document = Document::parse(text);
+    // Of a text that is not TOML, the tables without mistakes are read.
+    let salvage = document.as_ref().err().map(|error| salvage(text, error));
+    let mistakes: Vec<SceneError> = (salvage.iter().flat_map(|salvage| &salvage.mistakes))
+        .map(|Mistake { at, message }| match at {
+            Some(at) => place.error(*at, message),
             None => SceneError::in_file(path, message),
+        })
+        .collect();
+    let has_lost = |key| salvage.as_ref().is_some_and(|salvage| salvage.has_lost(key));
+    let document = match &salvage {
+        Some(salvage) => Document::parse(&*salvage.rest),
+        None => document,
+    };
+    let document = match document {
+        Ok(document) => document,
+        Err(error) => {
+            return Err(SceneError::all(mistakes, path).unwrap_or_else(|| SceneError::in_file(path, error.message())));
         }
-    })?;
+    };
     let root = Table::root(&place, document.as_table());
     let stem = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
     let mut context = Context::new(files, path.parent().unwrap_or(Path::new("")));
+    context.errors.extend(mistakes);
     let keys = [&["name", "camera", "world", "environment", "medium"][..], &Kind::ALL.map(Kind::name)].concat();
     context.errors.extend(root.unknown(&keys));
     let media = read_list(&root, "medium", &mut context, blank_medium, medium_fields);
-    context.set_media(media.as_deref());
+    context.set_media(media.as_deref().filter(|_| !has_lost("medium")));
     let mut objects = Vec::new();
     for kind in Kind::ALL {
         objects.extend(
@@ -75,7 +90,9 @@ fn parse_with(text: &str, path: &Path, files: Option<&dyn Files>) -> Result<Desc
             Err(error) => context.report(error),
         };
     let mut camera = CameraDescription::blank();
-    section("camera", root.need("camera"), &mut |v| camera.fields(v));
+    if root.get("camera").is_some() || !has_lost("camera") {
+        section("camera", root.need("camera"), &mut |v| camera.fields(v));
+    }
     let mut world = WorldMedium::DEFAULT;
     if let Some(node) = root.get("world") {
         section("world", Ok(node), &mut |v| world.fields(v));
@@ -174,6 +191,57 @@ image = \"x.hdr\"
         assert_eq!(found.len(), expected.len(), "{found:#?}");
     }
 
+    /// Mistakes that make a text no TOML hide nothing of the tables without them.
+    #[test]
+    fn all_mistakes_are_found_in_a_text_that_is_not_toml() {
+        let text = "\
+name = \"broken
+[camera]
+position = [0, 0, 1
+target = [0, 0, 0]
+[[medium]]
+name = \"glass\"
+ior = 1.5.2
+[[medium]]
+name = \"water\"
+ior = -1
+[[refractor]]
+name = \"a\"
+medium = \"glass\"
+shape = { sphere = { center = [0, 0, 0], radius = 0 } }
+[[solid]]
+name = \"s\"
+color = 0.5, 0.5, 0.5
+[solid.shape.box]
+min = [0, 0, 0]
+[[light]
+name = \"l\"
+[[light]]
+name = \"l\"
+name = \"m\"
+[environment]
+colour = [0, 0, 0]
+";
+        let found = errors(text);
+        let expected = [
+            ("s.toml:1:", "string"),
+            ("s.toml:3:", "array"),
+            ("s.toml:7:", ""),
+            ("s.toml:10:7", "greater than 0"),
+            ("s.toml:14", "radius"),
+            ("s.toml:17:", ""),
+            ("s.toml:20:", "]"),
+            ("s.toml:24:1", "duplicate"),
+            ("s.toml:26:1", "colour"),
+        ];
+        for ((place, word), found) in expected.iter().zip(&found) {
+            assert!(found.starts_with(place) && found.contains(word), "{found:?} is not at {place} about {word}");
+        }
+        assert_eq!(found.len(), expected.len(), "{found:#?}");
+        // The first one lists the others, too.
+        assert!(found[1..].iter().all(|error| !error.contains('\n')));
+    }
+
     /// What follows from another mistake alone is not said.
     #[test]
     fn one_mistake_is_one_error() {
@@ -186,6 +254,10 @@ image = \"x.hdr\"
             "[[solid]]\nname = \"s\"\ncolor = [1, 1, 1]\nchecker = { a = [1, 1, 1], b = [1, 1, 1], size = 1 }\nshape = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n",
             "[[medium]]\nname = 5\nior = 1\n[[refractor]]\nname = \"r\"\nmedium = \"water\"\nshape = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n",
             "[[refractor]]\nname = \"r\"\nmedium = \"water\"\nshape = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n[medium]\nname = \"water\"\n",
+            "[[medium]]\nname = \"water\"\nior = 1.3 3\n[[refractor]]\nname = \"r\"\nmedium = \"water\"\nshape = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n",
+            "[[medium]\nname = \"water\"\nior = 1.33\n[[refractor]]\nname = \"r\"\nmedium = \"water\"\nshape = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n",
+            "[[solid]]\nname = \"s\"\n[solid.shape.box]\nmin = [0, 0, 0\nmax = [1, 1, 1]\n[solid.transform]\nscale = 2\n",
+            "[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n",
         ] {
             let found = errors(&format!("{HEAD}{tail}"));
             assert_eq!(found.len(), 1, "{tail}: {found:#?}");
