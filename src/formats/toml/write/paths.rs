@@ -5,27 +5,31 @@ use std::path::{Component, Path, PathBuf};
 use crate::formats::builtin::BuiltIn;
 use crate::formats::disk::{self, FileError};
 use crate::formats::files::{Files, normal};
+use crate::formats::toml::read::parse_text_only;
 use crate::scene::SceneError;
-use crate::scene::description::{Description, Environment, Shape};
+use crate::scene::description::{Description, Environment, Shape, Source};
 use crate::writing::write_atomically;
 
-/// Makes the scene's relative paths right for a scene file at `target`.
+/// Makes the scene's paths right for a scene file at `target`: relative ones for its folder, and what was added by an absolute path relative
+/// to the folder where it lies in there. Absolute paths that the scene's file had stay.
 pub(super) fn relocate(description: &mut Description, target: &Path) -> Result<(), SceneError> {
-    let Some(source) = description.source.clone() else { return Ok(()) };
-    let old_folder = source.path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let source = description.source.clone();
+    let old_folder = source.as_ref().and_then(|source| source.path.parent()).unwrap_or(Path::new("")).to_path_buf();
     let new_folder = target.parent().unwrap_or(Path::new("")).to_path_buf();
+    let kept = source.as_ref().map_or_else(Vec::new, |source| absolute_paths(source));
     let moved = |path: &mut PathBuf| -> Result<(), SceneError> {
-        if path.is_absolute() {
-            return Ok(());
-        }
-        *path = if source.is_builtin {
-            copy_asset(&old_folder.join(&*path), &new_folder)?
-        } else {
-            let (old, new) = (absolute(&old_folder), absolute(&new_folder));
-            if old == new {
-                return Ok(());
+        *path = match &source {
+            _ if path.is_absolute() && kept.contains(path) => return Ok(()),
+            _ if path.is_absolute() => below(&new_folder, path).unwrap_or_else(|| path.clone()),
+            None => return Ok(()),
+            Some(source) if source.is_builtin => copy_asset(&old_folder.join(&*path), &new_folder)?,
+            Some(_) => {
+                let (old, new) = (absolute(&old_folder), absolute(&new_folder));
+                if old == new {
+                    return Ok(());
+                }
+                relative(&new, &normal(&old.join(&*path)))
             }
-            relative(&new, &normal(&old.join(&*path)))
         };
         // Scene files are text.
         if path.to_str().is_none() {
@@ -46,6 +50,27 @@ pub(super) fn relocate(description: &mut Description, target: &Path) -> Result<(
         moved(path)?;
     }
     Ok(())
+}
+
+/// The absolute paths in a scene's file.
+fn absolute_paths(source: &Source) -> Vec<PathBuf> {
+    let Ok(description) = parse_text_only(&source.text, &source.path) else { return Vec::new() };
+    let meshes = description.objects.iter().filter_map(|object| match &object.shape {
+        Shape::Mesh { path, .. } => Some(path),
+        _ => None,
+    });
+    let image = match &description.environment {
+        Environment::Image { path, .. } => Some(path),
+        _ => None,
+    };
+    meshes.chain(image).filter(|path| path.is_absolute()).cloned().collect()
+}
+
+/// Where a file with an absolute path is within a folder; `None` where it is elsewhere.
+fn below(folder: &Path, file: &Path) -> Option<PathBuf> {
+    let within = |folder: &Path, file: &Path| file.strip_prefix(folder).ok().map(Path::to_path_buf);
+    let as_named = std::path::absolute(folder).ok().and_then(|folder| within(&folder, file));
+    as_named.or_else(|| within(&absolute(folder), &absolute(file.parent()?).join(file.file_name()?)))
 }
 
 /// Writes a file that is compiled into the program into `folder`, under its own name or, where another file has that, a numbered one.

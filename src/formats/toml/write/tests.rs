@@ -179,6 +179,43 @@ fn saved_elsewhere_it_still_finds_its_files() {
     assert_eq!(formats::file(&at("a/s.toml")).unwrap().objects[0].shape, scene.objects.refractors()[0].shape);
 }
 
+/// Whatever the scene was before, what was added goes by a path within the scene's folder where it lies there.
+#[test]
+fn what_is_added_goes_with_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |path: &str| folder.path().join(path);
+    for sub in ["a/meshes", "b"] {
+        std::fs::create_dir_all(at(sub)).unwrap();
+    }
+    let file = at("a/meshes/m.obj");
+    std::fs::write(&file, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let named = |path: &str| {
+        let scene = formats::file(&at(path)).unwrap();
+        let Shape::Mesh { path, .. } = &scene.objects.find("ball").unwrap().shape else { panic!("no mesh") };
+        path.clone()
+    };
+    let fresh = Description { source: None, ..read(TEXT) };
+    std::fs::write(at("a/mine.toml"), TEXT).unwrap();
+    let saved = formats::file(&at("a/mine.toml")).unwrap();
+    let built_in = Description { source: formats::open("siblings").unwrap().source, ..read(TEXT) };
+    for mut scene in [fresh, saved, built_in] {
+        let (mesh, notes) = formats::mesh_from_file(&file).unwrap();
+        let ball = scene.objects.iter_mut().find(|object| object.name == "ball").unwrap();
+        ball.shape = Shape::Mesh { path: file.clone(), mesh: mesh.into(), notes };
+        for (target, expected) in
+            [("a/s.toml", Path::new("meshes/m.obj")), ("a/meshes/s.toml", Path::new("m.obj")), ("b/s.toml", &*file)]
+        {
+            save(&scene, &at(target)).unwrap();
+            assert_eq!(named(target), expected, "{target}");
+        }
+    }
+    // A path that the file itself has is not touched.
+    let text = TEXT.replace("sphere = { center = [0, 0, 0], radius = 1 }", &format!("mesh = '{}'", file.display()));
+    std::fs::write(at("a/own.toml"), &text).unwrap();
+    save(&formats::file(&at("a/own.toml")).unwrap(), &at("a/own.toml")).unwrap();
+    assert_eq!(std::fs::read_to_string(at("a/own.toml")).unwrap(), text);
+}
+
 #[test]
 fn a_saved_built_in_scene_brings_its_image() {
     let folder = tempfile::tempdir().unwrap();
