@@ -9,7 +9,7 @@ const PERCENTILE: f64 = 0.995;
 /// Decades below its end that a logarithmic scale shows.
 pub const DECADES: f32 = 4.0;
 /// Ends of fixed ranges, in linear luminance.
-pub const ENDS: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
+pub const ENDS: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
 /// Where the scale ends.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -66,7 +66,7 @@ impl DifferenceRange {
     pub fn repaired(self) -> Self {
         let end = match self.end {
             RangeEnd::Fixed(end) if end.is_finite() && end > 0.0 => {
-                RangeEnd::Fixed(three_digits(end.clamp(*ENDS.start(), *ENDS.end())))
+                RangeEnd::Fixed(three_digits(end.clamp(*ENDS.start() as f32, *ENDS.end() as f32)))
             }
             RangeEnd::Fixed(_) => RangeEnd::default(),
             other => other,
@@ -135,7 +135,7 @@ pub fn automatic_end(differences: impl Iterator<Item = f32>) -> f32 {
     }
     let index = ((sizes.len() - 1) as f64 * PERCENTILE).round() as usize;
     let (_, size, _) = sizes.select_nth_unstable_by(index, f32::total_cmp);
-    round_up_to_125(*size).min(*ENDS.end())
+    round_up_to_125(*size).min(*ENDS.end() as f32)
 }
 
 #[cfg(test)]

@@ -101,10 +101,10 @@ pub fn refusal_ui(ui: &mut Ui, refusal: &Refusal, stays: &str) {
     });
 }
 
-/// [`refusal_ui`] for a field with no room below it: over what is there.
+/// [`refusal_ui`] for a field with no room below it: over what is there, which can still be clicked.
 pub fn refusal_popup_ui(response: &Response, refusal: &Refusal, stays: &str) {
     let popup = Popup::from_response(response).id(response.id.with("refusal")).open(true).gap(4.0);
-    popup.close_behavior(PopupCloseBehavior::IgnoreClicks).show(|ui| {
+    popup.close_behavior(PopupCloseBehavior::IgnoreClicks).interactable(false).show(|ui| {
         ui.set_max_width(240.0);
         refusal_ui(ui, refusal, stays);
     });

@@ -3,6 +3,7 @@
 mod vector;
 
 use std::cell::RefCell;
+use std::ops::RangeInclusive;
 
 use egui::{
     Align, AsIdSalt, Color32, ComboBox, DragValue, Key, Layout, Response, RichText, ScrollArea, Sense, Ui, Vec2,
@@ -121,8 +122,43 @@ pub fn number_ui(
     label: impl Into<String>,
     about: impl Into<String>,
 ) -> bool {
+    typed_ui(ui, width, drag, entry::number, label, about)
+}
+
+/// [`number_ui`] for numbers within `range`: dragging ends there, and what is typed beyond is refused.
+pub fn number_within_ui(
+    ui: &mut Ui,
+    width: f32,
+    range: RangeInclusive<f64>,
+    drag: DragValue<'_>,
+    label: impl Into<String>,
+    about: impl Into<String>,
+) -> bool {
+    typed_ui(ui, width, drag.range(range.clone()), |text| entry::number_within(text, &range), label, about)
+}
+
+/// [`number_within_ui`] for whole numbers.
+pub fn whole_ui(
+    ui: &mut Ui,
+    width: f32,
+    range: RangeInclusive<i64>,
+    drag: DragValue<'_>,
+    label: impl Into<String>,
+    about: impl Into<String>,
+) -> bool {
+    typed_ui(ui, width, drag.range(range.clone()), |text| entry::whole(text, &range), label, about)
+}
+
+fn typed_ui(
+    ui: &mut Ui,
+    width: f32,
+    drag: DragValue<'_>,
+    read: impl Fn(&str) -> Result<f64, Refusal>,
+    label: impl Into<String>,
+    about: impl Into<String>,
+) -> bool {
     let refused: RefCell<Option<Refusal>> = RefCell::new(None);
-    let read = |text: &str| entry::number(text).map_err(|refusal| refused.replace(Some(refusal))).ok();
+    let read = |text: &str| read(text).map_err(|refusal| refused.replace(Some(refusal))).ok();
     let drag = drag.update_while_editing(false).custom_parser(read);
     let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
     // egui takes what was typed before Escape one frame later.

@@ -8,7 +8,7 @@ mod units;
 use std::fmt;
 
 pub use self::ior::ior;
-pub use self::units::{distance, number};
+pub use self::units::{distance, number, number_within, whole};
 
 /// Why a text is not taken: a sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,5 +1,7 @@
 //! Numbers and distances as they are typed. Scenes have no metres: a unit is refused, and the message says what to do.
 
+use std::ops::RangeInclusive;
+
 use super::expression::evaluate;
 use super::{Refusal, quoted};
 
@@ -19,6 +21,29 @@ pub fn number(text: &str) -> Result<f64, Refusal> {
             format!("{} is no number.", quoted(word))
         }))
     })
+}
+
+/// A number within `range`.
+///
+/// # Errors
+/// When it is none, or outside.
+pub fn number_within(text: &str, range: &RangeInclusive<f64>) -> Result<f64, Refusal> {
+    let value = number(text)?;
+    let (least, most) = (range.start(), range.end());
+    match value {
+        value if value < *least => Err(Refusal::new(format!("{value} is too small: at least {least}."))),
+        value if value > *most => Err(Refusal::new(format!("{value} is too large: at most {most}."))),
+        value => Ok(value),
+    }
+}
+
+/// A whole number within `range`.
+///
+/// # Errors
+/// When it is none, or outside.
+pub fn whole(text: &str, range: &RangeInclusive<i64>) -> Result<f64, Refusal> {
+    let value = number_within(text, &(*range.start() as f64..=*range.end() as f64))?;
+    if value.fract() == 0.0 { Ok(value) } else { Err(Refusal::new(format!("{value} is no whole number."))) }
 }
 
 /// A distance above 0, in scene units.
@@ -45,6 +70,7 @@ mod tests {
         assert_eq!(number("1,5"), Ok(1.5));
         assert_eq!(number("90/4°"), Ok(22.5));
         assert_eq!(distance("1/4"), Ok(0.25));
+        assert_eq!([number_within("90*2", &(0.0..=180.0)), whole("2^6", &(1..=64))], [Ok(180.0), Ok(64.0)]);
         for (refusal, reason) in [
             (number("2 mm"), "scene units, which have no size in metres"),
             (number("0.3/cm"), "“cm” does not belong here"),
@@ -53,6 +79,10 @@ mod tests {
             (number("two"), "“two” is no number"),
             (distance("0"), "0 is no distance"),
             (distance("-1"), "-1 is no distance"),
+            (number_within("180,5", &(0.0..=180.0)), "180.5 is too large: at most 180."),
+            (number_within("-1e-9", &(0.0..=180.0)), "is too small: at least 0."),
+            (whole("65", &(1..=64)), "65 is too large: at most 64."),
+            (whole("1.5", &(1..=64)), "1.5 is no whole number"),
         ] {
             let refusal = refusal.expect_err(reason);
             assert!(refusal.0.contains(reason), "{refusal}");

@@ -5,7 +5,7 @@ use egui::{Button, DragValue, Label, Ui};
 use crate::app::command::Command;
 use crate::app::edit::Edit;
 use crate::app::state::State;
-use crate::app::widgets::{Triple, XYZ, note, number_ui, row_ui, vector_ui};
+use crate::app::widgets::{Triple, XYZ, note, number_within_ui, row_ui, vector_ui};
 use crate::scene::description::CameraDescription;
 
 /// Height of the sensor that focal lengths are given for: that of 35 mm film, in mm.
@@ -74,14 +74,16 @@ fn lens_ui(ui: &mut Ui, state: &State, camera: &mut CameraDescription, distance:
     let about = "Vertical field of view, and the focal length that has it on film 24 mm high.";
     row_ui(ui, "View", about, |ui| {
         let mut fov = camera.vertical_fov;
-        let drag = DragValue::new(&mut fov).speed(0.1).range(0.01..=179.0).suffix("°").max_decimals(2);
-        if number_ui(ui, FIELD, drag, "Vertical field of view", "Degrees over the height of the picture.") {
+        let drag = DragValue::new(&mut fov).speed(0.1).suffix("°").max_decimals(2);
+        let about = "Degrees over the height of the picture.";
+        if number_within_ui(ui, FIELD, 0.01..=179.0, drag, "Vertical field of view", about) {
             camera.vertical_fov = fov;
         }
         let before = focal_length(camera.vertical_fov);
         let mut length = before;
-        let drag = DragValue::new(&mut length).speed(0.2).range(0.2..=60_000.0).suffix(" mm").max_decimals(1);
-        let is_changed = number_ui(ui, FIELD, drag, "Focal length", "Focal length on film 24 mm high.");
+        let drag = DragValue::new(&mut length).speed(0.2).suffix(" mm").max_decimals(1);
+        let about = "Focal length on film 24 mm high.";
+        let is_changed = number_within_ui(ui, FIELD, 0.2..=60_000.0, drag, "Focal length", about);
         if is_changed && length != before {
             camera.vertical_fov = vertical_fov(length);
         }
@@ -90,8 +92,8 @@ fn lens_ui(ui: &mut Ui, state: &State, camera: &mut CameraDescription, distance:
     row_ui(ui, "Lens radius", about, |ui| {
         let speed = (0.01 * camera.aperture_radius).max(1e-4 * distance);
         let mut radius = camera.aperture_radius;
-        let drag = DragValue::new(&mut radius).speed(speed).range(0.0..=1e9).max_decimals(4);
-        if number_ui(ui, FIELD, drag, "Radius of the lens", about) {
+        let drag = DragValue::new(&mut radius).speed(speed).max_decimals(4);
+        if number_within_ui(ui, FIELD, 0.0..=1e9, drag, "Radius of the lens", about) {
             camera.aperture_radius = radius;
         }
         if camera.aperture_radius == 0.0 {
@@ -102,8 +104,8 @@ fn lens_ui(ui: &mut Ui, state: &State, camera: &mut CameraDescription, distance:
     row_ui(ui, "Focus at", about, |ui| {
         let mut focus = camera.focus_distance.unwrap_or(distance);
         let speed = 0.004 * focus.max(1e-6);
-        let drag = DragValue::new(&mut focus).speed(speed).range(1e-6..=1e9).max_decimals(4);
-        if number_ui(ui, FIELD, drag, "Focus distance", about) {
+        let drag = DragValue::new(&mut focus).speed(speed).max_decimals(4);
+        if number_within_ui(ui, FIELD, 1e-6..=1e9, drag, "Focus distance", about) {
             camera.focus_distance = Some(focus);
         }
         let mut is_on_target = camera.focus_distance.is_none();

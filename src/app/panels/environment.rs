@@ -5,7 +5,9 @@ use egui::{DragValue, Label, RichText, Ui};
 use crate::app::command::Command;
 use crate::app::edit::Edit;
 use crate::app::theme::opaque;
-use crate::app::widgets::{RGB, Triple, color_ui, note, number_ui, row_ui, segmented_row_ui, swatch_ui};
+use crate::app::widgets::{
+    RGB, Triple, color_ui, note, number_ui, number_within_ui, row_ui, segmented_row_ui, swatch_ui,
+};
 use crate::scene::description::Environment;
 
 /// Radiance of a colour where there was an image.
@@ -87,8 +89,8 @@ fn image_ui(ui: &mut Ui, environment: &Environment, commands: &mut Vec<Command>)
     let about = "Multiplies the image's radiance.";
     row_ui(ui, "Scale", about, |ui| {
         let speed = (0.01 * *scale).max(0.001);
-        let drag = DragValue::new(&mut new_scale).speed(speed).range(0.0..=1e60).max_decimals(4);
-        if !number_ui(ui, 72.0, drag, "Scale of the environment", about) {
+        let drag = DragValue::new(&mut new_scale).speed(speed).max_decimals(4);
+        if !number_within_ui(ui, 72.0, 0.0..=1e60, drag, "Scale of the environment", about) {
             new_scale = *scale;
         }
     });

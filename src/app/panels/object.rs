@@ -5,7 +5,7 @@ use egui::{DragValue, Ui};
 use crate::app::command::Command;
 use crate::app::edit::ObjectEdit;
 use crate::app::objects::{self, Manipulation};
-use crate::app::widgets::{Triple, XYZ, note, number_ui, row_ui, vector_ui};
+use crate::app::widgets::{Triple, XYZ, note, number_ui, row_ui, vector_ui, whole_ui};
 use crate::scene::description::{Object, Shape, Transform};
 
 /// Decimals that are shown; what was typed is kept in full.
@@ -31,7 +31,8 @@ pub fn show(ui: &mut Ui, object: &Object, commands: &mut Vec<Command>) {
         row_ui(ui, "Priority", about, |ui| {
             let mut edited = priority;
             let drag = DragValue::new(&mut edited).speed(0.05);
-            if number_ui(ui, 64.0, drag, format!("Priority of {name}"), about) && edited != priority {
+            let range = i64::from(i32::MIN)..=i64::from(i32::MAX);
+            if whole_ui(ui, 64.0, range, drag, format!("Priority of {name}"), about) && edited != priority {
                 commands.push(Command::object(name.to_owned(), ObjectEdit::Priority(edited)));
             }
             ui.label(note(ui, "higher wins"));

@@ -7,7 +7,7 @@ use crate::app::range::{DECADES, DifferenceRange, ENDS, RangeCurve, RangeEnd};
 use crate::app::settings::DifferenceKind;
 use crate::app::state::State;
 use crate::app::viewport::Viewport;
-use crate::app::widgets::{note, row_ui, segmented_row_ui};
+use crate::app::widgets::{note, number_within_ui, row_ui, segmented_row_ui};
 
 pub fn show(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Vec<Command>) {
     let settings = &state.settings;
@@ -35,13 +35,10 @@ pub fn show(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Vec<
     row_ui(ui, "Ends at", about, |ui| {
         let mut typed = end;
         let drag = DragValue::new(&mut typed)
-            .range(ENDS)
             .speed(f64::from(end) * 0.01)
-            .custom_formatter(|x, _| crate::export::words::brief(x))
-            .update_while_editing(false);
+            .custom_formatter(|x, _| crate::export::words::brief(x));
         let width = ui.available_width() - 58.0;
-        let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
-        if response.accessible_name("End of the range").on_hover_text(about).changed() {
+        if number_within_ui(ui, width, ENDS, drag, "End of the range", about) {
             wanted.end = RangeEnd::Fixed(typed);
         }
         let reset = ui.add_enabled(range != DifferenceRange::default(), egui::Button::new("Reset"));

@@ -10,8 +10,8 @@ use crate::app::state::State;
 use crate::app::theme::{self, DOT, Palette, WARNING_MARK};
 use crate::app::viewport::{Viewport, content_menu_ui, event_meaning, event_name};
 use crate::app::widgets::{
-    combo_ui, note, number_ui, row_ui, section_first_ui, section_ui, segmented_row_ui, short_count, short_seconds,
-    sized_row_ui, value,
+    combo_ui, note, number_within_ui, row_ui, section_first_ui, section_ui, segmented_row_ui, short_count,
+    short_seconds, sized_row_ui, value, whole_ui,
 };
 use crate::export::words::{brief, grouped};
 use crate::render::ToneCurve;
@@ -98,8 +98,8 @@ fn display_ui(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Ve
         let height = std::mem::replace(&mut ui.spacing_mut().interact_size.y, 16.0);
         let is_dragged = ui.add(slider).accessible_name("Exposure").on_hover_text(about).changed();
         ui.spacing_mut().interact_size.y = height;
-        let typed = DragValue::new(&mut exposure).speed(0.02).range(-30.0..=30.0).fixed_decimals(2);
-        let is_typed = number_ui(ui, 46.0, typed, "Exposure", about);
+        let typed = DragValue::new(&mut exposure).speed(0.02).fixed_decimals(2);
+        let is_typed = number_within_ui(ui, 46.0, -30.0..=30.0, typed, "Exposure", about);
         if is_dragged || is_typed {
             commands.push(Command::SetExposure(exposure));
         }
@@ -153,8 +153,8 @@ fn noise_ui(ui: &mut Ui, target: Option<f64>) -> Option<Option<f64>> {
         let mut percent = 100.0 * target.unwrap_or(DEFAULT_NOISE_TARGET);
         let mut has_changed = false;
         if target.is_some() {
-            let drag = DragValue::new(&mut percent).range(0.01..=50.0).speed(0.01).max_decimals(2).suffix(" %");
-            has_changed = number_ui(ui, ui.available_width(), drag, NAME, about);
+            let drag = DragValue::new(&mut percent).speed(0.01).max_decimals(2).suffix(" %");
+            has_changed = number_within_ui(ui, ui.available_width(), 0.01..=50.0, drag, NAME, about);
         } else {
             ui.label(note(ui, "no target"));
         }
@@ -170,8 +170,8 @@ fn limit_ui(ui: &mut Ui, name: &str, about: &str, limit: Option<u32>, default: u
         let mut number = limit.unwrap_or(default);
         let mut has_changed = false;
         if limit.is_some() {
-            let drag = DragValue::new(&mut number).range(1..=most).speed(0.5);
-            has_changed = number_ui(ui, ui.available_width(), drag, name, about);
+            let drag = DragValue::new(&mut number).speed(0.5);
+            has_changed = whole_ui(ui, ui.available_width(), 1..=i64::from(most), drag, name, about);
         } else {
             ui.label(note(ui, "no limit"));
         }

@@ -4,7 +4,7 @@ use egui::{DragValue, Ui};
 
 use crate::app::command::Command;
 use crate::app::edit::ObjectEdit;
-use crate::app::widgets::{RGB, Triple, color_ui, fact_ui, number_ui, row_ui, segmented_row_ui};
+use crate::app::widgets::{RGB, Triple, color_ui, fact_ui, number_ui, number_within_ui, row_ui, segmented_row_ui};
 use crate::scene::description::{Light, Object, Paint, Role, Shape, Solid};
 
 /// Rows for a solid or a light.
@@ -95,8 +95,9 @@ fn light_ui(ui: &mut Ui, object: &Object, light: &Light, commands: &mut Vec<Comm
     let about = "Radiance of the strongest colour. Radiance is colour times strength.";
     row_ui(ui, "Strength", about, |ui| {
         let mut edited = strength;
-        let drag = DragValue::new(&mut edited).speed((0.01 * strength).max(0.01)).range(0.0..=1e100).max_decimals(4);
-        if number_ui(ui, 84.0, drag, format!("Strength of {name}"), about) && edited != strength {
+        let drag = DragValue::new(&mut edited).speed((0.01 * strength).max(0.01)).max_decimals(4);
+        let label = format!("Strength of {name}");
+        if number_within_ui(ui, 84.0, 0.0..=1e100, drag, label, about) && edited != strength {
             set(color.map(|x| x * edited));
         }
     });

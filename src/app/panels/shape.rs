@@ -10,7 +10,9 @@ use crate::app::command::Command;
 use crate::app::edit::ObjectEdit;
 use crate::app::objects;
 use crate::app::theme::CLOSE_MARK;
-use crate::app::widgets::{Triple, XYZ, button_ui, combo_ui, fact_ui, note, number_ui, row_ui, vector_ui};
+use crate::app::widgets::{
+    Triple, XYZ, button_ui, combo_ui, fact_ui, note, number_ui, number_within_ui, row_ui, vector_ui, whole_ui,
+};
 use crate::scene::Description;
 use crate::scene::description::{Object, Role, Shape};
 use crate::scene::shapes::{MAX_SEGMENTS, MAX_SUBDIVISIONS};
@@ -108,6 +110,11 @@ fn smooth_ui(ui: &mut Ui, object: &Object, commands: &mut Vec<Command>) {
     });
 }
 
+/// Per cent of a vessel's depth that a liquid may fill.
+const FILLS: std::ops::RangeInclusive<f64> = 1.0..=99.0;
+/// Width of the field for it, in points.
+const FILL: f32 = 58.0;
+
 /// The height of a liquid in its vessel; at a vessel, what fills it.
 fn fill_ui(ui: &mut Ui, description: &Description, object: &Object, commands: &mut Vec<Command>) {
     if object.refractor().is_none() || !matches!(object.shape, Shape::Lathe { .. }) {
@@ -117,11 +124,13 @@ fn fill_ui(ui: &mut Ui, description: &Description, object: &Object, commands: &m
         let about = format!("How high it stands in {}, in per cent of the depth.", vessel.name);
         row_ui(ui, "Fill", &about, |ui| {
             let mut percent = share * 100.0;
-            ui.spacing_mut().slider_width = (ui.available_width() - 62.0).max(40.0);
-            let slider = Slider::new(&mut percent, 1.0..=99.0).suffix(" %").max_decimals(1);
-            let response =
-                ui.add(slider).accessible_name(format!("Fill height of {}", object.name)).on_hover_text(&about);
-            if response.changed()
+            let label = format!("Fill height of {}", object.name);
+            ui.spacing_mut().slider_width = (ui.available_width() - FILL - ui.spacing().item_spacing.x).max(40.0);
+            let slider = Slider::new(&mut percent, FILLS).show_value(false);
+            let is_dragged = ui.add(slider).accessible_name(&label).on_hover_text(&about).changed();
+            let typed = DragValue::new(&mut percent).speed(0.2).suffix(" %").max_decimals(1);
+            let is_typed = number_within_ui(ui, FILL, FILLS, typed, label, &about);
+            if (is_dragged || is_typed)
                 && let Ok(shape) = inside.filled(percent / 100.0)
             {
                 commands.push(Command::object(&object.name, ObjectEdit::Shape(shape)));
@@ -177,8 +186,9 @@ impl Rows<'_> {
     ) -> Option<u32> {
         let mut edited = value;
         row_ui(ui, row, about, |ui| {
-            let drag = DragValue::new(&mut edited).speed(0.3).range(range);
-            number_ui(ui, 84.0, drag, format!("{row} of {}", self.name), about);
+            let drag = DragValue::new(&mut edited).speed(0.3);
+            let range = i64::from(*range.start())..=i64::from(*range.end());
+            whole_ui(ui, 84.0, range, drag, format!("{row} of {}", self.name), about);
         });
         (edited != value).then_some(edited)
     }

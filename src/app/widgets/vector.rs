@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use egui::{DragValue, Label, RichText, Ui, vec2};
 use glam::DVec3;
 
-use super::number_ui;
+use super::number_within_ui;
 use crate::app::theme::Palette;
 
 /// Letters and names of coordinates and of colours.
@@ -54,11 +54,11 @@ impl<'a> Triple<'a> {
             ui.add_sized(vec2(LETTER_WIDTH, height), Label::new(text));
             let drag = DragValue::new(&mut edited[index])
                 .speed(self.speeds[index])
-                .range(self.range.clone())
                 .suffix(self.suffix)
                 .max_decimals(self.decimals);
             let about = format!("{}\nThis one is {name}.", self.about);
-            if number_ui(ui, width, drag, format!("{} {name}", self.label), about) && edited[index] != values[index] {
+            let (range, label) = (self.range.clone(), format!("{} {name}", self.label));
+            if number_within_ui(ui, width, range, drag, label, about) && edited[index] != values[index] {
                 changed = Some(index);
             }
         }
