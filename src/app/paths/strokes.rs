@@ -95,14 +95,24 @@ pub fn label(vertex: &Vertex) -> Option<String> {
     Some(format!("{} → {}, {angles}", number(from), number(to)))
 }
 
+/// A label that wants a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Label {
+    /// What it is about.
+    pub anchor: Pos2,
+    pub size: Vec2,
+    /// Whether another place will do where there is no room beside the anchor, and over other anchors where there is none else.
+    pub goes_far: bool,
+}
+
 /// Finds room for labels beside their anchors: inside `room`, apart from each other and from what is `taken`. Those that come first are served
 /// first; one whose vertex stands too close to that of another label, or that finds no room, has none.
-pub fn place_labels(anchors: &[(Pos2, Vec2)], room: Rect, taken: &[Rect]) -> Vec<Option<Rect>> {
+pub fn place_labels(labels: &[Label], room: Rect, taken: &[Rect]) -> Vec<Option<Rect>> {
     const AWAY: f32 = 11.0;
     let mut placed: Vec<(Pos2, Rect)> = Vec::new();
-    anchors
+    labels
         .iter()
-        .map(|&(anchor, size)| {
+        .map(|&Label { anchor, size, goes_far }| {
             let is_crowded = placed.iter().any(|(other, _)| other.distance(anchor) < CROWDED);
             if placed.len() >= MOST_LABELS || is_crowded || !room.contains(anchor) {
                 return None;
@@ -113,18 +123,31 @@ pub fn place_labels(anchors: &[(Pos2, Vec2)], room: Rect, taken: &[Rect]) -> Vec
                 let half = size / 2.0;
                 Rect::from_center_size(anchor + vec2(x * (half.x + AWAY), y * (half.y + AWAY)), size)
             });
-            let is_free = |rect: &Rect| {
+            let is_apart = |rect: &Rect| {
                 let others = placed.iter().map(|(_, rect)| rect).chain(taken);
-                let anchors_free = anchors.iter().all(|(other, _)| !rect.expand(2.0).contains(*other));
+                let grown = rect.expand(2.0);
                 room.contains_rect(*rect)
-                    && anchors_free
-                    && others.into_iter().all(|other| !rect.expand(2.0).intersects(*other))
+                    && !grown.contains(anchor)
+                    && others.into_iter().all(|other| !grown.intersects(*other))
             };
-            let found = beside.into_iter().find(is_free)?;
+            let is_free =
+                |rect: &Rect| is_apart(rect) && labels.iter().all(|other| !rect.expand(2.0).contains(other.anchor));
+            let anywhere = || nearest(anchor, size, room, is_free).or_else(|| nearest(anchor, size, room, is_apart));
+            let found = beside.into_iter().find(is_free).or_else(|| goes_far.then(anywhere).flatten())?;
             placed.push((anchor, found));
             Some(found)
         })
         .collect()
+}
+
+/// The free place in `room` that is nearest to `anchor`, of some.
+fn nearest(anchor: Pos2, size: Vec2, room: Rect, is_free: impl Fn(&Rect) -> bool) -> Option<Rect> {
+    const STEPS: u8 = 12;
+    let play = room.size() - size;
+    let steps = || (0..=STEPS).map(|step| f32::from(step) / f32::from(STEPS));
+    let places = steps().flat_map(|y| steps().map(move |x| Rect::from_min_size(room.min + play * vec2(x, y), size)));
+    let distance = |rect: &Rect| rect.distance_sq_to_pos(anchor);
+    places.filter(is_free).min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
 #[cfg(test)]
@@ -194,18 +217,32 @@ mod tests {
     fn labels_stay_apart_and_are_dropped_where_there_is_no_room() {
         let room = Rect::from_min_size(pos2(0.0, 0.0), vec2(300.0, 200.0));
         let size = vec2(60.0, 14.0);
-        let anchors: Vec<(Pos2, Vec2)> = (0..12).map(|k| (pos2(60.0 + 18.0 * k as f32, 100.0), size)).collect();
+        let label = |x: f32| Label { anchor: pos2(x, 100.0), size, goes_far: false };
+        let labels: Vec<Label> = (0..12).map(|k| label(60.0 + 18.0 * k as f32)).collect();
         let taken = [Rect::from_min_size(pos2(0.0, 0.0), vec2(300.0, 70.0))];
-        let placed = place_labels(&anchors, room, &taken);
+        let placed = place_labels(&labels, room, &taken);
         let found: Vec<Rect> = placed.iter().flatten().copied().collect();
-        assert!(placed[0].is_some() && found.len() >= 3 && found.len() < anchors.len(), "{found:?}");
+        assert!(placed[0].is_some() && found.len() >= 3 && found.len() < labels.len(), "{found:?}");
         for (index, rect) in found.iter().enumerate() {
             assert!(room.contains_rect(*rect) && !rect.intersects(taken[0]));
             assert!(found[index + 1..].iter().all(|other| !rect.intersects(*other)));
         }
         // At one place one label is enough.
-        let same = vec![(pos2(150.0, 100.0), size); 5];
+        let same = vec![label(150.0); 5];
         assert_eq!(place_labels(&same, room, &[]).iter().flatten().count(), 1);
-        assert_eq!(place_labels(&[(pos2(900.0, 100.0), size)], room, &[]), [None]);
+        assert_eq!(place_labels(&[label(900.0)], room, &[]), [None]);
+        // Where all sides are taken, only what may go far has a place, and that as near as it can be.
+        let around = [Rect::from_center_size(pos2(150.0, 100.0), vec2(290.0, 90.0))];
+        assert_eq!(place_labels(&[label(150.0)], room, &around), [None]);
+        let far = place_labels(&[Label { goes_far: true, ..label(150.0) }], room, &around)[0].unwrap();
+        assert!(room.contains_rect(far) && !far.intersects(around[0]));
+        assert!(far.distance_to_pos(pos2(150.0, 100.0)) < 60.0, "{far:?}");
+        // Over other anchors, if it must be.
+        let more = [Rect::from_center_size(pos2(150.0, 100.0), vec2(290.0, 150.0))];
+        let far = Label { goes_far: true, ..label(150.0) };
+        let row = |y: f32| (0..60).map(move |k| Label { anchor: pos2(5.0 * k as f32, y), ..far });
+        let crowd: Vec<Label> = [far].into_iter().chain(row(10.0)).chain(row(188.0)).collect();
+        let over = place_labels(&crowd, room, &more)[0].unwrap();
+        assert!(room.contains_rect(over) && !over.intersects(more[0]), "{over:?}");
     }
 }

@@ -6,7 +6,7 @@ use egui::{Pos2, Rect, Vec2, pos2, vec2};
 use glam::DVec3;
 
 use super::Traced;
-use super::strokes::{Stroke, Weight, label, place_labels, strokes};
+use super::strokes::{Label, Stroke, Weight, label, place_labels, strokes};
 use crate::app::viewport::sight::Sight;
 use crate::render::surfaces::medium_color;
 use crate::scene::MediumId;
@@ -112,9 +112,13 @@ fn add_vertices(
         let ring = "r=\"9\" fill=\"none\" stroke=\"#f5c04a\" stroke-width=\"2\"";
         let _ = writeln!(body, "<circle class=\"parting\" cx=\"{:.2}\" cy=\"{:.2}\" {ring}/>", at.x, at.y);
     }
-    let anchors: Vec<(Pos2, Vec2)> =
-        texts.iter().map(|(at, text)| (*at, vec2(text.chars().count() as f32 * LETTER + 8.0, 16.0))).collect();
-    for ((_, text), rect) in texts.iter().zip(place_labels(&anchors, picture.shrink(4.0), &[])) {
+    let labels: Vec<Label> = (texts.iter())
+        .map(|(at, text)| {
+            let size = vec2(text.chars().count() as f32 * LETTER + 8.0, 16.0);
+            Label { anchor: *at, size, goes_far: false }
+        })
+        .collect();
+    for ((_, text), rect) in texts.iter().zip(place_labels(&labels, picture.shrink(4.0), &[])) {
         let Some(rect) = rect else { continue };
         let (x, y) = (rect.left() + 4.0, rect.bottom() - 4.0);
         let _ = writeln!(body, "<text x=\"{x:.1}\" y=\"{y:.1}\" fill=\"#f0f1f3\">{}</text>", escaped(text));

@@ -18,11 +18,18 @@ const SHARE: Vec2 = vec2(0.6, 0.5);
 /// Lines of what is under the pointer.
 const MOST_FACES: usize = 8;
 
-/// In the lower right corner of `room`, or in the lower left one where the pane's label is in the way.
-pub(super) fn show(ui: &Ui, state: &State, source: &Source, quantity: SurfaceQuantity, room: Rect, at_left: bool) {
-    let (Some(painted), Some(report)) = (&source.painted, &state.report) else { return };
+/// In the lower right corner of `room`, or in the lower left one where the pane's label is in the way. Returns where it is, if there is room.
+pub(super) fn show(
+    ui: &Ui,
+    state: &State,
+    source: &Source,
+    quantity: SurfaceQuantity,
+    room: Rect,
+    at_left: bool,
+) -> Option<Rect> {
+    let (Some(painted), Some(report)) = (&source.painted, &state.report) else { return None };
     if room.width() < 120.0 || room.height() < 80.0 {
-        return;
+        return None;
     }
     let painter = ui.painter();
     if quantity == SurfaceQuantity::Confidence {
@@ -30,8 +37,9 @@ pub(super) fn show(ui: &Ui, state: &State, source: &Source, quantity: SurfaceQua
             Tint::Confidence(percent) => Some(*percent),
             _ => None,
         });
-        paint_scale(painter, in_corner(room, vec2(210.0f32.min(room.width()), 38.0), at_left), least.min());
-        return;
+        let frame = in_corner(room, vec2(210.0f32.min(room.width()), 38.0), at_left);
+        paint_scale(painter, frame, least.min());
+        return Some(frame);
     }
     let font = egui::TextStyle::Small.resolve(ui.style());
     // As many as there is room for, most seen first; then in their own order.
@@ -67,6 +75,7 @@ pub(super) fn show(ui: &Ui, state: &State, source: &Source, quantity: SurfaceQua
         }
         painter.galley(pos2(left + SWATCH + 6.0, center - galley.size().y / 2.0), galley, TEXT);
     }
+    Some(frame)
 }
 
 /// `size` in the lower right corner of `room`, or in the lower left one.

@@ -226,14 +226,26 @@ impl Viewport {
         }
         self.paint_dividers(ui, state, &panes);
         self.labels.clear();
+        // What the labels of a path keep clear of.
+        let mut taken = Vec::new();
         let nothing = About::default();
         for (index, pane) in panes.iter().enumerate() {
             let about = self.shown.get(&state.settings.panes[index]).map_or(&nothing, |shot| &shot.about);
             keyboard::pane_ui(ui, state, about, index, pane, !self.is_still, commands);
-            self.labels.extend(overlay::pane_ui(ui, state, about, index, *pane, commands));
+            let [label, legend] = overlay::pane_ui(ui, state, about, index, *pane, commands);
+            self.labels.extend(label);
+            taken.extend(label.into_iter().chain(legend));
+        }
+        taken.extend(overlay::zoom_ui(ui, state, area));
+        if !self.is_still {
+            taken.extend(tools::show(ui, state, &panes[0], commands));
+            taken.extend(self.values_ui(ui, &response, state, &panes));
+        }
+        for (index, pane) in panes.iter().enumerate().filter(|(index, _)| !is_slice(state, *index)) {
+            let painter = ui.painter().with_clip_rect(pane.visible.intersect(ui.clip_rect()));
+            path::paint_labels(&painter, state, index, pane, &taken);
         }
         if self.is_still {
-            overlay::area_ui(ui, state, area);
             return;
         }
         if let Some(pos) = response.hover_pos().filter(|_| self.drag.is_none() && self.slice_drag.is_none())
@@ -249,21 +261,19 @@ impl Viewport {
                 _ => {}
             }
         }
-        tools::show(ui, state, &panes[0], commands);
-        self.values_ui(ui, &response, state, &panes);
-        overlay::area_ui(ui, state, area);
     }
 
-    /// The numbers under the pointer, and in the other panes where that is.
-    fn values_ui(&mut self, ui: &Ui, response: &egui::Response, state: &State, panes: &[Pane]) {
+    /// The numbers under the pointer, and in the other panes where that is. Returns where the numbers are.
+    fn values_ui(&mut self, ui: &Ui, response: &egui::Response, state: &State, panes: &[Pane]) -> Vec<Rect> {
         let hovered = response.hover_pos().filter(|_| self.drag.is_none());
         let over = hovered.and_then(|pos| Some((pos, panes.iter().position(|pane| pane.visible.contains(pos))?)));
         // A point of a slice is none of the film.
         let over = over.filter(|(_, index)| !is_slice(state, *index));
         self.pointer = over.map(|(pos, index)| handles::film_point(state, &panes[index], pos));
         let (Some(point), Some((_, over))) = (self.pointer.filter(|_| state.settings.show_values), over) else {
-            return;
+            return Vec::new();
         };
+        let mut places = Vec::new();
         for (index, pane) in panes.iter().enumerate() {
             let content = state.settings.panes[index];
             if is_slice(state, index) {
@@ -281,8 +291,9 @@ impl Viewport {
             if content.is_difference() && (pane.visible.width() < 390.0 || (to_right && to_bottom)) {
                 lift = lift.max(range::HEIGHT + 6.0);
             }
-            values::show(ui, &self.values(index, state), pane, to_bottom, lift);
+            places.extend(values::show(ui, &self.values(index, state), pane, to_bottom, lift));
         }
+        places
     }
 
     fn paint_picture(&self, ui: &Ui, state: &State, index: usize, pane: Pane) {

@@ -22,7 +22,8 @@ const LAYERS: &str = "Each pixel shows the innermost surface on its way, in a sh
 /// What is to be said of every slice.
 const SLICE: &str = "A plane through the scene, filled with the medium that the mode finds at each place. Striped: the surfaces around the place do not agree.";
 
-/// A pane's label, with the menu that chooses what it shows, and its legend. Returns where the label is, where there is room for one.
+/// A pane's label, with the menu that chooses what it shows, and its legend. Returns where the label and the legend are; where there is no
+/// room, they are not shown.
 pub(super) fn pane_ui(
     ui: &mut Ui,
     state: &State,
@@ -30,10 +31,10 @@ pub(super) fn pane_ui(
     index: usize,
     pane: Pane,
     commands: &mut Vec<Command>,
-) -> Option<Rect> {
+) -> [Option<Rect>; 2] {
     let room = pane.visible.shrink(MARGIN);
     if room.width() < 40.0 || room.height() < 30.0 {
-        return None;
+        return [None; 2];
     }
     // In a wipe the labels go to the outer corners, where the divider reaches them last.
     let [to_right, to_bottom] = label_corner(state, index);
@@ -43,22 +44,20 @@ pub(super) fn pane_ui(
     child.set_clip_rect(pane.visible.intersect(ui.clip_rect()));
     label_ui(&mut child, state, about, index, commands);
 
-    match state.settings.panes[index] {
+    let legend = match state.settings.panes[index] {
         PaneContent::Difference(..)
         | PaneContent::Error(_)
         | PaneContent::Change(..)
         | PaneContent::SnapshotDifference => {
-            range::show(ui, state, index, about.scale, room, to_right && to_bottom, commands);
+            range::show(ui, state, index, about.scale, room, to_right && to_bottom, commands)
         }
         PaneContent::Surfaces(quantity) => {
-            legend::show(ui, state, &about.source, quantity, room, to_right && to_bottom);
+            legend::show(ui, state, &about.source, quantity, room, to_right && to_bottom)
         }
-        PaneContent::Slice(_) => {
-            slice::show_legend(ui, state, &about.source, index, room, to_right && to_bottom);
-        }
-        PaneContent::Mode(_) | PaneContent::Snapshot(_) => {}
-    }
-    Some(child.min_rect())
+        PaneContent::Slice(_) => slice::show_legend(ui, state, &about.source, index, room, to_right && to_bottom),
+        PaneContent::Mode(_) | PaneContent::Snapshot(_) => None,
+    };
+    [Some(child.min_rect()), legend]
 }
 
 /// Whether a pane's label is at the right, and at the bottom.
@@ -305,9 +304,9 @@ pub(super) fn paint_handle(painter: &Painter, center: Pos2) {
     }
 }
 
-/// What belongs to all panes together.
-pub(super) fn area_ui(ui: &Ui, state: &State, area: Rect) {
-    if state.view.zoom > 1.0 {
+/// The magnification, in a corner of all panes together. Returns where it is, if the picture is magnified.
+pub(super) fn zoom_ui(ui: &Ui, state: &State, area: Rect) -> Option<Rect> {
+    (state.view.zoom > 1.0).then(|| {
         let text = format!("{:.0} %   Z: whole picture", state.view.zoom * 100.0);
         let font = theme::small_mono_style().resolve(ui.style());
         let galley = ui.painter().layout_no_wrap(text, font, TEXT);
@@ -315,5 +314,6 @@ pub(super) fn area_ui(ui: &Ui, state: &State, area: Rect) {
         let frame = Rect::from_min_size(corner, galley.size() + vec2(16.0, 8.0));
         ui.painter().rect_filled(frame, 5.0, GROUND);
         ui.painter().galley(frame.min + vec2(8.0, 4.0), galley, TEXT);
-    }
+        frame
+    })
 }

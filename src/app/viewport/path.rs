@@ -4,11 +4,10 @@ use egui::{Color32, FontId, Painter, Pos2, Rect, Shape, Stroke as Pen, pos2, vec
 use glam::DVec3;
 
 use super::layout::{Pane, film_window, screen_from_film};
-use super::overlay::label_corner;
 use super::sight::Sight;
-use crate::app::paths::strokes::{Stroke, Weight, label, place_labels, strokes};
+use crate::app::paths::strokes::{Label, Stroke, Weight, label, place_labels, strokes};
 use crate::app::paths::{Line, Traced};
-use crate::app::state::{State, modes_over};
+use crate::app::state::{Inspection, State, modes_over};
 use crate::app::theme::opaque;
 use crate::app::theme::over_pictures::{ALERT, GROUND, TEXT};
 use crate::tracking::Mode;
@@ -25,10 +24,10 @@ const RING: f32 = 9.0;
 const REACH: f32 = 7.0;
 /// So near to the marker a click means a pixel and no vertex.
 const MARKER: f32 = 14.0;
-/// Width of the sentence in the picture.
+/// Most width of the sentence in the picture.
 const SENTENCE: f32 = 250.0;
-/// The room of a pane's label.
-const LABEL: egui::Vec2 = vec2(230.0, 62.0);
+/// What a label has around its text, both sides together.
+const PADDING: egui::Vec2 = vec2(10.0, 6.0);
 
 /// The paths over one pane: its own modes', then the one to compare with.
 pub fn modes_drawn(state: &State, index: usize) -> Vec<Mode> {
@@ -66,18 +65,23 @@ pub(super) fn paint(painter: &Painter, state: &State, index: usize, pane: &Pane)
         paint_strokes(painter, &all, rank > 0);
     }
     let Some(line) = modes.first().and_then(|mode| traced.lines.get(mode)?.first()) else { return };
-    let is_listed = state.inspected_mode() == line.path.mode;
-    let selected = inspection.vertex.filter(|_| is_listed);
-    paint_dots(painter, line, selected, &screen);
-    let parting = traced.parting.as_ref().filter(|_| traced.question.pair == state.compared_modes());
-    let parted_at = parting.and_then(|parting| screen(parting.position.into()));
-    if let Some(at) = parted_at {
+    paint_dots(painter, line, selected_vertex(state, inspection, line), &screen);
+    let parting = parting(state, traced);
+    if let Some(at) = parting.and_then(|parting| screen(parting.position.into())) {
         for (width, color) in [(4.5, Color32::from_black_alpha(170)), (2.0, ALERT)] {
             painter.circle_stroke(at, RING, Pen::new(width, color));
         }
     }
-    let sentence = parting.filter(|_| index == state.view.active_pane).map(Parting::heading);
-    paint_labels(painter, state, index, pane, line, selected, parted_at.zip(sentence), &screen);
+}
+
+/// The vertex of `line` that is pointed out, by index.
+fn selected_vertex(state: &State, inspection: &Inspection, line: &Line) -> Option<usize> {
+    inspection.vertex.filter(|_| state.inspected_mode() == line.path.mode)
+}
+
+/// Where the compared paths part, once that is known.
+fn parting<'a>(state: &State, traced: &'a Traced) -> Option<&'a Parting> {
+    traced.parting.as_ref().filter(|_| traced.question.pair == state.compared_modes())
 }
 
 fn paint_strokes(painter: &Painter, strokes: &[Stroke], is_dashed: bool) {
@@ -113,49 +117,42 @@ fn paint_dots(painter: &Painter, line: &Line, selected: Option<usize>, screen: &
     }
 }
 
-#[expect(clippy::too_many_arguments, reason = "what labels say and what they must keep clear of")]
-fn paint_labels(
-    painter: &Painter,
-    state: &State,
-    index: usize,
-    pane: &Pane,
-    line: &Line,
-    selected: Option<usize>,
-    sentence: Option<(Pos2, String)>,
-    screen: &impl Fn(DVec3) -> Option<Pos2>,
-) {
+/// The labels of the inspected path over pane `index`, clear of what is `taken`: the pane's own label, its legend, and what else lies there.
+pub(super) fn paint_labels(painter: &Painter, state: &State, index: usize, pane: &Pane, taken: &[Rect]) {
+    let Some(inspection) = &state.inspection else { return };
+    let (Some(traced), Some(sight)) = (&inspection.traced, Sight::of(state)) else { return };
+    let modes = modes_drawn(state, index);
+    let Some(line) = modes.first().and_then(|mode| traced.lines.get(mode)?.first()) else { return };
+    let screen = projection(state, pane, &sight);
     let font = FontId::monospace(10.5);
+    let room = pane.visible.shrink(4.0);
+    // Texts, and whether they may stand far away.
     let mut texts = Vec::new();
-    if let Some((at, text)) = sentence {
-        texts.push((at, painter.layout(text, FontId::proportional(12.0), ALERT, SENTENCE)));
+    if let Some(parting) = parting(state, traced).filter(|_| index == state.view.active_pane)
+        && let Some(at) = screen(parting.position.into())
+    {
+        let width = SENTENCE.min(room.width() - PADDING.x).max(40.0);
+        texts.push((at, painter.layout(parting.heading(), FontId::proportional(12.0), ALERT, width), true));
     }
     // What is pointed out first.
+    let selected = selected_vertex(state, inspection, line);
     let mut order: Vec<usize> = (0..line.path.vertices.len()).collect();
     order.sort_by_key(|&k| selected != Some(k));
     for k in order {
         let vertex = &line.path.vertices[k];
         if let (Some(text), Some(at)) = (label(vertex), screen(vertex.position.into())) {
-            texts.push((at, painter.layout_no_wrap(text, font.clone(), TEXT)));
+            texts.push((at, painter.layout_no_wrap(text, font.clone(), TEXT), false));
         }
     }
-    let anchors: Vec<(Pos2, egui::Vec2)> =
-        texts.iter().map(|(at, galley)| (*at, galley.size() + vec2(10.0, 6.0))).collect();
-    let room = pane.visible.shrink(4.0);
-    let placed = place_labels(&anchors, room, &[label_room(state, index, pane)]);
-    for ((_, galley), rect) in texts.into_iter().zip(placed) {
+    let labels: Vec<Label> = (texts.iter())
+        .map(|(at, galley, goes_far)| Label { anchor: *at, size: galley.size() + PADDING, goes_far: *goes_far })
+        .collect();
+    for ((_, galley, _), rect) in texts.into_iter().zip(place_labels(&labels, room, taken)) {
         if let Some(rect) = rect {
             painter.rect_filled(rect, 4.0, GROUND);
-            painter.galley(rect.min + vec2(5.0, 3.0), galley, TEXT);
+            painter.galley(rect.min + 0.5 * PADDING, galley, TEXT);
         }
     }
-}
-
-/// Where a pane's own label is.
-fn label_room(state: &State, index: usize, pane: &Pane) -> Rect {
-    let [to_right, to_bottom] = label_corner(state, index);
-    let Rect { min, max } = pane.visible;
-    let corner = pos2(if to_right { max.x - LABEL.x } else { min.x }, if to_bottom { max.y - LABEL.y } else { min.y });
-    Rect::from_min_size(corner, LABEL)
 }
 
 fn paint_outlines(painter: &Painter, traced: &Traced, sight: &Sight, screen: &impl Fn(DVec3) -> Option<Pos2>) {

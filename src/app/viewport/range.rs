@@ -20,7 +20,7 @@ const POINTS_PER_DOUBLING: f32 = 40.0;
 const STEP: f32 = 1.25;
 
 /// In the lower right corner of `room`, or in the lower left one where pane `index` has its label in the way. `scale` is that of the
-/// picture that is shown.
+/// picture that is shown. Returns where it is, if there is room.
 pub(super) fn show(
     ui: &Ui,
     state: &State,
@@ -29,9 +29,9 @@ pub(super) fn show(
     room: Rect,
     at_left: bool,
     commands: &mut Vec<Command>,
-) {
+) -> Option<Rect> {
     if room.width() < BAR.x + 40.0 || room.height() < 90.0 {
-        return;
+        return None;
     }
     let painter = ui.painter();
     let frame = legend::in_corner(room, vec2(BAR.x + 20.0, HEIGHT), at_left);
@@ -62,6 +62,7 @@ pub(super) fn show(
     if let Some(scale) = scale.filter(|_| kind != DifferenceKind::Flip) {
         commands.extend(dragged(ui, state, index, scale, frame).map(Command::SetDifferenceRange));
     }
+    Some(frame)
 }
 
 /// At the left, in the middle and at the right of the bar.

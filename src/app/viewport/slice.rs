@@ -220,11 +220,18 @@ fn within(from: f64, to: f64, near: f64) -> Option<(f64, f64)> {
     (low < high).then_some((low, high))
 }
 
-/// What the colours mean, in the lower right corner of `room`, or in the lower left one.
-pub(super) fn show_legend(ui: &Ui, state: &State, source: &Source, index: usize, room: Rect, at_left: bool) {
-    let (Some(cut), Some(report)) = (&source.slice, &state.report) else { return };
+/// What the colours mean, in the lower right corner of `room`, or in the lower left one. Returns where it is, if there is room.
+pub(super) fn show_legend(
+    ui: &Ui,
+    state: &State,
+    source: &Source,
+    index: usize,
+    room: Rect,
+    at_left: bool,
+) -> Option<Rect> {
+    let (Some(cut), Some(report)) = (&source.slice, &state.report) else { return None };
     if room.width() < 120.0 || room.height() < 80.0 {
-        return;
+        return None;
     }
     let painter = ui.painter();
     let font = egui::TextStyle::Small.resolve(ui.style());
@@ -268,6 +275,7 @@ pub(super) fn show_legend(ui: &Ui, state: &State, source: &Source, index: usize,
         }
         painter.galley(pos2(square.right() + 6.0, center - galley.size().y / 2.0), galley, TEXT);
     }
+    Some(frame)
 }
 
 fn label(ink: Ink, slice: &Slice, prepared: &Prepared) -> String {

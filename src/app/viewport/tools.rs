@@ -16,12 +16,12 @@ const MARGIN: f32 = 8.0;
 /// Room above for a pane's label and what hangs below it.
 const ABOVE: f32 = 100.0;
 
-/// A column of buttons at the left of the first pane, while an object is selected and there is room.
-pub(super) fn show(ui: &mut Ui, state: &State, pane: &Pane, commands: &mut Vec<Command>) {
+/// A column of buttons at the left of the first pane, while an object is selected and there is room. Returns where they are.
+pub(super) fn show(ui: &mut Ui, state: &State, pane: &Pane, commands: &mut Vec<Command>) -> Option<Rect> {
     let room = pane.visible;
     let size = vec2(SIDE, SIDE * Manipulation::ALL.len() as f32) + Vec2::splat(4.0);
     if state.selected_object().is_none() || room.width() < 160.0 || room.height() < ABOVE + size.y + MARGIN {
-        return;
+        return None;
     }
     let top = (room.center().y - size.y / 2.0).max(room.top() + ABOVE);
     let frame = Rect::from_min_size(pos2(room.left() + MARGIN, top), size);
@@ -56,6 +56,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, pane: &Pane, commands: &mut Vec<C
             commands.push(Command::SetHandles((!is_on).then_some(manipulation)));
         }
     }
+    Some(frame)
 }
 
 fn paint_icon(painter: &Painter, manipulation: Manipulation, center: Pos2, color: Color32) {

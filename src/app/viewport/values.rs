@@ -68,11 +68,12 @@ fn number(x: f32, is_signed: bool) -> String {
     }
 }
 
-/// A pane's numbers in its lower left corner, or the upper one where its label is below. `lift`: room to leave below, in points.
-pub(super) fn show(ui: &Ui, lines: &[String], pane: &Pane, is_label_below: bool, lift: f32) {
+/// A pane's numbers in its lower left corner, or the upper one where its label is below. `lift`: room to leave below, in points. Returns where
+/// they are, if there is room.
+pub(super) fn show(ui: &Ui, lines: &[String], pane: &Pane, is_label_below: bool, lift: f32) -> Option<Rect> {
     let room = pane.visible.shrink(8.0);
     if lines.is_empty() || room.width() < LEAST.x || room.height() < LEAST.y {
-        return;
+        return None;
     }
     let painter = ui.painter().with_clip_rect(pane.visible.intersect(ui.clip_rect()));
     let font = theme::small_mono_style().resolve(ui.style());
@@ -82,6 +83,7 @@ pub(super) fn show(ui: &Ui, lines: &[String], pane: &Pane, is_label_below: bool,
     let frame = Rect::from_min_size(pos2(room.left(), top), size);
     painter.rect_filled(frame, 5.0, GROUND);
     painter.galley(frame.min + PADDING, galley, TEXT);
+    Some(frame)
 }
 
 /// A cross at the pointer's place in a pane where the pointer is not.
