@@ -170,12 +170,19 @@ pub struct Files {
     sender: Sender<Outcome>,
     receiver: Receiver<Outcome>,
     wake: Repaint,
+    /// Where files are proposed, by a question in the window; `None`: the system has a dialog for that, and knows.
+    prompts_in: Option<PathBuf>,
 }
 
 impl Files {
     pub fn new(wake: Repaint) -> Self {
         let (sender, receiver) = channel();
-        Self { sender, receiver, wake }
+        Self { sender, receiver, wake, prompts_in: None }
+    }
+
+    /// Paths are asked for in the window from now on, and proposed in `folder`.
+    pub fn prompt_in(&mut self, folder: PathBuf) {
+        self.prompts_in = Some(folder);
     }
 
     /// The next thing that has come of a job.
@@ -203,6 +210,10 @@ impl Files {
 
     /// Asks for a path with the system's dialog.
     pub fn ask(&self, purpose: Purpose, suggestion: &Path) {
+        if let Some(folder) = &self.prompts_in {
+            let proposed = folder.join(suggestion.file_name().unwrap_or_default());
+            return self.spawn(move || Some(Outcome::NoDialog(purpose, proposed)));
+        }
         let (name, extensions) = purpose.filter();
         let mut dialog = rfd::AsyncFileDialog::new().set_title(purpose.title()).add_filter(name, extensions);
         if let Some(folder) = suggestion.parent().filter(|folder| folder.is_dir()) {

@@ -237,6 +237,11 @@ impl App {
         Ok(())
     }
 
+    /// Paths are asked for in the window from now on, and not by dialogs of the system; they are proposed in `folder`.
+    pub fn prompt_in(&mut self, folder: PathBuf) {
+        self.files.prompt_in(folder);
+    }
+
     pub fn state(&self) -> &State {
         &self.state
     }

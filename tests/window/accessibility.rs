@@ -9,7 +9,7 @@ use egui_kittest::kittest::{By, NodeT, Queryable};
 use iorect::app::{App, Command, Preset, Settings, Tab};
 use iorect::tracking::Mode;
 
-use crate::harness::{apply, every_pane_has_an_image, quick, until, window_of};
+use crate::harness::{apply, every_pane_has_an_image, press, quick, texts, until, window_of};
 
 const TABS: [Tab; 4] = [Tab::Render, Tab::Rectification, Tab::Inspector, Tab::Measure];
 
@@ -30,12 +30,6 @@ fn is_interactive(role: Role) -> bool {
             | Role::ColorWell
             | Role::DisclosureTriangle
     )
-}
-
-/// Every text of the window: of controls and of labels.
-fn texts(harness: &Harness<'_, App>) -> Vec<String> {
-    let nodes = harness.query_all(By::new());
-    nodes.flat_map(|node| [node.accesskit_node().label(), node.accesskit_node().value()]).flatten().collect()
 }
 
 fn assert_named(harness: &Harness<'_, App>, place: &str) {
@@ -153,11 +147,6 @@ fn a_mode_has_one_name() {
         }
     }
     assert!(Mode::ALL.iter().all(|mode| mode.name().chars().all(|c| c.is_ascii_lowercase() || c == '-')));
-}
-
-fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
-    harness.key_press_modifiers(modifiers, key);
-    harness.run_steps(3);
 }
 
 #[test]

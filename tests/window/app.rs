@@ -16,7 +16,9 @@ use iorect::scene::camera::Camera;
 use iorect::scene::description::{Shape, Transform};
 use iorect::tracking::Mode;
 
-use crate::harness::{apply, every_pane_has_an_image, picture_of, quick, until, window, window_of};
+use crate::harness::{
+    apply, choose, choose_by_typing, every_pane_has_an_image, picture_of, quick, type_into, until, window, window_of,
+};
 
 fn ior(harness: &Harness<'_, App>, medium: &str) -> f64 {
     harness.state().state().document.description().medium(medium).expect("the scene has this medium").ior.ior()
@@ -52,12 +54,7 @@ fn an_ior_is_changed_by_its_slider_and_undone() {
 #[test]
 fn an_ior_is_changed_by_typing() {
     let mut harness = window("nested-spheres");
-    harness.get_by_role_and_label(Role::TextInput, "IOR of glass").click();
-    harness.run_steps(3);
-    harness.event(egui::Event::Text("2.417".into()));
-    harness.run_steps(2);
-    harness.key_press(Key::Enter);
-    harness.run_steps(3);
+    type_into(&mut harness, Role::TextInput, "IOR of glass", "2.417");
     assert_eq!(ior(&harness, "glass"), 2.417);
     // Digits that were typed must not have changed the number of panes.
     assert_eq!(harness.state().state().settings.pane_count, quick().pane_count);
@@ -67,14 +64,7 @@ fn an_ior_is_changed_by_typing() {
 fn a_preset_comes_from_the_catalogue() {
     let mut harness = window("nested-spheres");
     apply(&mut harness, Command::SelectObject(Some("glass ball".into())));
-    harness.get_by_role_and_label(Role::ComboBox, "Catalogue for glass").focus();
-    harness.run_steps(2);
-    harness.key_press(Key::Enter);
-    harness.run_steps(3);
-    harness.event(egui::Event::Text("diam".into()));
-    harness.run_steps(2);
-    harness.key_press(Key::Enter);
-    harness.run_steps(3);
+    choose_by_typing(&mut harness, "Catalogue for glass", "diam");
     assert!((ior(&harness, "glass") - 2.4175).abs() < 2e-3);
 }
 
@@ -86,10 +76,7 @@ fn panes_and_modes_are_switched() {
         harness.run_steps(3);
         assert_eq!(harness.state().state().settings.pane_count, count);
     }
-    harness.get_by_label("Pane 2: rectified").click();
-    harness.run_steps(3);
-    harness.get_by_label("reference").click();
-    harness.run_steps(3);
+    choose(&mut harness, &["Pane 2: rectified", "reference"]);
     assert_eq!(harness.state().state().settings.panes[1], PaneContent::Mode(Mode::Reference));
     until(&mut harness, "both panes have images", every_pane_has_an_image);
     assert!(harness.query_by_label("Pane 2: reference").is_some());
@@ -475,19 +462,14 @@ fn an_object_is_edited_by_typing() {
     let mut harness = window("nested-spheres");
     apply(&mut harness, Command::SelectObject(Some("water ball".into())));
     let start = transform_of(&harness, "water ball");
-    let type_into = |harness: &mut Harness<'_, App>, label: &str, text: &str| {
+    let type_number = |harness: &mut Harness<'_, App>, label: &str, text: &str| {
         settle(harness);
-        harness.get_by_role_and_label(Role::SpinButton, label).click();
-        harness.run_steps(3);
-        harness.event(egui::Event::Text(text.into()));
-        harness.run_steps(2);
-        harness.key_press(Key::Enter);
-        harness.run_steps(3);
+        type_into(harness, Role::SpinButton, label, text);
     };
-    type_into(&mut harness, "Move water ball along x", "0.25");
-    type_into(&mut harness, "Rotate water ball along y", "30");
-    type_into(&mut harness, "Scale water ball", "0.5");
-    type_into(&mut harness, "Priority of water ball", "3");
+    type_number(&mut harness, "Move water ball along x", "0.25");
+    type_number(&mut harness, "Rotate water ball along y", "30");
+    type_number(&mut harness, "Scale water ball", "0.5");
+    type_number(&mut harness, "Priority of water ball", "3");
     let now = transform_of(&harness, "water ball");
     assert_eq!((now.rotate.y, now.scale), (30.0, DVec3::splat(0.5)));
     let center = |t: Transform| match harness.state().state().document.description().objects.refractors()[1].shape {
@@ -497,7 +479,7 @@ fn an_object_is_edited_by_typing() {
     assert!((center(now) - center(start)).distance(DVec3::X * 0.25) < 1e-12);
     assert_eq!(harness.state().state().document.description().objects.refractors()[1].refractor().unwrap().priority, 3);
     // A scale of 0 is refused in words.
-    type_into(&mut harness, "Scale water ball", "0");
+    type_number(&mut harness, "Scale water ball", "0");
     assert!(harness.state().state().notices.iter().any(|n| n.text.contains("must not be 0")));
     assert_eq!(transform_of(&harness, "water ball"), now);
     apply(&mut harness, Command::DismissNotice(0));
@@ -717,12 +699,7 @@ fn surfaces_are_painted_with_a_legend_and_exported_with_it() {
     let mut harness = window_of("half-submerged", settings, [1280.0, 720.0]);
     until(&mut harness, "there are images", every_pane_has_an_image);
     let epoch = harness.state().state().epoch();
-    harness.get_by_label("Pane 1: stack").click();
-    harness.run_steps(3);
-    harness.get_by_label("surfaces").hover();
-    harness.run_steps(10);
-    harness.get_by_label("outside medium").click();
-    harness.run_steps(3);
+    choose(&mut harness, &["Pane 1: stack", "surfaces", "outside medium"]);
     assert_eq!(harness.state().state().settings.panes[0], PaneContent::Surfaces(SurfaceQuantity::Outside));
     until(&mut harness, "the surfaces are painted", every_pane_has_an_image);
     assert_eq!(harness.state().state().epoch(), epoch, "it is the same picture");

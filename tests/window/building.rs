@@ -5,13 +5,15 @@ use std::path::Path;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
-use iorect::app::{Addition, App, Body, Command, MediumRef, Vessel};
+use egui_kittest::kittest::Queryable;
+use iorect::app::{Addition, App, Body, Command, MediumRef, Vessel, WorldPart};
 use iorect::optics::Ior;
 use iorect::scene::Description;
 use iorect::scene::description::{Kind, Shape};
 
-use crate::harness::{apply, quick, until, window, window_of};
+use crate::harness::{
+    apply, choose, has_notice, has_text, press, quick, tab_to, type_into, type_over, until, window, window_of,
+};
 
 fn scene<'a>(harness: &'a Harness<'_, App>) -> &'a Description {
     harness.state().state().document.description()
@@ -23,23 +25,6 @@ fn names(harness: &Harness<'_, App>, kind: Kind) -> Vec<String> {
 
 fn selected<'a>(harness: &'a Harness<'_, App>) -> Option<&'a str> {
     harness.state().state().selected.as_deref()
-}
-
-fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
-    harness.key_press_modifiers(modifiers, key);
-    harness.run_steps(3);
-}
-
-fn has_notice(harness: &Harness<'_, App>, text: &str) -> bool {
-    harness.state().state().notices.iter().any(|notice| notice.text.contains(text))
-}
-
-/// Types over what stands in the field that has the focus.
-fn type_over(harness: &mut Harness<'_, App>, text: &str) {
-    press(harness, Modifiers::COMMAND, Key::A);
-    harness.event(egui::Event::Text(text.into()));
-    harness.run_steps(2);
-    press(harness, Modifiers::NONE, Key::Enter);
 }
 
 /// An empty scene in the window.
@@ -54,10 +39,7 @@ fn new_scene() -> Harness<'static, App> {
 fn iced_water_is_built_from_an_empty_scene_and_saved() {
     let mut harness = new_scene();
     // By the menu.
-    harness.get_by_label("Add").click();
-    harness.run_steps(3);
-    harness.get_by_label("Add tumbler").click();
-    harness.run_steps(3);
+    choose(&mut harness, &["Add", "Add tumbler"]);
     assert_eq!((names(&harness, Kind::Refractor), selected(&harness)), (vec!["tumbler".into()], Some("tumbler")));
     // By the window of the key.
     press(&mut harness, Modifiers::SHIFT, Key::A);
@@ -68,14 +50,7 @@ fn iced_water_is_built_from_an_empty_scene_and_saved() {
     // By the keyboard alone.
     for expected in ["ice cube", "ice cube 2"] {
         press(&mut harness, Modifiers::SHIFT, Key::A);
-        let is_there = |harness: &Harness<'_, App>| harness.get_by_label("Add ice cube").accesskit_node().is_focused();
-        for _ in 0..20 {
-            if is_there(&harness) {
-                break;
-            }
-            press(&mut harness, Modifiers::NONE, Key::Tab);
-        }
-        assert!(is_there(&harness), "the entry can be reached");
+        tab_to(&mut harness, Role::Button, "Add ice cube");
         press(&mut harness, Modifiers::NONE, Key::Enter);
         assert_eq!(selected(&harness), Some(expected));
     }
@@ -140,9 +115,7 @@ fn shapes_and_lights_are_edited_by_typing() {
     };
     let before = radius(&harness);
     for (text, expected) in [("-1", before), ("0.25", 0.25)] {
-        harness.get_by_role_and_label(Role::SpinButton, "Radius of sphere").click();
-        harness.run_steps(3);
-        type_over(&mut harness, text);
+        type_into(&mut harness, Role::SpinButton, "Radius of sphere", text);
         assert_eq!(radius(&harness), expected);
     }
     assert!(has_notice(&harness, "must be greater than 0"));
@@ -154,9 +127,7 @@ fn shapes_and_lights_are_edited_by_typing() {
         assert!(harness.query_by_label(&format!("Move {name} along z")).is_some(), "{name} has a card");
     }
     apply(&mut harness, Command::Add(Addition::BallLight));
-    harness.get_by_role_and_label(Role::SpinButton, "Strength of ball light").click();
-    harness.run_steps(3);
-    type_over(&mut harness, "7");
+    type_into(&mut harness, Role::SpinButton, "Strength of ball light", "7");
     let radiance =
         |harness: &Harness<'_, App>| scene(harness).objects.find("ball light").unwrap().light().unwrap().radiance;
     assert_eq!(radiance(&harness), [7.0; 3]);
@@ -269,4 +240,51 @@ fn a_file_that_changes_on_disk_is_shown_or_offered() {
     std::thread::sleep(std::time::Duration::from_millis(1500));
     harness.run_steps(3);
     assert!(std::sync::Arc::ptr_eq(&before, harness.state().state().document.description()));
+}
+
+/// Numbers beyond what a field takes are refused, with the reason at the field.
+#[test]
+fn numbers_out_of_range_are_refused_and_say_why() {
+    let mut harness = new_scene();
+    apply(&mut harness, Command::SelectWorld(WorldPart::Camera));
+    let before = scene(&harness).camera;
+    for (field, text, reason) in [
+        ("Vertical field of view", "200", "200 is too large: at most 179."),
+        ("Vertical field of view", "-5", "-5 is too small: at least 0.01."),
+        ("Radius of the lens", "-1", "-1 is too small: at least 0."),
+    ] {
+        type_into(&mut harness, Role::SpinButton, field, text);
+        assert!(has_text(&harness, reason), "{field}: no word of “{reason}”");
+        assert_eq!(scene(&harness).camera, before, "{field}");
+    }
+    type_into(&mut harness, Role::SpinButton, "Vertical field of view", "30*2");
+    assert_eq!(scene(&harness).camera.vertical_fov, 60.0);
+    assert!(!has_text(&harness, "is too large"), "the reason goes");
+    apply(&mut harness, Command::Add(Addition::Refractor(Body::Cylinder)));
+    for (field, text, reason) in [
+        ("Priority of cylinder", "0.5", "0.5 is no whole number."),
+        ("Priority of cylinder", "3000000000", "at most 2147483647."),
+        ("Segments of cylinder", "2", "2 is too small: at least 3."),
+    ] {
+        let before = scene(&harness).objects.find("cylinder").cloned();
+        type_into(&mut harness, Role::SpinButton, field, text);
+        assert!(has_text(&harness, reason), "{field}: no word of “{reason}”");
+        assert_eq!(scene(&harness).objects.find("cylinder").cloned(), before, "{field}");
+    }
+}
+
+/// A scene that had no file yet, and a mesh beside the file that it gets: both can be moved together.
+#[test]
+fn a_mesh_in_a_new_scene_goes_by_a_path_beside_its_file() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [mesh, path] = ["tetrahedron.obj", "mine.toml"].map(|name| folder.path().join(name));
+    write(&mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    let mut harness = new_scene();
+    apply(&mut harness, Command::ReadMesh(mesh));
+    until(&mut harness, "the mesh is there", |app| !app.state().document.description().objects.refractors().is_empty());
+    apply(&mut harness, Command::SaveAs(path.clone()));
+    until(&mut harness, "it is saved", |app| !app.state().document.is_dirty());
+    let text = std::fs::read_to_string(&path).expect("it was written");
+    assert!(text.contains("mesh = \"tetrahedron.obj\""), "{text}");
+    assert!(iorect::formats::open(&path).is_ok());
 }

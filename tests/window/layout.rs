@@ -3,20 +3,15 @@
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Rect};
 use egui_kittest::Harness;
-use egui_kittest::kittest::{By, NodeT, Queryable};
+use egui_kittest::kittest::{NodeT, Queryable};
 use iorect::app::{App, Command, Settings, SidePanel, Tab};
 
-use crate::harness::{apply, quick, window, window_of};
+use crate::harness::{apply, click_at, press, quick, window, window_of};
 
 const SIZES: [[f32; 2]; 4] = [[1280.0, 720.0], [800.0, 600.0], [640.0, 480.0], [500.0, 340.0]];
 
 fn screen(harness: &Harness<'_, App>) -> Rect {
     harness.ctx.content_rect()
-}
-
-fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
-    harness.key_press_modifiers(modifiers, key);
-    harness.run_steps(4);
 }
 
 /// The panels that are to be seen, and whether what is in them is inside the window.
@@ -75,6 +70,11 @@ fn every_panel_of_a_narrow_window_is_reached_by_its_button() {
     }
 }
 
+/// The name of the control that has the focus.
+fn focused(harness: &Harness<'_, App>) -> Option<String> {
+    crate::harness::focused(harness).map(|(_, name)| name)
+}
+
 fn has_popup(harness: &Harness<'_, App>) -> bool {
     egui::Popup::is_any_open(&harness.ctx)
 }
@@ -99,10 +99,7 @@ fn escape_closes_menus_and_lists_and_nothing_else() {
     for (role, name) in buttons {
         // The tab "Render" has the name of a menu, which comes first.
         let place = harness.query_all_by_role_and_label(role, name).next().expect(name).rect().center();
-        harness.hover_at(place);
-        harness.drag_at(place);
-        harness.drop_at(place);
-        harness.run_steps(4);
+        click_at(&mut harness, place);
         assert!(has_popup(&harness), "{name} opens");
         escape(&mut harness);
         assert!(!has_popup(&harness), "Escape closes {name}");
@@ -163,12 +160,6 @@ fn escape_gives_up_typing_a_number_and_nothing_else() {
     let state = harness.state().state();
     assert!(!state.document.is_dirty(), "the number is as it was");
     assert!(state.inspection.is_some());
-}
-
-/// The name of the control that has the focus.
-fn focused(harness: &Harness<'_, App>) -> Option<String> {
-    let node = harness.query_all(By::new().predicate(|node| node.is_focused() && node.label().is_some())).next()?;
-    node.accesskit_node().label()
 }
 
 #[test]
@@ -275,10 +266,8 @@ fn every_menu_and_list_is_inside_the_window() {
         let buttons = ["File", "Edit", "View", "Help", "Pane 1: stack"].map(|name| (Role::Button, name));
         for (role, name) in buttons.into_iter().chain([(Role::ComboBox, "Pane 4"), (Role::ComboBox, "Compare")]) {
             let place = harness.query_all_by_role_and_label(role, name).next().expect(name).rect().center();
-            harness.hover_at(place);
-            harness.drag_at(place);
-            harness.drop_at(place);
-            harness.run_steps(6);
+            click_at(&mut harness, place);
+            harness.run_steps(2);
             assert!(has_popup(&harness), "{name} opens");
             let popups: Vec<Rect> = harness.ctx.memory(|memory| {
                 memory

@@ -19,3 +19,4 @@ mod screen;
 mod slice;
 mod teach;
 mod texts;
+mod tree;

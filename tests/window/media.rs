@@ -8,7 +8,7 @@ use iorect::app::{App, Command, WorldPart};
 use iorect::optics::{Ior, catalog};
 use iorect::scene::description::Environment;
 
-use crate::harness::{apply, until, window};
+use crate::harness::{apply, choose_by_typing, has_text, type_into, until, window};
 
 fn model(harness: &Harness<'_, App>, medium: &str) -> Ior {
     harness.state().state().document.description().medium(medium).expect("the scene has this medium").ior.clone()
@@ -35,15 +35,6 @@ fn type_ior(harness: &mut Harness<'_, App>, medium: &str, text: &str) {
     harness.run_steps(2);
     harness.key_press(Key::Enter);
     harness.run_steps(3);
-}
-
-fn has_text(harness: &Harness<'_, App>, part: &str) -> bool {
-    harness
-        .query_all_by(|node| {
-            node.label().is_some_and(|text| text.contains(part)) || node.value().is_some_and(|text| text.contains(part))
-        })
-        .next()
-        .is_some()
 }
 
 #[test]
@@ -200,14 +191,7 @@ fn objects_of_one_medium_are_linked_until_one_gets_its_own() {
 fn a_medium_of_the_catalogue_is_chosen_with_the_keyboard() {
     let mut harness = selected("glass ball");
     let count = harness.state().state().document.description().media.len();
-    harness.get_by_role_and_label(Role::ComboBox, "Medium of glass ball").focus();
-    harness.run_steps(2);
-    harness.key_press(Key::Enter);
-    harness.run_steps(3);
-    harness.event(egui::Event::Text("sapph".into()));
-    harness.run_steps(2);
-    harness.key_press(Key::Enter);
-    harness.run_steps(3);
+    choose_by_typing(&mut harness, "Medium of glass ball", "sapph");
     assert_eq!(medium_of(&harness, "glass ball"), "sapphire");
     prepared(&mut harness);
     assert_eq!(model(&harness, "sapphire"), Ior::Catalog(catalog::find("sapphire").unwrap()));
@@ -215,14 +199,7 @@ fn a_medium_of_the_catalogue_is_chosen_with_the_keyboard() {
     // It is in the scene by now: choosing it again adds nothing.
     apply(&mut harness, Command::SelectObject(Some("water ball".into())));
     prepared(&mut harness);
-    harness.get_by_role_and_label(Role::ComboBox, "Medium of water ball").focus();
-    harness.run_steps(2);
-    harness.key_press(Key::Enter);
-    harness.run_steps(3);
-    harness.event(egui::Event::Text("sapph".into()));
-    harness.run_steps(2);
-    harness.key_press(Key::Enter);
-    harness.run_steps(3);
+    choose_by_typing(&mut harness, "Medium of water ball", "sapph");
     assert_eq!(medium_of(&harness, "water ball"), "sapphire");
     assert_eq!(harness.state().state().document.description().media.len(), count + 1);
 }
@@ -233,12 +210,7 @@ fn the_view_follows_the_camera_that_is_edited() {
     apply(&mut harness, Command::SelectWorld(WorldPart::Camera));
     harness.run_steps(3);
     let before = harness.state().state().document.description().camera;
-    harness.get_by_role_and_label(Role::SpinButton, "Focal length").click();
-    harness.run_steps(3);
-    harness.event(egui::Event::Text("100/2".into()));
-    harness.run_steps(2);
-    harness.key_press(Key::Enter);
-    harness.run_steps(3);
+    type_into(&mut harness, Role::SpinButton, "Focal length", "100/2");
     let state = harness.state().state();
     let camera = state.document.description().camera;
     assert!((camera.vertical_fov - 26.99).abs() < 0.01, "{}", camera.vertical_fov);
@@ -273,7 +245,7 @@ fn an_environment_becomes_a_gradient_and_an_image() {
     let path = folder.path().join("sky.png");
     image::RgbImage::from_pixel(8, 4, image::Rgb([10, 20, 200])).save(&path).unwrap();
     apply(&mut harness, Command::ReadEnvironment(path));
-    crate::harness::until(&mut harness, "the image is there", |app| {
+    until(&mut harness, "the image is there", |app| {
         matches!(app.state().document.description().environment, Environment::Image { .. })
     });
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
@@ -283,6 +255,6 @@ fn an_environment_becomes_a_gradient_and_an_image() {
     let path = folder.path().join("no.png");
     std::fs::write(&path, "text").unwrap();
     apply(&mut harness, Command::ReadEnvironment(path));
-    crate::harness::until(&mut harness, "it is refused", |app| !app.state().notices.is_empty());
+    until(&mut harness, "it is refused", |app| !app.state().notices.is_empty());
     assert!(matches!(environment(&harness), Environment::Gradient { .. }));
 }

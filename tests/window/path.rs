@@ -1,6 +1,7 @@
 //! The inspected path in the pictures: it is drawn, compared, kept, pointed out and exported.
 
-use egui::Key;
+use egui::accesskit::Role;
+use egui::{Key, Rect};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use iorect::app::{App, Command, ExportKind, MediumRef, ObjectEdit, PaneContent, Settings, Tab};
@@ -8,7 +9,9 @@ use iorect::optics::Ior;
 use iorect::tracking::Mode;
 use iorect::transport::inspect::Follow;
 
-use crate::harness::{apply, picture_of, quick, until, window_of};
+use crate::harness::{
+    apply, click_at, every_pane_has_an_image, has_notice, painted, picture_of, quick, until, window_of,
+};
 
 /// A window with two panes, stack and rectified, and the Inspector.
 fn inspector(scene: &str) -> Harness<'static, App> {
@@ -24,9 +27,7 @@ fn inspector(scene: &str) -> Harness<'static, App> {
 fn click(harness: &mut Harness<'_, App>, [x, y]: [f32; 2]) {
     let picture = picture_of(harness);
     let place = picture.min + picture.size() * egui::vec2(x, y);
-    harness.hover_at(place);
-    harness.drag_at(place);
-    harness.drop_at(place);
+    click_at(harness, place);
     wait(harness);
 }
 
@@ -158,7 +159,7 @@ fn paths_are_exported_as_drawing_and_as_numbers() {
     let folder = tempfile::tempdir().unwrap();
     // Nothing to export yet.
     apply(&mut harness, Command::Export(ExportKind::PathJson, folder.path().join("none.json")));
-    assert!(harness.state().state().notices.iter().any(|notice| notice.is_error && notice.text.contains("click")));
+    assert!(has_notice(&harness, "click"));
     click(&mut harness, [0.47, 0.55]);
     let [json, svg] = ["path.json", "path.svg"].map(|name| folder.path().join(name));
     apply(&mut harness, Command::Export(ExportKind::PathJson, json.clone()));
@@ -168,4 +169,46 @@ fn paths_are_exported_as_drawing_and_as_numbers() {
     assert_eq!((&value["mode"], &value["against"]["mode"]), (&"stack".into(), &"rectified".into()));
     assert_eq!(value["parting"]["faults"][0]["cause"]["starts_inside"]["within"][0], "pool water");
     assert!(std::fs::read_to_string(svg).unwrap().starts_with("<svg "));
+}
+
+/// Places around a legend, where a label beside the pixel would lie on it.
+#[test]
+fn labels_keep_clear_of_whatever_lies_over_the_pane() {
+    let mut harness = inspector("nested-spheres");
+    // The ball fills the panes.
+    apply(&mut harness, Command::SetZoom(5.0, [0.5, 0.5]));
+    apply(&mut harness, Command::SetPaneContent(1, PaneContent::Difference(Mode::Stack, Mode::Rectified)));
+    until(&mut harness, "there are images", every_pane_has_an_image);
+    until(&mut harness, "the panes are judged", |app| {
+        [Mode::Stack, Mode::Rectified].iter().all(|mode| app.state().verdicts.of.contains_key(mode))
+    });
+    let legend = harness.get_by_role_and_label(Role::Slider, "Range of the difference in pane 2").rect();
+    let chip = harness.get_by_label_contains("Verdict of pane 2: ").rect();
+    let pane = harness.state().pane_place(Some(1));
+    let mut labels = 0;
+    for place in [
+        legend.left_top() + egui::vec2(-6.0, 10.0),
+        legend.left_bottom() + egui::vec2(-6.0, -6.0),
+        legend.center_top() + egui::vec2(0.0, -6.0),
+        chip.right_bottom() + egui::vec2(4.0, 4.0),
+        chip.left_bottom() + egui::vec2(10.0, 8.0),
+    ] {
+        click_at(&mut harness, place);
+        wait(&mut harness);
+        harness.run_steps(2);
+        let texts: Vec<(String, Rect)> = painted(&harness)
+            .into_iter()
+            .map(|(text, _)| (text.galley.text().to_owned(), text.visual_bounding_rect()))
+            .filter(|(_, rect)| pane.contains(rect.center()))
+            .collect();
+        let is_label = |text: &str| text.contains(" → ") && text.contains('°');
+        for (text, rect) in texts.iter().filter(|(text, _)| is_label(text)) {
+            labels += 1;
+            assert!(!rect.intersects(legend), "{text} lies on the legend for {place:?}");
+            for (other, taken) in texts.iter().filter(|(other, _)| !is_label(other)) {
+                assert!(!rect.intersects(*taken), "{text} lies on {other} for {place:?}");
+            }
+        }
+    }
+    assert!(labels > 4, "{labels} labels were looked at");
 }

@@ -11,7 +11,7 @@ use iorect::render::surfaces::medium_color;
 use iorect::scene::MediumId;
 use iorect::tracking::Mode;
 
-use crate::harness::{apply, every_pane_has_an_image, quick, until, window_of};
+use crate::harness::{apply, choose, every_pane_has_an_image, quick, type_into, until, window_of};
 
 const SLICE: PaneContent = PaneContent::Slice(Mode::Rectified);
 
@@ -57,7 +57,7 @@ fn drag(harness: &mut Harness<'_, App>, by: egui::Vec2, modifiers: Modifiers) {
 }
 
 /// Gives a control the focus, and presses a key.
-fn press(harness: &mut Harness<'_, App>, role: Role, label: &str, key: Key) {
+fn press_on(harness: &mut Harness<'_, App>, role: Role, label: &str, key: Key) {
     harness.get_by_role_and_label(role, label).focus();
     harness.run_steps(2);
     harness.key_press(key);
@@ -68,17 +68,12 @@ fn press(harness: &mut Harness<'_, App>, role: Role, label: &str, key: Key) {
 fn a_slice_is_chosen_by_mouse_and_by_keyboard() {
     let settings = Settings { pane_count: 2, ..quick() };
     let mut harness = window_of("half-submerged", settings, [1280.0, 720.0]);
-    harness.get_by_label("Pane 1: stack").click();
-    harness.run_steps(3);
-    harness.get_by_label("slice").hover();
-    harness.run_steps(10);
-    harness.get_by_label("slice: rectified").click();
-    harness.run_steps(3);
+    choose(&mut harness, &["Pane 1: stack", "slice", "slice: rectified"]);
     assert_eq!(harness.state().state().settings.panes[0], SLICE);
 
-    press(&mut harness, Role::Button, "Pane 2: rectified", Key::Enter);
-    press(&mut harness, Role::Button, "slice", Key::Enter);
-    press(&mut harness, Role::Button, "slice: naive", Key::Enter);
+    press_on(&mut harness, Role::Button, "Pane 2: rectified", Key::Enter);
+    press_on(&mut harness, Role::Button, "slice", Key::Enter);
+    press_on(&mut harness, Role::Button, "slice: naive", Key::Enter);
     assert_eq!(harness.state().state().settings.panes[1], PaneContent::Slice(Mode::Naive));
     until(&mut harness, "both slices are cut", every_pane_has_an_image);
     // No film is wanted any more, and the legends tell the modes apart: only naive leaves doubt.
@@ -129,18 +124,13 @@ fn the_pointer_moves_the_plane_and_the_picture() {
 fn the_plane_is_moved_by_keyboard() {
     let mut harness = sliced("half-submerged");
     let before = view(&harness).offset;
-    press(&mut harness, Role::Slider, "Slice at z", Key::ArrowRight);
+    press_on(&mut harness, Role::Slider, "Slice at z", Key::ArrowRight);
     assert!(view(&harness).offset > before);
-    harness.get_by_role_and_label(Role::SpinButton, "Slice at z").click();
-    harness.run_steps(3);
-    harness.event(egui::Event::Text("0.25".into()));
-    harness.run_steps(2);
-    harness.key_press(Key::Enter);
-    harness.run_steps(3);
+    type_into(&mut harness, Role::SpinButton, "Slice at z", "0.25");
     assert_eq!(view(&harness).offset, 0.25);
-    press(&mut harness, Role::Button, "Camera", Key::Enter);
+    press_on(&mut harness, Role::Button, "Camera", Key::Enter);
     assert_eq!(view(&harness).facing, Facing::Camera);
-    press(&mut harness, Role::Button, "Y", Key::Space);
+    press_on(&mut harness, Role::Button, "Y", Key::Space);
     assert_eq!(view(&harness).facing, Facing::Y);
     assert!(!harness.state().state().is_paused, "the key meant the button");
 }

@@ -6,7 +6,7 @@ use iorect::app::{App, Command, PaneContent, Settings};
 use iorect::formats::builtin;
 use iorect::tracking::Mode;
 
-use crate::harness::{apply, quick, until, window_of};
+use crate::harness::{apply, choose, quick, until, window_of};
 
 fn first_start() -> Settings {
     Settings { resolution_scale: 0.25, ..Settings::of_first_start() }
@@ -25,10 +25,7 @@ fn the_tour_has_five_steps_and_stays_closed() {
     assert!(!harness.state().state().settings.show_tour, "it stays closed at the next start");
     assert!(harness.query_by_label("1 of 5").is_none());
     // Help > Tour shows it again.
-    harness.get_by_label("Help").click();
-    harness.run_steps(3);
-    harness.get_by_label("Tour").click();
-    harness.run_steps(3);
+    choose(&mut harness, &["Help", "Tour"]);
     harness.get_by_label("1 of 5");
     harness.get_by_label("Close the tour").click();
     harness.run_steps(3);

@@ -1,28 +1,11 @@
 //! Every text that is painted: none is cut off, none runs into another, and messages come and go.
 
-use egui::epaint::{ClippedShape, Shape, TextShape};
 use egui::{Pos2, Rect};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use iorect::app::{App, Command, MediumRef, Preset, Settings, Tab, Theme};
 
-use crate::harness::{apply, every_pane_has_an_image, quick, until, window, window_of};
-
-/// The texts of the last frame with the rectangle that they may be seen in.
-fn painted(harness: &Harness<'_, App>) -> Vec<(TextShape, Rect)> {
-    fn gather(shape: &Shape, clip: Rect, found: &mut Vec<(TextShape, Rect)>) {
-        match shape {
-            Shape::Vec(shapes) => shapes.iter().for_each(|shape| gather(shape, clip, found)),
-            Shape::Text(text) if !text.galley.text().trim().is_empty() => found.push((text.clone(), clip)),
-            _ => {}
-        }
-    }
-    let mut found = Vec::new();
-    for ClippedShape { clip_rect, shape, .. } in &harness.output().shapes {
-        gather(shape, *clip_rect, &mut found);
-    }
-    found
-}
+use crate::harness::{apply, choose, every_pane_has_an_image, painted, quick, until, window, window_of};
 
 /// Texts that are shortened, or that reach out of what may be seen of them to the left or to the right. Upwards and downwards they scroll.
 fn cut_off(harness: &Harness<'_, App>) -> Vec<String> {
@@ -137,10 +120,8 @@ fn messages_go_by_themselves_stay_under_the_pointer_and_can_be_read_again() {
     wait(&mut harness, 70.0);
     assert!(!has_notice(&harness), "it has gone by itself");
 
-    harness.get_by_label("Help").click();
-    harness.run_steps(4);
-    harness.get_by_label("Messages").click();
-    harness.run_steps(6);
+    choose(&mut harness, &["Help", "Messages"]);
+    harness.run_steps(2);
     assert!(harness.query_by_label(&text).is_some(), "it can be read again");
 }
 

@@ -84,7 +84,7 @@ fn mark(ui: &Ui, is_on: bool, text: &str) -> LayoutJob {
 /// A menu in a menu.
 fn submenu_ui(ui: &mut Ui, text: &str, contents: impl FnOnce(&mut Ui)) {
     let job = mark(ui, false, text);
-    ui.menu_button(job, |ui| menu_ui(ui, contents));
+    ui.menu_button(job, |ui| menu_ui(ui, contents)).response.accessible_name(text);
 }
 
 fn file_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

@@ -37,6 +37,7 @@ use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Ui};
 use self::dialogs::Dialogs;
 use self::tour::Part;
 use super::command::Command;
+use super::modal;
 use super::settings::Tab;
 use super::state::{OutsideChange, State};
 use super::viewport::Viewport;
@@ -101,7 +102,8 @@ fn tabs_ui(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Vec<C
         commands.push(Command::ShowTab(tab));
     }
     ui.add_space(8.0);
-    ScrollArea::vertical().id_salt(state.settings.tab as u8).auto_shrink(false).show(ui, |ui| {
+    let area = ScrollArea::vertical().id_salt(state.settings.tab as u8).auto_shrink(false);
+    modal::scroll_ui(ui, area, |ui| {
         // Room for the scroll bar.
         ui.set_max_width(ui.available_width() - 4.0);
         match state.settings.tab {

@@ -4,6 +4,7 @@ use egui::{Align, CursorIcon, Label, Layout, RichText, ScrollArea, Sense, Ui};
 
 use crate::app::command::Command;
 use crate::app::edit::ObjectEdit;
+use crate::app::modal;
 use crate::app::quotes::quoted;
 use crate::app::state::State;
 use crate::app::theme::{ADVICE_MARK, ERROR_MARK, Palette, WARNING_MARK};
@@ -58,6 +59,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                     for problem in others {
                         row_ui(ui, problem, true, state, commands, |_| {});
                     }
+                    modal::scroll_to_focus(ui);
                 });
             ui.data_mut(|data| data.insert_temp(height, output.inner_rect.height()));
         }
