@@ -50,6 +50,11 @@ impl Mask {
         self.bits[word] |= 1 << (primitive % 64);
     }
 
+    /// A bit for each primitive, the lowest first.
+    pub fn words(&self) -> impl Iterator<Item = u32> + '_ {
+        self.bits.iter().flat_map(|bits| [*bits as u32, (bits >> 32) as u32])
+    }
+
     #[inline]
     pub fn contains(&self, primitive: PrimitiveId) -> bool {
         self.bits.get(primitive as usize / 64).is_some_and(|word| word >> (primitive % 64) & 1 == 1)
@@ -63,7 +68,7 @@ pub struct Geometry {
     pub origin: DVec3,
     /// The origin is a multiple of it: see [`Frame::step`].
     pub step: f64,
-    positions: Vec<Vec3>,
+    pub(super) positions: Vec<Vec3>,
     /// Of the vertices of smooth objects; empty where there are none.
     normals: Vec<Vec3>,
     pub(super) triangles: Vec<[u32; 3]>,
@@ -327,6 +332,24 @@ impl Geometry {
     #[inline]
     pub fn corners(&self, triangle: PrimitiveId) -> [DVec3; 3] {
         self.triangles[triangle as usize].map(|i| self.positions[i as usize].as_dvec3())
+    }
+
+    /// Unit outward normal of a triangle; zero where it has no area.
+    pub fn face_normal(&self, triangle: PrimitiveId) -> DVec3 {
+        triangle::area_vector(self.corners(triangle)).normalize_or_zero()
+    }
+
+    /// Normals at the corners of a triangle, zero where there are none to interpolate.
+    pub fn corner_normals(&self, triangle: PrimitiveId) -> [Vec3; 3] {
+        if self.normals.is_empty() {
+            return [Vec3::ZERO; 3];
+        }
+        self.triangles[triangle as usize].map(|i| self.normals[i as usize])
+    }
+
+    /// The analytic spheres, whose ids follow those of the triangles.
+    pub fn spheres(&self) -> &[Sphere] {
+        &self.spheres
     }
 
     /// A sphere around everything; `None` for an empty scene.

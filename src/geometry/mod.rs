@@ -1,6 +1,7 @@
 //! Rays, primitives, and the tree over them. The only module that knows obvhs, which builds the tree; the walk is ours.
 
 mod beam;
+pub mod binary;
 mod box_ray;
 mod bvh;
 mod collapse;

@@ -40,6 +40,11 @@ impl Interface {
         Self { eta: n2 / n1, inverse_eta: n1 / n2, e: (m2 - m1) * (2.0 + m1 + m2) / (n1 * n1) }
     }
 
+    /// η, 1/η, and E = η² − 1.
+    pub fn numbers(&self) -> [f64; 3] {
+        [self.eta, self.inverse_eta, self.e]
+    }
+
     /// Whether both media have the same index: the ray goes straight on and nothing is reflected.
     #[inline]
     pub fn is_matched(&self) -> bool {

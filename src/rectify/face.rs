@@ -157,6 +157,18 @@ impl Face {
         }
     }
 
+    /// The planes of the edges, (a, b, c, d) each, as [`Self::cover`] sees them: a point in the face's plane is covered where ax + by + cz + d ≥ 0 for
+    /// all three. Those of a sphere cover every point.
+    pub(super) fn edge_planes(&self, tolerance: Tolerance) -> [[f64; 4]; 3] {
+        let Self::Triangle { corners, normal } = self else { return [[0.0, 0.0, 0.0, 1.0]; 3] };
+        let reach = self.reach();
+        std::array::from_fn(|k| {
+            let inward = normal.cross(corners[(k + 1) % 3] - corners[k]).normalize_or_zero();
+            let margin = 2.0 * tolerance.along(inward, reach);
+            [inward.x, inward.y, inward.z, margin - inward.dot(corners[k])]
+        })
+    }
+
     /// Whether this face, which coincides with the one that `cell` is a part of, covers that cell. Its edges count as wider by the tolerance.
     pub fn cover(&self, cell: &[DVec3], tolerance: Tolerance) -> Cover {
         let Self::Triangle { corners, normal } = self else { return Cover::All };

@@ -28,6 +28,7 @@ pub mod layout;
 mod nest;
 pub mod object_table;
 pub mod patch;
+pub mod planes;
 pub mod pretrace;
 pub mod progress;
 mod random;

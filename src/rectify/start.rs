@@ -55,6 +55,11 @@ impl StartRegion {
         Self { near, whole }
     }
 
+    /// The one medium that all rays start in, and whether it is ambiguous; `None` where each has to be asked.
+    pub fn whole(&self) -> Option<(MediumId, bool)> {
+        self.whole
+    }
+
     /// How a ray (local coordinates) starts whose origin lies in the region.
     #[inline]
     pub fn start_by_asking(&self, scene: &Scene, ray: Ray, ask: Ask<'_>) -> Start {

@@ -189,6 +189,19 @@ impl NextSamples {
     }
 }
 
+/// What some samples of a pixel come to.
+#[cfg(feature = "gpu")]
+#[derive(Debug, Clone, Default)]
+pub(super) struct SampleSums {
+    /// Of the finite ones.
+    pub radiance: DVec3,
+    pub count: u32,
+    /// Of the finite ones.
+    pub squares: [f32; 3],
+    /// Of all their paths.
+    pub segments: u32,
+}
+
 /// A row of a film, to be added to.
 pub(super) struct FilmRow<'a> {
     sums: &'a mut [DVec3],
@@ -209,6 +222,26 @@ impl FilmRow<'_> {
     pub(super) fn restore(&mut self, (sums, counts): &(Vec<DVec3>, Vec<u32>)) {
         self.sums.copy_from_slice(sums);
         self.counts.copy_from_slice(counts);
+    }
+
+    /// Adds samples that were summed elsewhere; where sums are exact, one at the most.
+    #[cfg(feature = "gpu")]
+    pub(super) fn add_sums(&mut self, column: usize, samples: &SampleSums, events: &mut Events) {
+        let mut count = samples.count;
+        if let Some(exact) = &mut self.exact
+            && count > 0
+            && !exact.add(column, samples.radiance)
+        {
+            events.non_finite += 1;
+            count = 0;
+        }
+        if count > 0 {
+            self.sums[column] += samples.radiance;
+            self.counts[column] += count;
+        }
+        if let Some(pilot) = &mut self.pilot {
+            pilot.add_sums(column, samples.squares, samples.segments);
+        }
     }
 
     /// Adds a sample whose path had so many segments. One that is not finite, or too large for exact sums, is counted in `events` and left out.

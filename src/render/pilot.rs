@@ -58,6 +58,15 @@ impl PilotRow<'_> {
     }
 }
 
+#[cfg(feature = "gpu")]
+impl PilotRow<'_> {
+    /// Adds samples whose squares and segments were summed elsewhere.
+    pub(super) fn add_sums(&mut self, column: usize, squares: [f32; 3], segments: u32) {
+        self.segments[column] += segments;
+        self.squares[column].iter_mut().zip(squares).for_each(|(sum, value)| *sum += value);
+    }
+}
+
 /// What the pilot samples of one pixel tell.
 #[derive(Debug, Clone, Copy)]
 pub struct PilotPixel {

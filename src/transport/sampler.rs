@@ -34,9 +34,13 @@ impl Sampler {
 
     #[inline]
     pub fn of(sequence: Sequence, seed: u64, pixel: u32, sample: u32) -> Self {
-        let mut h = mix(seed as u32 ^ 0x9E37_79B9);
-        h = mix(h ^ (seed >> 32) as u32);
-        Self { sequence, pixel_seed: mix(h ^ pixel.wrapping_mul(0x85EB_CA6B)), sample: sample.reverse_bits() }
+        Self { sequence, pixel_seed: mix(Self::seed_hash(seed) ^ pixel.wrapping_mul(0x85EB_CA6B)), sample: sample.reverse_bits() }
+    }
+
+    /// What the numbers of all pixels have of the seed.
+    #[inline]
+    pub fn seed_hash(seed: u64) -> u32 {
+        mix(mix(seed as u32 ^ 0x9E37_79B9) ^ (seed >> 32) as u32)
     }
 
     /// Uniform in [0, 1).

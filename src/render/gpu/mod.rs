@@ -2,8 +2,16 @@
 
 pub mod adapter;
 pub mod device;
+mod dispatch;
 pub mod fault;
+mod layout;
+mod pipeline;
+pub mod renderer;
+mod shader;
+mod tables;
+mod upload;
 
 pub use adapter::{Adapter, GpuError};
 pub use device::GpuDevice;
 pub use fault::GpuFault;
+pub use renderer::Gpu;

@@ -91,6 +91,14 @@ impl EnvironmentLight {
         matches!(self, Self::Image(_))
     }
 
+    /// The image with its sampling tables, if it is one.
+    pub fn image(&self) -> Option<&Arc<ImageLight>> {
+        match self {
+            Self::Image(light) => Some(light),
+            _ => None,
+        }
+    }
+
     /// Radiance arriving from unit `direction`.
     #[inline]
     pub fn radiance(&self, direction: DVec3) -> Spectrum {
@@ -153,7 +161,35 @@ impl EnvironmentLight {
     }
 }
 
+/// What an image is looked up and sampled by, as a GPU is given it.
+#[derive(Debug, Clone, Copy)]
+pub struct ImageTables<'a> {
+    pub image: &'a EnvironmentImage,
+    /// sin and cos of the rotation about +y.
+    pub rotation: (f64, f64),
+    pub scale: f64,
+    /// Running sums of the weights of each row's texels, each row from 0 to 1.
+    pub columns: &'a [f32],
+    /// Running sums of the rows' weights, from 0 to 1.
+    pub rows: &'a [f64],
+    pub cuts_per_row: usize,
+    /// For each row, and each k from 0 to `cuts_per_row`, the first column whose running sum is above k / `cuts_per_row`.
+    pub cuts: &'a [u32],
+}
+
 impl ImageLight {
+    pub fn tables(&self) -> ImageTables<'_> {
+        ImageTables {
+            image: &self.image,
+            rotation: self.rotation,
+            scale: self.scale,
+            columns: &self.columns,
+            rows: &self.rows,
+            cuts_per_row: self.guide.cuts_per_row,
+            cuts: &self.guide.cuts,
+        }
+    }
+
     /// `None` when the image is black or `scale` is 0: there is nothing to look up.
     fn new(image: Arc<EnvironmentImage>, rotation: f64, scale: f64) -> Option<Self> {
         let (width, height) = (image.width, image.height);

@@ -9,7 +9,7 @@ mod tests;
 use glam::DVec3;
 
 pub use area::AreaLight;
-pub use environment::EnvironmentLight;
+pub use environment::{EnvironmentLight, ImageLight, ImageTables};
 pub use sample::{DirectSample, EmittedRay, Target};
 
 use super::ObjectId;

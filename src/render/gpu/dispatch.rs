@@ -1,0 +1,181 @@
+//! One dispatch: a part of an image is rendered, and what its samples come to is brought back.
+
+use glam::DVec3;
+
+use super::device::GpuDevice;
+use super::fault::GpuFault;
+use super::layout::{self, PixelSums};
+use super::pipeline::Pipelines;
+use super::upload::SceneOnGpu;
+use crate::render::film::SampleSums;
+use crate::tracking::Events;
+
+/// Threads of a workgroup along each side: `render/gpu/film.wgsl`.
+const GROUP: u32 = 8;
+/// Kinds of events that are counted.
+const EVENTS: usize = 6;
+const EVENT_BYTES: u64 = (EVENTS * size_of::<u32>()) as u64;
+
+/// Rows of an image that are rendered together.
+#[derive(Debug)]
+pub struct Band {
+    /// Of each pixel.
+    pub sums: Vec<SampleSums>,
+    pub events: Events,
+}
+
+impl Band {
+    pub fn new(width: u32, row_count: u32) -> Self {
+        Self { sums: vec![SampleSums::default(); (width * row_count) as usize], events: Events::default() }
+    }
+
+    /// Samples that were taken, finite or not.
+    pub fn samples(&self) -> u64 {
+        self.sums.iter().map(|sums| u64::from(sums.count)).sum::<u64>() + self.events.non_finite
+    }
+
+    fn add(&mut self, pixels: &[PixelSums], events: &[u32]) {
+        for (sums, pixel) in self.sums.iter_mut().zip(pixels) {
+            sums.radiance += DVec3::from(pixel.radiance.map(f64::from));
+            sums.count += pixel.count;
+            sums.squares.iter_mut().zip(pixel.squares).for_each(|(sum, square)| *sum += square);
+            sums.segments += pixel.segments;
+        }
+        let [stack_underflow, stack_overflow, inconsistent, non_finite, crossings, mixed] =
+            std::array::from_fn(|kind| events.get(kind).copied().map_or(0, u64::from));
+        self.events += Events {
+            stack_underflow,
+            stack_overflow,
+            inconsistent,
+            non_finite,
+            crossings,
+            mixed,
+            ..Events::default()
+        };
+    }
+}
+
+/// Buffers of one dispatch, used again by the next.
+#[derive(Debug)]
+pub struct FilmBuffers {
+    image: wgpu::Buffer,
+    sums: wgpu::Buffer,
+    events: wgpu::Buffer,
+    /// Sums, then events, as they are brought back.
+    back: wgpu::Buffer,
+    pixels: u32,
+}
+
+impl FilmBuffers {
+    /// For dispatches of up to so many pixels.
+    ///
+    /// # Errors
+    /// When there is no memory left.
+    pub fn new(gpu: &GpuDevice, pixels: u32) -> Result<Self, GpuFault> {
+        use wgpu::BufferUsages as Usage;
+        let bytes = u64::from(pixels) * size_of::<PixelSums>() as u64;
+        gpu.attempt(|device| {
+            let buffer = |label, size, usage| {
+                device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some(label),
+                    size,
+                    usage,
+                    mapped_at_creation: false,
+                })
+            };
+            Self {
+                image: buffer("image", size_of::<layout::Image>() as u64, Usage::UNIFORM | Usage::COPY_DST),
+                sums: buffer("sums", bytes, Usage::STORAGE | Usage::COPY_SRC),
+                events: buffer("events", EVENT_BYTES, Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST),
+                back: buffer("sums and events", bytes + EVENT_BYTES, Usage::MAP_READ | Usage::COPY_DST),
+                pixels,
+            }
+        })
+    }
+
+    pub fn pixels(&self) -> u32 {
+        self.pixels
+    }
+}
+
+/// What dispatches of one pass share.
+#[derive(Debug)]
+pub struct Dispatcher<'a> {
+    gpu: &'a GpuDevice,
+    pipeline: &'a wgpu::ComputePipeline,
+    buffers: &'a FilmBuffers,
+    scene: wgpu::BindGroup,
+    film: wgpu::BindGroup,
+}
+
+impl<'a> Dispatcher<'a> {
+    /// With the samples of each pixel in `ranges`, where they differ.
+    ///
+    /// # Errors
+    /// When there is no memory left.
+    pub fn new(
+        gpu: &'a GpuDevice,
+        pipelines: &Pipelines,
+        scene: &SceneOnGpu,
+        pipeline: &'a wgpu::ComputePipeline,
+        buffers: &'a FilmBuffers,
+        ranges: Option<&[[u32; 2]]>,
+    ) -> Result<Self, GpuFault> {
+        use wgpu::util::DeviceExt;
+        gpu.attempt(|device| {
+            let ranges = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("ranges"),
+                contents: bytemuck::cast_slice(ranges.unwrap_or(&[[0; 2]])),
+                usage: wgpu::BufferUsages::STORAGE,
+            });
+            let film = [&buffers.sums, &buffers.events, &ranges].into_iter();
+            Self {
+                gpu,
+                pipeline,
+                buffers,
+                scene: scene.bind(gpu, &pipelines.scene, &buffers.image),
+                film: pipelines.film.bind(device, film),
+            }
+        })
+    }
+
+    /// Renders a part of an image, waits for it, and adds it to `band`.
+    ///
+    /// # Errors
+    /// When the device is lost or refuses.
+    pub fn run(&self, part: &layout::Image, band: &mut Band) -> Result<(), GpuFault> {
+        let Self { gpu, buffers, .. } = self;
+        let sum_bytes = u64::from(part.width * part.row_count) * size_of::<PixelSums>() as u64;
+        gpu.attempt(|device| {
+            gpu.queue.write_buffer(&buffers.image, 0, bytemuck::bytes_of(part));
+            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            encoder.clear_buffer(&buffers.events, 0, None);
+            {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+                pass.set_pipeline(self.pipeline);
+                pass.set_bind_group(0, &self.scene, &[]);
+                pass.set_bind_group(1, &self.film, &[]);
+                pass.dispatch_workgroups(part.width.div_ceil(GROUP), part.row_count.div_ceil(GROUP), 1);
+            }
+            encoder.copy_buffer_to_buffer(&buffers.sums, 0, &buffers.back, 0, sum_bytes);
+            encoder.copy_buffer_to_buffer(&buffers.events, 0, &buffers.back, sum_bytes, EVENT_BYTES);
+            gpu.queue.submit([encoder.finish()]);
+            buffers.back.map_async(wgpu::MapMode::Read, ..sum_bytes + EVENT_BYTES, |_| ());
+        })?;
+        gpu.wait()?;
+        {
+            let mapped = buffers
+                .back
+                .get_mapped_range(..sum_bytes + EVENT_BYTES)
+                .map_err(|error| GpuFault::Refused(error.to_string()))?;
+            let (sums, events) = mapped.split_at(sum_bytes as usize);
+            let events: Vec<u32> = bytemuck::pod_collect_to_vec(events);
+            match bytemuck::try_cast_slice(sums) {
+                Ok(sums) => band.add(sums, &events),
+                Err(_) => band.add(&bytemuck::pod_collect_to_vec::<u8, PixelSums>(sums), &events),
+            }
+        }
+        buffers.back.unmap();
+        Ok(())
+    }
+}

@@ -1,0 +1,384 @@
+//! The path tracer on a graphics processor: the same samples as the CPU's without splitting, in f32.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::device::GpuDevice;
+use super::dispatch::{Band, Dispatcher, FilmBuffers};
+use super::fault::GpuFault;
+use super::layout;
+use super::pipeline::{Edit, Pipelines, STORAGE_BUFFERS};
+use super::shader::Variant;
+use super::tables;
+use super::upload::{CannotUpload, SceneOnGpu};
+use crate::rectify::containment::medium_at;
+use crate::rectify::start::StartRegion;
+use crate::render::film::Film;
+use crate::render::renderer::{RenderTask, Renderer, Unsupported};
+use crate::render::settings::{Backend, Estimator};
+use crate::scene::needs::SceneNeeds;
+use crate::scene::{MediumId, Surface};
+use crate::tracking::{Events, Mode};
+use crate::transport::sampler::{Sampler, Sequence};
+
+/// Scenes that are kept on the device: one for each pane of the window.
+const KEPT_SCENES: usize = 6;
+/// Buffers that are kept for the next passes.
+const KEPT_BUFFERS: usize = 4;
+/// Entries of a path's state, at the most.
+const MOST_TRACKER_ROOM: u32 = 512;
+/// Entries beyond one for each refractor: a refractor that intersects itself is entered several times.
+const SPARE_TRACKER_ROOM: u32 = 6;
+/// Nodes that may wait to be visited, at the most.
+const MOST_TREE_DEPTH: u32 = 256;
+/// Pixels whose sums are brought back at once, at the most.
+const MOST_PIXELS: u32 = 1 << 20;
+/// Samples that are summed in f32, at the most.
+const MOST_SUMMED: u32 = 64;
+
+/// Time that one dispatch should take. Hardware gives way to the desktop between dispatches; software has no desktop to give way to, but an edit must
+/// not wait for long.
+const SLICE: Duration = Duration::from_millis(8);
+const SLICE_IN_SOFTWARE: Duration = Duration::from_millis(120);
+
+/// Renders on one device. Made once for each, and shared: it keeps scenes and compiled shaders.
+#[derive(Debug)]
+pub struct Gpu {
+    pub device: Arc<GpuDevice>,
+    pipelines: Pipelines,
+    scenes: Mutex<Vec<Arc<SceneOnGpu>>>,
+    /// Those that no pass uses.
+    buffers: Mutex<Vec<FilmBuffers>>,
+    /// Why a pass was not finished.
+    fault: Mutex<Option<GpuFault>>,
+    /// Paths that one dispatch takes so that it takes the time of a slice.
+    paths_per_slice: Mutex<f64>,
+}
+
+impl Gpu {
+    pub fn new(device: Arc<GpuDevice>) -> Self {
+        Self::with_edited_shaders(device, None)
+    }
+
+    /// With shaders whose text is changed: for tests, which plant faults.
+    pub fn with_edited_shaders(device: Arc<GpuDevice>, edit: Option<Edit>) -> Self {
+        let pipelines = Pipelines::new(&device, edit);
+        let first = if device.adapter.is_software { 4096.0 } else { 65_536.0 };
+        Self {
+            device,
+            pipelines,
+            scenes: Mutex::default(),
+            buffers: Mutex::default(),
+            fault: Mutex::default(),
+            paths_per_slice: Mutex::new(first),
+        }
+    }
+
+    /// What went wrong, if anything has.
+    pub fn fault(&self) -> Option<GpuFault> {
+        lock(&self.fault).clone().or_else(|| self.device.fault())
+    }
+
+    fn kept(&self, task: &RenderTask<'_>) -> Option<Arc<SceneOnGpu>> {
+        let scenes = lock(&self.scenes);
+        scenes.iter().find(|scene| scene.is_of(task.prepared, task.settings.mode)).cloned()
+    }
+
+    /// The scene on the device, where it stays until others take its place.
+    fn scene(&self, task: &RenderTask<'_>) -> Result<Arc<SceneOnGpu>, CannotUpload> {
+        if let Some(scene) = self.kept(task) {
+            return Ok(scene);
+        }
+        let others = lock(&self.scenes).clone();
+        let scene = Arc::new(SceneOnGpu::new(&self.device, task.prepared, task.settings.mode, &others)?);
+        let mut scenes = lock(&self.scenes);
+        scenes.insert(0, Arc::clone(&scene));
+        scenes.truncate(KEPT_SCENES);
+        Ok(scene)
+    }
+
+    /// Buffers for that many pixels: those of an earlier pass, if no other pass uses them.
+    fn film_buffers(&self, pixels: u32) -> Result<Lent<'_>, GpuFault> {
+        let mut kept = lock(&self.buffers);
+        let buffers = match kept.iter().position(|buffers| buffers.pixels() >= pixels) {
+            Some(index) => kept.swap_remove(index),
+            None => {
+                drop(kept);
+                FilmBuffers::new(&self.device, pixels)?
+            }
+        };
+        Ok(Lent { buffers: Some(buffers), owner: &self.buffers })
+    }
+
+    /// Renders on the device. `None` in place of events: the row was not finished. What is finished is in the film.
+    fn render(
+        &self,
+        task: &RenderTask<'_>,
+        film: &mut Film,
+        samples: u32,
+        cancel: &AtomicBool,
+        rows: &mut [Option<Events>],
+    ) -> Result<(), GpuFault> {
+        let scene = self.scene(task).map_err(|error| match error {
+            CannotUpload::DoesNotFit(what) => GpuFault::Refused(format!("{what} does not fit")),
+            CannotUpload::Fault(fault) => fault,
+        })?;
+        let pipeline = self.pipelines.get(&self.device, &variant(task, scene.tree_depth()))?;
+        let (mut image, is_ambiguous) = image(task, film);
+        let ranges = sample_ranges(film, samples);
+        // Of all pixels, the one with the most samples decides how long a row takes.
+        let count = match &ranges {
+            Some(ranges) => ranges.iter().map(|[first, last]| last - first).max().unwrap_or(0),
+            None => samples,
+        };
+        image.has_ranges = u32::from(ranges.is_some());
+        (image.first_sample, image.last_sample) = (film.first + film.samples, film.first + film.samples + samples);
+        let (width, height) = (film.width, film.height);
+        let buffers = self.film_buffers(MOST_PIXELS.min(width * height).max(width))?;
+        let dispatcher =
+            Dispatcher::new(&self.device, &self.pipelines, &scene, &pipeline, &buffers, ranges.as_deref())?;
+        let most_summed = if film.exact.is_some() { 1 } else { MOST_SUMMED };
+        let mut first_row = 0;
+        while first_row < height {
+            let paths = *lock(&self.paths_per_slice);
+            let band_rows = (paths / (f64::from(width) * f64::from(count.max(1)))) as u32;
+            let most_rows = (MOST_PIXELS / width).max(1).min(height - first_row);
+            let row_count = band_rows.clamp(1, most_rows);
+            // Where sums are exact, every sample by itself.
+            let mut bands = vec![Band::new(width, row_count)];
+            let mut before = 0;
+            while before < count {
+                if cancel.load(Ordering::Relaxed) {
+                    return Ok(());
+                }
+                let at_once = (paths / (f64::from(width) * f64::from(row_count))) as u32;
+                let sample_count = at_once.clamp(1, most_summed).min(count - before);
+                let part = layout::Image { first_row, row_count, sample_count, samples_before: before, ..image };
+                let start = Instant::now();
+                if film.exact.is_some() && before > 0 {
+                    bands.push(Band::new(width, row_count));
+                }
+                let Some(band) = bands.last_mut() else { break };
+                dispatcher.run(&part, band)?;
+                self.adapt(start.elapsed(), f64::from(width) * f64::from(row_count) * f64::from(sample_count));
+                before += sample_count;
+            }
+            for band in bands {
+                add_band(film, first_row, band, is_ambiguous, rows);
+            }
+            first_row += row_count;
+        }
+        Ok(())
+    }
+
+    /// Makes dispatches larger or smaller, so that they take the time of a slice.
+    fn adapt(&self, elapsed: Duration, paths: f64) {
+        let slice = if self.device.adapter.is_software { SLICE_IN_SOFTWARE } else { SLICE };
+        let wanted = paths * slice.as_secs_f64() / elapsed.as_secs_f64().max(1e-6);
+        let mut current = lock(&self.paths_per_slice);
+        // By no more than twice at a time: the first dispatches of a shader are slow, and rows differ.
+        *current = wanted.clamp(0.5 * *current, 2.0 * *current).clamp(64.0, 1e9);
+    }
+}
+
+impl Renderer for Gpu {
+    fn require(&self, task: &RenderTask<'_>) -> Result<(), Unsupported> {
+        let RenderTask { prepared, camera, settings } = *task;
+        let scene = &*prepared.scene;
+        match settings.estimator {
+            Estimator::Path => {}
+        }
+        if !Variant::has_mode(settings.mode) {
+            return Err(unsupported(&format!("mode {}", settings.mode), "the CPU renders it"));
+        }
+        if self.device.limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
+            let what = format!("anything on {}, whose shaders reach too few tables,", self.device.adapter.name);
+            return Err(unsupported(&what, "use the CPU"));
+        }
+        if settings.mode == Mode::Rectified {
+            let name = |object: crate::scene::ObjectId| scene.object(object).name.clone();
+            if let Some(refractor) = prepared.table.asks_more_than_a_ray(scene) {
+                let what = format!("{}, whose mesh has holes or overlaps itself where others cross it,", name(refractor));
+                return Err(unsupported(&what, "use the CPU, or repair the mesh"));
+            }
+            if prepared.table.flat().layout.unlisted > 0 {
+                let crowded = prepared.table.crowded();
+                let where_ = crowded.first().map_or_else(|| "a face".into(), |(object, _)| name(*object));
+                let what = format!("a place on {where_} at which too many refractors meet");
+                return Err(unsupported(&what, "use the CPU"));
+            }
+        }
+        let position = camera.position - scene.geometry.origin;
+        if starts(task, position).whole().is_none() {
+            return Err(unsupported("a camera on the surface of a refractor", "use the CPU, or move the camera"));
+        }
+        let reach = (position.abs().max_element() + camera.focus_distance) * tables::scale_of(&scene.geometry);
+        if reach > 1e18 {
+            return Err(unsupported("a camera so far from the scene", "use the CPU"));
+        }
+        if let Some(fault) = self.device.fault() {
+            return Err(unsupported("anything any more", &fault.to_string()));
+        }
+        Ok(())
+    }
+
+    fn is_ready(&self, task: &RenderTask<'_>) -> bool {
+        let scene = self.kept(task);
+        scene.is_some_and(|scene| self.pipelines.ready(&variant(task, scene.tree_depth())).is_some())
+    }
+
+    fn make_ready(&self, task: &RenderTask<'_>) -> Result<(), Unsupported> {
+        self.require(task)?;
+        let scene = self.scene(task).map_err(|error| match error {
+            CannotUpload::DoesNotFit(what) => unsupported(&what, "use the CPU"),
+            CannotUpload::Fault(fault) => unsupported("this scene", &format!("{fault}; use the CPU")),
+        })?;
+        match self.pipelines.get(&self.device, &variant(task, scene.tree_depth())) {
+            Ok(_) => Ok(()),
+            Err(fault) => Err(unsupported("this scene", &format!("{fault}; use the CPU"))),
+        }
+    }
+
+    fn pass(&self, task: &RenderTask<'_>, film: &mut Film, samples: u32, cancel: &AtomicBool) -> bool {
+        let mut rows = vec![None; film.height as usize];
+        let result = self.render(task, film, samples, cancel, &mut rows);
+        if film.finish_pass(samples, &rows) {
+            return true;
+        }
+        // Rows that are finished stay: whoever goes on takes what is missing of the same samples.
+        if let Err(fault) = result {
+            log::warn!("{fault}");
+            *lock(&self.fault) = Some(fault);
+        }
+        false
+    }
+}
+
+/// Buffers that a pass uses and gives back.
+struct Lent<'a> {
+    buffers: Option<FilmBuffers>,
+    owner: &'a Mutex<Vec<FilmBuffers>>,
+}
+
+impl std::ops::Deref for Lent<'_> {
+    type Target = FilmBuffers;
+
+    fn deref(&self) -> &FilmBuffers {
+        self.buffers.as_ref().expect("they are given back when this is dropped")
+    }
+}
+
+impl Drop for Lent<'_> {
+    fn drop(&mut self) {
+        let mut kept = lock(self.owner);
+        kept.extend(self.buffers.take());
+        let excess = kept.len().saturating_sub(KEPT_BUFFERS);
+        kept.drain(..excess);
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn unsupported(what: &str, instead: &str) -> Unsupported {
+    Unsupported { what: what.into(), backend: Backend::Gpu, instead: instead.into() }
+}
+
+/// The media that rays start in, for a camera at `position` (local coordinates).
+fn starts(task: &RenderTask<'_>, position: glam::DVec3) -> StartRegion {
+    let scene = &*task.prepared.scene;
+    StartRegion::by_asking(scene, position, task.camera.aperture_radius, &|point| medium_at(scene, point))
+}
+
+/// What the shader of a task has to do.
+fn variant(task: &RenderTask<'_>, tree_depth: u32) -> Variant {
+    let RenderTask { prepared, settings, .. } = *task;
+    let (scene, table) = (&*prepared.scene, &*prepared.table);
+    let needs = if settings.leave_out { scene.needs } else { SceneNeeds::EVERYTHING.without_impossible(scene) };
+    let mode = settings.mode;
+    let is_rectified = mode == Mode::Rectified;
+    let flat = &*table.flat().layout;
+    let can_skip = mode == Mode::Priority || (is_rectified && table.has_passable());
+    let refractors = scene.objects.iter().filter(|object| matches!(object.surface, Surface::Refractor { .. })).count();
+    // Rounded up, so that scenes that differ little share a shader.
+    let up = |number: u32, step: u32| number.div_ceil(step) * step;
+    let room = up(refractors as u32 + SPARE_TRACKER_ROOM, 8).min(MOST_TRACKER_ROOM);
+    Variant {
+        mode,
+        tree_depth: up(tree_depth.max(1), 8),
+        tracker_room: if Variant::has_state(mode) { room } else { 0 },
+        triangles: needs.triangles,
+        spheres: needs.spheres,
+        smooth_normals: needs.smooth_normals,
+        absorption: needs.absorption,
+        masked: is_rectified && table.mask().is_some(),
+        divided_faces: is_rectified && !flat.faces.is_empty(),
+        asked_cells: is_rectified && !flat.asked.is_empty(),
+        can_pass: needs.index_matching || can_skip,
+        emitters: needs.emitters,
+        sampled_environment: needs.image_environment && settings.sample_environment,
+        environment_kind: match &scene.environment {
+            crate::scene::lights::EnvironmentLight::Constant(_) => 0,
+            crate::scene::lights::EnvironmentLight::Gradient { .. } => 1,
+            crate::scene::lights::EnvironmentLight::Image(_) => 2,
+        },
+        independent: settings.sampler == Sequence::Independent,
+    }
+}
+
+/// The image as the shader is given it, but for the part that is rendered; and whether the medium that paths start in is in doubt.
+fn image(task: &RenderTask<'_>, film: &Film) -> (layout::Image, bool) {
+    let RenderTask { prepared, camera, settings } = *task;
+    let scene = &*prepared.scene;
+    let position = camera.position - scene.geometry.origin;
+    let (start_medium, is_ambiguous) = starts(task, position).whole().unwrap_or((MediumId::WORLD, true));
+    let scale = tables::scale_of(&scene.geometry);
+    let f32s = |v: glam::DVec3| v.as_vec3().to_array();
+    let image = layout::Image {
+        position: f32s(position * scale),
+        aperture_radius: (camera.aperture_radius * scale) as f32,
+        forward: f32s(camera.forward),
+        focus_distance: (camera.focus_distance * scale) as f32,
+        right: f32s(camera.right),
+        scale: (2.0 * camera.tan_half_fov / f64::from(film.height)) as f32,
+        up: f32s(camera.up),
+        start_medium: start_medium.0,
+        half_size: [film.width, film.height].map(|side| side as f32 / 2.0),
+        width: film.width,
+        seed_hash: Sampler::seed_hash(settings.seed),
+        max_depth: settings.max_depth.unwrap_or(u32::MAX),
+        ..bytemuck::Zeroable::zeroed()
+    };
+    (image, is_ambiguous)
+}
+
+/// The first sample of each pixel and the one after the last, where pixels differ; `None` where they do not.
+fn sample_ranges(film: &Film, samples: u32) -> Option<Vec<[u32; 2]>> {
+    if film.allocation.is_none() && film.ahead.iter().all(|ahead| *ahead == 0) {
+        return None;
+    }
+    let next = film.next_samples(samples);
+    let width = film.width as usize;
+    let of = |pixel: usize| {
+        let range = next.of_pixel(pixel, film.ahead.get(pixel / width).copied().unwrap_or(0));
+        [range.start, range.end.max(range.start)]
+    };
+    Some((0..film.sums.len()).map(of).collect())
+}
+
+/// Adds what a band has to the film, and notes its rows as finished.
+fn add_band(film: &mut Film, first_row: u32, band: Band, is_ambiguous: bool, rows: &mut [Option<Events>]) {
+    let mut events = band.events;
+    events.ambiguous += if is_ambiguous { band.samples() } else { 0 };
+    let (width, first) = (film.width as usize, first_row as usize);
+    let targets = film.rows().into_iter().zip(rows).skip(first);
+    for ((mut row, done), pixels) in targets.zip(band.sums.chunks(width)) {
+        for (column, sums) in pixels.iter().enumerate() {
+            row.add_sums(column, sums, &mut events);
+        }
+        // Those of the whole band are counted with its first row.
+        *done.get_or_insert_default() += std::mem::take(&mut events);
+    }
+}

@@ -1,0 +1,214 @@
+//! Scenes in the memory of the graphics processor. What an edit has not changed stays there: an edit of media uploads kilobytes.
+
+use std::sync::{Arc, Weak};
+
+use wgpu::util::DeviceExt;
+
+use super::device::GpuDevice;
+use super::fault::GpuFault;
+use super::pipeline::SceneLayout;
+use super::tables::{self, AnswerTables, FlatWords, GeometryTables, LightTables};
+use crate::geometry::Geometry;
+use crate::rectify::InterfaceTable;
+use crate::rectify::flat::FlatLayout;
+use crate::scene::lights::ImageLight;
+use crate::scene::{ObjectId, Scene};
+use crate::tracking::{Mode, Prepared};
+
+/// Why a scene is not there.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum CannotUpload {
+    /// What the adapter does not hold, in words that fit before "cannot be rendered".
+    DoesNotFit(String),
+    Fault(GpuFault),
+}
+
+impl From<GpuFault> for CannotUpload {
+    fn from(fault: GpuFault) -> Self {
+        Self::Fault(fault)
+    }
+}
+
+/// Tables with the buffers that hold them, in the order of their bindings.
+#[derive(Debug)]
+struct Part<T> {
+    tables: T,
+    buffers: Vec<wgpu::Buffer>,
+}
+
+/// A scene on the device, for one mode.
+#[derive(Debug)]
+pub struct SceneOnGpu {
+    geometry: Arc<Part<GeometryTables>>,
+    flat: Arc<Part<FlatWords>>,
+    lights: Arc<Part<LightTables>>,
+    answers: Arc<Part<AnswerTables>>,
+    pub scene: wgpu::Buffer,
+    of: Sources,
+}
+
+/// What it was made from. Weak, so that nothing is kept alive; an address is not used again while somebody remembers it.
+#[derive(Debug, Clone)]
+struct Sources {
+    geometry: Weak<Geometry>,
+    flat: Weak<FlatLayout>,
+    image: Option<Weak<ImageLight>>,
+    emitters: Vec<ObjectId>,
+    scene: Weak<Scene>,
+    table: Weak<InterfaceTable>,
+    with_outsides: bool,
+}
+
+impl Sources {
+    fn of(prepared: &Prepared, mode: Mode) -> Self {
+        let scene = &*prepared.scene;
+        Self {
+            geometry: Arc::downgrade(&scene.geometry),
+            flat: Arc::downgrade(&prepared.table.flat().layout),
+            image: scene.environment.image().map(Arc::downgrade),
+            emitters: scene.emitters.iter().map(|(light, _)| light.object).collect(),
+            scene: Arc::downgrade(&prepared.scene),
+            table: Arc::downgrade(&prepared.table),
+            with_outsides: mode == Mode::RectifiedObject,
+        }
+    }
+
+    fn has_geometry_of(&self, other: &Self) -> bool {
+        self.geometry.ptr_eq(&other.geometry)
+    }
+
+    fn has_flat_of(&self, other: &Self) -> bool {
+        self.has_geometry_of(other) && self.flat.ptr_eq(&other.flat)
+    }
+
+    fn has_lights_of(&self, other: &Self) -> bool {
+        let is_same_image = match (&self.image, &other.image) {
+            (Some(a), Some(b)) => a.ptr_eq(b),
+            (None, None) => true,
+            _ => false,
+        };
+        self.has_geometry_of(other) && is_same_image && self.emitters == other.emitters
+    }
+
+    fn has_answers_of(&self, other: &Self) -> bool {
+        let is_same_scene = self.scene.ptr_eq(&other.scene) && self.table.ptr_eq(&other.table);
+        is_same_scene && self.with_outsides == other.with_outsides
+    }
+}
+
+impl SceneOnGpu {
+    /// Whether it is this one.
+    pub fn is_of(&self, prepared: &Prepared, mode: Mode) -> bool {
+        let of = Sources::of(prepared, mode);
+        self.of.has_flat_of(&of) && self.of.has_lights_of(&of) && self.of.has_answers_of(&of)
+    }
+
+    /// Nodes that may wait to be visited in its tree.
+    pub fn tree_depth(&self) -> u32 {
+        self.geometry.tables.depth
+    }
+
+    /// Uploads what none of the `others` has.
+    ///
+    /// # Errors
+    /// When it does not fit.
+    pub fn new(gpu: &GpuDevice, prepared: &Prepared, mode: Mode, others: &[Arc<Self>]) -> Result<Self, CannotUpload> {
+        let of = Sources::of(prepared, mode);
+        let scene = &*prepared.scene;
+        let scale = tables::scale_of(&scene.geometry);
+        let geometry = match others.iter().find(|other| other.of.has_geometry_of(&of)) {
+            Some(other) => Arc::clone(&other.geometry),
+            None => {
+                let has_smooth = scene.needs.smooth_normals;
+                let mut tables = GeometryTables::new(&scene.geometry, has_smooth);
+                let buffers = vec![
+                    buffer(gpu, "the tree", &tables.nodes)?,
+                    buffer(gpu, "the triangles", &tables.triangles)?,
+                    buffer(gpu, "the faces", &tables.faces)?,
+                    buffer(gpu, "the normals", &tables.corner_normals)?,
+                    buffer(gpu, "the spheres", &tables.spheres)?,
+                ];
+                tables.forget_arrays();
+                Arc::new(Part { tables, buffers })
+            }
+        };
+        let flat = match others.iter().find(|other| other.of.has_flat_of(&of)) {
+            Some(other) => Arc::clone(&other.flat),
+            None => {
+                let table = &prepared.table;
+                let mut tables = FlatWords::new(&table.flat().layout, &table.asked_planes(scene), scale);
+                let buffers = vec![buffer(gpu, "the interface table", &tables.words)?];
+                tables.words = Vec::new();
+                Arc::new(Part { tables, buffers })
+            }
+        };
+        let lights = match others.iter().find(|other| other.of.has_lights_of(&of)) {
+            Some(other) => Arc::clone(&other.lights),
+            None => {
+                let mut tables = LightTables::new(scene, &geometry.tables.slots);
+                let buffers = vec![buffer(gpu, "the environment", &tables.words)?];
+                tables.words = Vec::new();
+                Arc::new(Part { tables, buffers })
+            }
+        };
+        let answers = match others.iter().find(|other| other.of.has_lights_of(&of) && other.of.has_answers_of(&of)) {
+            Some(other) => Arc::clone(&other.answers),
+            None => {
+                let tables = AnswerTables::new(prepared, &lights.tables, of.with_outsides);
+                let buffers = vec![
+                    buffer(gpu, "the answers of the interface table", &tables.answers)?,
+                    buffer(gpu, "the objects", &tables.objects)?,
+                    buffer(gpu, "the media", &tables.media)?,
+                    buffer(gpu, "the interfaces", &tables.interfaces)?,
+                    buffer(gpu, "the lights", &tables.emitters)?,
+                ];
+                Arc::new(Part { tables, buffers })
+            }
+        };
+        if let Some(what) = tables::too_large_for_f32(&geometry.tables, &lights.tables, &answers.tables) {
+            return Err(CannotUpload::DoesNotFit(what.into()));
+        }
+        let words = tables::scene_of(scene, &geometry.tables, &flat.tables, &lights.tables, &answers.tables);
+        let scene = gpu.attempt(|device| {
+            device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("scene"),
+                contents: bytemuck::bytes_of(&words),
+                usage: wgpu::BufferUsages::UNIFORM,
+            })
+        })?;
+        Ok(Self { geometry, flat, lights, answers, scene, of })
+    }
+
+    /// The bindings of group 0, the image being in `image`.
+    pub fn bind(&self, gpu: &GpuDevice, layout: &SceneLayout, image: &wgpu::Buffer) -> wgpu::BindGroup {
+        let buffers = (self.geometry.buffers.iter())
+            .chain(&self.flat.buffers)
+            .chain(&self.answers.buffers)
+            .chain(&self.lights.buffers);
+        layout.bind(gpu, [image, &self.scene].into_iter().chain(buffers))
+    }
+}
+
+/// A buffer that shaders read; of nothing, one that holds a few zeros, because a binding may not be empty.
+fn buffer<T: bytemuck::Pod>(gpu: &GpuDevice, what: &str, contents: &[T]) -> Result<wgpu::Buffer, CannotUpload> {
+    const NOTHING: [u8; 128] = [0; 128];
+    let contents: &[u8] = if contents.is_empty() { &NOTHING } else { bytemuck::cast_slice(contents) };
+    let limits = &gpu.limits;
+    let most = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
+    if contents.len() as u64 > most {
+        let megabytes = |bytes: u64| bytes.div_ceil(1 << 20);
+        return Err(CannotUpload::DoesNotFit(format!(
+            "a scene of this size ({what} needs {} MiB, and {} has {} for one table)",
+            megabytes(contents.len() as u64),
+            gpu.adapter.name,
+            megabytes(most),
+        )));
+    }
+    Ok(gpu.attempt(|device| {
+        device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some(what),
+            contents,
+            usage: wgpu::BufferUsages::STORAGE,
+        })
+    })?)
+}

@@ -1,0 +1,7 @@
+// Of modes whose paths carry nothing.
+
+fn tracker_start(walker: u32) {}
+
+fn tracker_copy() {}
+
+fn tracker_transmit(walker: u32, crossing: Crossing) {}
