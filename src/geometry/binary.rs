@@ -54,10 +54,20 @@ struct Item {
 #[derive(Clone, Copy)]
 enum What {
     /// A wide node of the tree over triangles, or of that over spheres.
-    Wide { index: u32, of_spheres: bool },
+    Wide {
+        index: u32,
+        of_spheres: bool,
+    },
     Pack(u32),
     Triangle(PrimitiveId),
     Sphere(u32),
+}
+
+/// What is to be put below a node, on which side of it, and how deep; below none: at the root.
+struct Open {
+    items: Items,
+    parent: Option<(usize, usize)>,
+    depth: u32,
 }
 
 /// Up to eight of them.
@@ -137,9 +147,8 @@ impl Geometry {
         if all.length == 0 {
             return tree;
         }
-        // What is to be put in, below which node and on which side of it, and how deep.
-        let mut open: Vec<(Items, Option<(usize, usize)>, u32)> = vec![(all, None, 0)];
-        while let Some((items, parent, depth)) = open.pop() {
+        let mut open = vec![Open { items: all, parent: None, depth: 0 }];
+        while let Some(Open { items, parent, depth }) = open.pop() {
             let items = self.opened(items);
             let reference = if let [Item { what: What::Sphere(index), .. }] = items.get() {
                 LEAF | OF_SPHERE | *index
@@ -158,7 +167,7 @@ impl Geometry {
                 tree.nodes.push(BinaryNode { boxes, children: [NOTHING; 2] });
                 tree.depth = tree.depth.max(depth + 1);
                 for side in [1, 0] {
-                    open.push((halves[side], Some((node, side)), depth + 1));
+                    open.push(Open { items: halves[side], parent: Some((node, side)), depth: depth + 1 });
                 }
                 node as u32
             };

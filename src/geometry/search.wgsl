@@ -33,6 +33,40 @@ struct Node {
     pad1: u32,
 }
 
+/// Where a ray leaves a triangle its origin may by rounding lie behind a neighbouring triangle of the same object. Near the start such hits
+/// are told by the side on which the ray leaves: outside an object only fronts are met, inside only backs, even if a little behind the origin. So
+/// nothing leaks through edges, and no path is shadowed by the neighbours of what it leaves. (On the CPU, in f64, this is too rare to matter.)
+struct Start {
+    /// The object that the ray leaves; `NOTHING`: no triangle is left.
+    object: u32,
+    is_outward: bool,
+    /// How far the origin may be off.
+    rounding: f32,
+}
+
+/// Roundings of an origin, as a share of its coordinates, and the least cosine by which they are divided along the ray.
+const START_ROUNDING: f32 = 9.5367431640625e-7;
+const LEAST_START_COSINE: f32 = 0.02;
+
+fn start_of(ray: Ray) -> Start {
+    if !TRIANGLES || ray.leaves >= scene.triangle_count || ray.after != NOTHING || ray.t_min != 0.0 {
+        return Start(NOTHING, false, 0.0);
+    }
+    let is_outward = dot(ray.direction, faces[ray.leaves].normal) >= 0.0;
+    return Start(faces[ray.leaves].object, is_outward, START_ROUNDING * max_component(abs(ray.origin)));
+}
+
+/// Whether a hit of a triangle counts, as far as the start of the ray decides.
+fn is_after_start(ray: Ray, start: Start, hit: TriangleHit, triangle: Triangle) -> bool {
+    if triangle.object == start.object && abs(hit.t) * LEAST_START_COSINE <= start.rounding {
+        let cosine = max(abs(dot(ray.direction, faces[triangle.primitive].normal)), LEAST_START_COSINE);
+        if abs(hit.t) * cosine <= start.rounding {
+            return hit.is_front == start.is_outward;
+        }
+    }
+    return is_behind_start(ray, hit.t, triangle.primitive);
+}
+
 struct BoxRay {
     inverse: vec3f,
     offset: vec3f,
@@ -40,11 +74,12 @@ struct BoxRay {
     near_limit: f32,
 }
 
-fn box_ray(ray: Ray) -> BoxRay {
+fn box_ray(ray: Ray, start: Start) -> BoxRay {
     let size = max(abs(ray.direction), vec3f(SMALLEST));
     let inverse = select(vec3f(1.0), vec3f(-1.0), ray.direction < vec3f(0.0)) / size;
     let margin = BOX_MARGIN * max_component(abs(ray.origin));
-    return BoxRay(inverse, -ray.origin * inverse, margin * abs(inverse), ray.t_min * (1.0 - LIMIT_MARGIN));
+    let near_limit = ray.t_min - abs(ray.t_min) * LIMIT_MARGIN - start.rounding / LEAST_START_COSINE;
+    return BoxRay(inverse, -ray.origin * inverse, margin * abs(inverse), near_limit);
 }
 
 /// The distance at which a ray enters a box, not too large; `FAR` if it misses it up to `far_limit`.
@@ -70,13 +105,14 @@ fn search(ray: Ray, t_max: f32, only_object: u32, is_any: bool) -> Hit {
     if node == NOTHING {
         return best;
     }
-    let boxes = box_ray(ray);
+    let start = start_of(ray);
+    let boxes = box_ray(ray, start);
     let sheared = sheared_ray(ray);
     var stack: array<u32, TREE_DEPTH>;
     var open = 0u;
     loop {
         if (node & LEAF) == 0u {
-            let far_limit = best.t + best.t * LIMIT_MARGIN;
+            let far_limit = best.t + abs(best.t) * LIMIT_MARGIN;
             let enter0 = enter_box(boxes, nodes[node].min0, nodes[node].max0, far_limit);
             let enter1 = enter_box(boxes, nodes[node].min1, nodes[node].max1, far_limit);
             let is_first_nearer = enter0 <= enter1;
@@ -96,7 +132,7 @@ fn search(ray: Ray, t_max: f32, only_object: u32, is_any: bool) -> Hit {
             } else if TRIANGLES {
                 let last = slot + ((node >> COUNT_SHIFT) & 7u);
                 for (var k = slot; k <= last; k += 1u) {
-                    search_triangle(ray, sheared, k, only_object, &best);
+                    search_triangle(ray, start, sheared, k, only_object, &best);
                 }
             }
             if is_any && best.primitive != NOTHING {
@@ -112,14 +148,21 @@ fn search(ray: Ray, t_max: f32, only_object: u32, is_any: bool) -> Hit {
     return best;
 }
 
-fn search_triangle(ray: Ray, sheared: ShearedRay, slot: u32, only_object: u32, best: ptr<function, Hit>) {
+fn search_triangle(
+    ray: Ray,
+    start: Start,
+    sheared: ShearedRay,
+    slot: u32,
+    only_object: u32,
+    best: ptr<function, Hit>,
+) {
     let triangle = triangles[slot];
     let hit = meet_triangle(sheared, triangle);
     let primitive = triangle.primitive;
-    if !hit.is_met || primitive == ray.leaves || !is_behind_start(ray, hit.t, primitive) {
+    if !hit.is_met || primitive == ray.leaves || !is_before(hit.t, primitive, *best) {
         return;
     }
-    if is_before(hit.t, primitive, *best) && is_sought(primitive, triangle.object, only_object) {
+    if is_after_start(ray, start, hit, triangle) && is_sought(primitive, triangle.object, only_object) {
         *best = Hit(hit.t, primitive, slot, hit.weights, hit.is_front);
     }
 }

@@ -34,7 +34,11 @@ impl Sampler {
 
     #[inline]
     pub fn of(sequence: Sequence, seed: u64, pixel: u32, sample: u32) -> Self {
-        Self { sequence, pixel_seed: mix(Self::seed_hash(seed) ^ pixel.wrapping_mul(0x85EB_CA6B)), sample: sample.reverse_bits() }
+        Self {
+            sequence,
+            pixel_seed: mix(Self::seed_hash(seed) ^ pixel.wrapping_mul(0x85EB_CA6B)),
+            sample: sample.reverse_bits(),
+        }
     }
 
     /// What the numbers of all pixels have of the seed.

@@ -43,15 +43,8 @@ impl Band {
         }
         let [stack_underflow, stack_overflow, inconsistent, non_finite, crossings, mixed] =
             std::array::from_fn(|kind| events.get(kind).copied().map_or(0, u64::from));
-        self.events += Events {
-            stack_underflow,
-            stack_overflow,
-            inconsistent,
-            non_finite,
-            crossings,
-            mixed,
-            ..Events::default()
-        };
+        self.events +=
+            Events { stack_underflow, stack_overflow, inconsistent, non_finite, crossings, mixed, ..Events::default() };
     }
 }
 

@@ -21,10 +21,10 @@ impl SceneLayout {
         let uniform = |binding: u32| entry(binding, wgpu::BufferBindingType::Uniform);
         let read = |binding: u32| entry(binding, wgpu::BufferBindingType::Storage { read_only: true });
         let entries: Vec<_> = (0..2).map(uniform).chain((2..2 + READ_BUFFERS).map(read)).collect();
-        Self(device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("scene"),
-            entries: &entries,
-        }))
+        Self(
+            device
+                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("scene"), entries: &entries }),
+        )
     }
 
     /// `buffers` in the order of the bindings.
@@ -67,10 +67,7 @@ fn bind<'a>(
 ) -> wgpu::BindGroup {
     let entries: Vec<_> = buffers
         .enumerate()
-        .map(|(binding, buffer)| wgpu::BindGroupEntry {
-            binding: binding as u32,
-            resource: buffer.as_entire_binding(),
-        })
+        .map(|(binding, buffer)| wgpu::BindGroupEntry { binding: binding as u32, resource: buffer.as_entire_binding() })
         .collect();
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }

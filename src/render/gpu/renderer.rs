@@ -30,8 +30,6 @@ const KEPT_BUFFERS: usize = 4;
 const MOST_TRACKER_ROOM: u32 = 512;
 /// Entries beyond one for each refractor: a refractor that intersects itself is entered several times.
 const SPARE_TRACKER_ROOM: u32 = 6;
-/// Nodes that may wait to be visited, at the most.
-const MOST_TREE_DEPTH: u32 = 256;
 /// Pixels whose sums are brought back at once, at the most.
 const MOST_PIXELS: u32 = 1 << 20;
 /// Samples that are summed in f32, at the most.
@@ -199,7 +197,8 @@ impl Renderer for Gpu {
         if settings.mode == Mode::Rectified {
             let name = |object: crate::scene::ObjectId| scene.object(object).name.clone();
             if let Some(refractor) = prepared.table.asks_more_than_a_ray(scene) {
-                let what = format!("{}, whose mesh has holes or overlaps itself where others cross it,", name(refractor));
+                let what =
+                    format!("{}, whose mesh has holes or overlaps itself where others cross it,", name(refractor));
                 return Err(unsupported(&what, "use the CPU, or repair the mesh"));
             }
             if prepared.table.flat().layout.unlisted > 0 {

@@ -53,9 +53,7 @@ fn of_mode(mode: Mode) -> Option<&'static [(&'static str, &'static str)]> {
         Mode::RectifiedObject => {
             Some(modules!("tracking/rectified_object.wgsl", "tracking/stateless.wgsl", "tracking/at_once.wgsl"))
         }
-        Mode::Rectified => {
-            Some(modules!("tracking/rectified.wgsl", "tracking/stateless.wgsl", "rectify/flat.wgsl"))
-        }
+        Mode::Rectified => Some(modules!("tracking/rectified.wgsl", "tracking/stateless.wgsl", "rectify/flat.wgsl")),
         Mode::Reference => None,
     }
 }
@@ -92,6 +90,7 @@ impl Variant {
     }
 
     /// Mode `rectified` with nothing left out.
+    #[cfg(test)]
     pub fn with_everything() -> Self {
         Self {
             mode: Mode::Rectified,

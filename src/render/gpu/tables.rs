@@ -11,8 +11,8 @@ use crate::geometry::binary::BinaryTree;
 use crate::geometry::{Geometry, ObjectRange};
 use crate::rectify::flat::FlatLayout;
 use crate::rectify::planes::AskedPlanes;
-use crate::scene::lights::{EnvironmentLight, ImageTables};
 use crate::scene::Albedo;
+use crate::scene::lights::{EnvironmentLight, ImageTables};
 use crate::scene::{ObjectId, Scene, Surface};
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::tracking::Prepared;
@@ -258,7 +258,7 @@ impl AnswerTables {
             let primitives = scene.geometry.triangle_count() + scene.geometry.sphere_count();
             answers.resize(answers.len().max(mask as usize + primitives.div_ceil(32)), 0);
         }
-        let outsides = with_outsides.then(|| table.object_table(scene).outsides(scene)).unwrap_or_default();
+        let outsides = if with_outsides { table.object_table(scene).outsides(scene) } else { Vec::new() };
         let outside = |object: usize| outsides.get(object).map_or(NOTHING, |medium| medium.0);
         let pairs_of_media = if scene.media.len() <= MOST_IN_PAIRS { scene.media.len() } else { 0 };
         let pairs = (0..pairs_of_media as u32).flat_map(|from| (0..pairs_of_media as u32).map(move |to| (from, to)));

@@ -15,6 +15,9 @@ use crate::scene::lights::ImageLight;
 use crate::scene::{ObjectId, Scene};
 use crate::tracking::{Mode, Prepared};
 
+/// Nodes of the tree that may wait to be visited, at the most: each thread has room for them.
+const MOST_TREE_DEPTH: u32 = 256;
+
 /// Why a scene is not there.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum CannotUpload {
@@ -165,6 +168,9 @@ impl SceneOnGpu {
                 Arc::new(Part { tables, buffers })
             }
         };
+        if geometry.tables.depth > MOST_TREE_DEPTH {
+            return Err(CannotUpload::DoesNotFit("a scene with so many surfaces in one place".into()));
+        }
         if let Some(what) = tables::too_large_for_f32(&geometry.tables, &lights.tables, &answers.tables) {
             return Err(CannotUpload::DoesNotFit(what.into()));
         }
