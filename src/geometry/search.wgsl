@@ -2,6 +2,9 @@
 //
 // Of a direction's component only its magnitude and the order of the two distances to a box's sides are used, so that −0 is no special case.
 
+/// Turns of loops that this thread has taken.
+var<private> steps: u32;
+
 /// Whether there are triangles, spheres, primitives that rays need not meet.
 override TRIANGLES: bool = true;
 override SPHERES: bool = true;
@@ -111,6 +114,7 @@ fn search(ray: Ray, t_max: f32, only_object: u32, is_any: bool) -> Hit {
     var stack: array<u32, TREE_DEPTH>;
     var open = 0u;
     loop {
+        steps += 1u;
         if (node & LEAF) == 0u {
             let far_limit = best.t + abs(best.t) * LIMIT_MARGIN;
             let enter0 = enter_box(boxes, nodes[node].min0, nodes[node].max0, far_limit);
@@ -130,6 +134,7 @@ fn search(ray: Ray, t_max: f32, only_object: u32, is_any: bool) -> Hit {
             if SPHERES && (!TRIANGLES || (node & OF_SPHERE) != 0u) {
                 search_sphere(ray, slot, only_object, &best);
             } else if TRIANGLES {
+                steps += (node >> COUNT_SHIFT) & 7u;
                 let last = slot + ((node >> COUNT_SHIFT) & 7u);
                 for (var k = slot; k <= last; k += 1u) {
                     search_triangle(ray, start, sheared, k, only_object, &best);

@@ -90,3 +90,18 @@ fn tracker_transmit(walker: u32, crossing: Crossing) {
         }
     }
 }
+
+fn tracker_save(first: u32) {
+    tracker_states[first] = list_lengths[PATH];
+    for (var k = 0u; k < list_lengths[PATH]; k += 1u) {
+        tracker_states[first + 1u + 2u * k] = list_entries[k].x;
+        tracker_states[first + 2u + 2u * k] = list_entries[k].y;
+    }
+}
+
+fn tracker_load(first: u32) {
+    list_lengths[PATH] = tracker_states[first];
+    for (var k = 0u; k < list_lengths[PATH]; k += 1u) {
+        list_entries[k] = vec2u(tracker_states[first + 1u + 2u * k], tracker_states[first + 2u + 2u * k]);
+    }
+}

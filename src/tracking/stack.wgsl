@@ -52,3 +52,17 @@ fn tracker_transmit(walker: u32, crossing: Crossing) {
         stack_heights[walker] = height - 1u;
     }
 }
+
+fn tracker_save(first: u32) {
+    tracker_states[first] = stack_heights[PATH];
+    for (var k = 0u; k < stack_heights[PATH]; k += 1u) {
+        tracker_states[first + 1u + k] = stack_media[k];
+    }
+}
+
+fn tracker_load(first: u32) {
+    stack_heights[PATH] = tracker_states[first];
+    for (var k = 0u; k < stack_heights[PATH]; k += 1u) {
+        stack_media[k] = tracker_states[first + 1u + k];
+    }
+}

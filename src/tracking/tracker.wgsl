@@ -5,7 +5,8 @@
 // - `tracker_ask(walker, crossing, counts)`: which media the crossing lies between, into `told`; events are counted if `counts`. `false`: that depends
 //   on what the ray `member_ray()` hits first of the object `member_object()`. Then `tracker_hear` takes whether that is met from behind, and
 //   `tracker_go_on` is as `tracker_ask`;
-// - `tracker_transmit(walker, crossing)`: records that the walker went through.
+// - `tracker_transmit(walker, crossing)`: records that the walker went through;
+// - `tracker_save(first)` and `tracker_load(first)`: keep the state of the path in `tracker_states`, where it has room for `TRACKER_WORDS` words.
 
 /// The walkers: a path, and its shadow rays.
 const PATH: u32 = 0u;

@@ -14,38 +14,75 @@ const TO_WALK: u32 = 0u;
 const TO_SEE_BEHIND_EDGE: u32 = 1u;
 const TO_FIND_MEMBER: u32 = 2u;
 
-struct Traced {
+/// A path on its way. It is what memory holds of a path that goes on in the next dispatch.
+struct Path {
+    origin: vec3f,
+    /// Number of the sample; `NOTHING`: all are done.
+    sample: u32,
+    direction: vec3f,
+    leaves: u32,
+    /// Throughput, without the product of (n_from/n_to)², which is `radiance_scale`.
+    beta: vec3f,
+    t_min: f32,
     radiance: vec3f,
-    segments: u32,
+    after: u32,
+    /// Where the path last scattered by a density that light sampling competes with.
+    last_position: vec3f,
+    /// 0: it did not.
+    last_pdf: f32,
+    medium: u32,
+    /// 0: it has not been started.
+    segment: u32,
+    radiance_scale: f32,
+    roulette_below: f32,
+    has_scattered: u32,
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
+}
+
+/// A path along a ray that starts in `medium`.
+fn path_along(ray: Ray, medium: u32, sample: u32) -> Path {
+    var path: Path;
+    path.origin = ray.origin;
+    path.sample = sample;
+    path.direction = ray.direction;
+    path.leaves = ray.leaves;
+    path.beta = vec3f(1.0);
+    path.t_min = ray.t_min;
+    path.after = ray.after;
+    path.medium = medium;
+    path.segment = 1u;
+    path.radiance_scale = 1.0;
+    path.roulette_below = ROULETTE_SHARE;
+    tracker_start(PATH);
+    return path;
 }
 
 fn survival_of_long_path(segment: u32) -> f32 {
     return min(1.0 - 1.0 / (f32(segment - LONG_PATH) + 19.0), 0.9999);
 }
 
-/// The radiance along a ray that starts in `start_medium`.
-fn trace_path(start: Ray, start_medium: u32, sampler_: Sampler) -> Traced {
-    var radiance = vec3f(0.0);
-    var segment = 1u;
-    // Throughput, without the product of (n_from/n_to)², which is `radiance_scale`.
-    var beta = vec3f(1.0);
-    var radiance_scale = 1.0;
-    var roulette_below = ROULETTE_SHARE;
-    var has_scattered = false;
-    // Where the path last scattered by a density that light sampling competes with; 0: by none.
-    var last_pdf = 0.0;
-    var last_position = vec3f(0.0);
+/// Follows a path to its end, or until this thread has taken `most_steps`. Returns whether it is at its end.
+fn follow(path: ptr<function, Path>, sampler_: Sampler, most_steps: u32) -> bool {
+    var radiance = (*path).radiance;
+    var segment = (*path).segment;
+    var beta = (*path).beta;
+    var radiance_scale = (*path).radiance_scale;
+    var roulette_below = (*path).roulette_below;
+    var has_scattered = (*path).has_scattered != 0u;
+    var last_pdf = (*path).last_pdf;
+    var last_position = (*path).last_position;
 
     // The walker: the path, or a shadow ray of its vertex, after which the path goes on along `onward`.
     var walker = PATH;
-    var ray = start;
-    var medium = start_medium;
+    var ray = Ray((*path).origin, (*path).direction, (*path).leaves, (*path).t_min, (*path).after);
+    var medium = (*path).medium;
     var vertex: Vertex;
     var light = ASKED_ALL;
     var shadow: ShadowRay;
     var onward = vec3f(0.0);
-    var path_medium = start_medium;
-    tracker_start(PATH);
+    var path_medium = medium;
 
     var purpose = TO_WALK;
     // The hit that the tracker is asked about; whether it is the one behind `edge`, at which `edge_sides` were told.
@@ -55,6 +92,29 @@ fn trace_path(start: Ray, start_medium: u32, sampler_: Sampler) -> Traced {
     var edge_sides: Sides;
 
     loop {
+        if steps >= most_steps && walker == PATH && purpose == TO_WALK {
+            *path = Path(
+                ray.origin,
+                (*path).sample,
+                ray.direction,
+                ray.leaves,
+                beta,
+                ray.t_min,
+                radiance,
+                ray.after,
+                last_position,
+                last_pdf,
+                medium,
+                segment,
+                radiance_scale,
+                roulette_below,
+                u32(has_scattered),
+                0u,
+                0u,
+                0u,
+            );
+            return false;
+        }
         var sent = ray;
         var reach = FAR;
         var only_object = NOTHING;
@@ -264,5 +324,7 @@ fn trace_path(start: Ray, start_medium: u32, sampler_: Sampler) -> Traced {
             }
         }
     }
-    return Traced(radiance, segment);
+    (*path).radiance = radiance;
+    (*path).segment = segment;
+    return true;
 }

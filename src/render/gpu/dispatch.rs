@@ -12,8 +12,8 @@ use crate::tracking::Events;
 
 /// Threads of a workgroup along each side: `render/gpu/film.wgsl`.
 const GROUP: u32 = 8;
-/// Kinds of events that are counted.
-const EVENTS: usize = 6;
+/// Kinds of events that are counted, and the threads that are not at their end.
+const EVENTS: usize = 7;
 const EVENT_BYTES: u64 = (EVENTS * size_of::<u32>()) as u64;
 
 /// Rows of an image that are rendered together.
@@ -34,13 +34,16 @@ impl Band {
         self.sums.iter().map(|sums| u64::from(sums.count)).sum::<u64>() + self.events.non_finite
     }
 
-    fn add(&mut self, pixels: &[PixelSums], events: &[u32]) {
+    fn add_sums(&mut self, pixels: &[PixelSums]) {
         for (sums, pixel) in self.sums.iter_mut().zip(pixels) {
             sums.radiance += DVec3::from(pixel.radiance.map(f64::from));
             sums.count += pixel.count;
             sums.squares.iter_mut().zip(pixel.squares).for_each(|(sum, square)| *sum += square);
             sums.segments += pixel.segments;
         }
+    }
+
+    fn add_events(&mut self, events: &[u32]) {
         let [stack_underflow, stack_overflow, inconsistent, non_finite, crossings, mixed] =
             std::array::from_fn(|kind| events.get(kind).copied().map_or(0, u64::from));
         self.events +=
@@ -56,15 +59,23 @@ pub struct FilmBuffers {
     events: wgpu::Buffer,
     /// Sums, then events, as they are brought back.
     back: wgpu::Buffer,
+    paths: wgpu::Buffer,
+    trackers: wgpu::Buffer,
     pixels: u32,
+    tracker_words: u32,
 }
 
 impl FilmBuffers {
-    /// For dispatches of up to so many pixels.
+    /// Bytes that a pixel takes in the largest of them.
+    pub fn bytes_per_pixel(tracker_words: u32) -> u64 {
+        u64::max(size_of::<layout::Path>() as u64, 4 * u64::from(tracker_words))
+    }
+
+    /// For dispatches of up to so many pixels, and paths whose trackers keep so many words.
     ///
     /// # Errors
     /// When there is no memory left.
-    pub fn new(gpu: &GpuDevice, pixels: u32) -> Result<Self, GpuFault> {
+    pub fn new(gpu: &GpuDevice, pixels: u32, tracker_words: u32) -> Result<Self, GpuFault> {
         use wgpu::BufferUsages as Usage;
         let bytes = u64::from(pixels) * size_of::<PixelSums>() as u64;
         gpu.attempt(|device| {
@@ -81,13 +92,17 @@ impl FilmBuffers {
                 sums: buffer("sums", bytes, Usage::STORAGE | Usage::COPY_SRC),
                 events: buffer("events", EVENT_BYTES, Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST),
                 back: buffer("sums and events", bytes + EVENT_BYTES, Usage::MAP_READ | Usage::COPY_DST),
+                paths: buffer("paths", u64::from(pixels) * size_of::<layout::Path>() as u64, Usage::STORAGE),
+                trackers: buffer("trackers", 4 * u64::from(pixels) * u64::from(tracker_words.max(1)), Usage::STORAGE),
                 pixels,
+                tracker_words,
             }
         })
     }
 
-    pub fn pixels(&self) -> u32 {
-        self.pixels
+    /// Whether they have room for that.
+    pub fn have_room(&self, pixels: u32, tracker_words: u32) -> bool {
+        self.pixels >= pixels && self.tracker_words >= tracker_words
     }
 }
 
@@ -121,7 +136,7 @@ impl<'a> Dispatcher<'a> {
                 contents: bytemuck::cast_slice(ranges.unwrap_or(&[[0; 2]])),
                 usage: wgpu::BufferUsages::STORAGE,
             });
-            let film = [&buffers.sums, &buffers.events, &ranges].into_iter();
+            let film = [&buffers.sums, &buffers.events, &ranges, &buffers.paths, &buffers.trackers].into_iter();
             Self {
                 gpu,
                 pipeline,
@@ -132,11 +147,12 @@ impl<'a> Dispatcher<'a> {
         })
     }
 
-    /// Renders a part of an image, waits for it, and adds it to `band`.
+    /// Renders a part of an image and waits for it. Returns whether all paths are at their ends; if not, it has to go on, with
+    /// [`layout::Image::is_start`] 0. At the end, what the samples come to is added to `band`; events always.
     ///
     /// # Errors
     /// When the device is lost or refuses.
-    pub fn run(&self, part: &layout::Image, band: &mut Band) -> Result<(), GpuFault> {
+    pub fn run(&self, part: &layout::Image, band: &mut Band) -> Result<bool, GpuFault> {
         let Self { gpu, buffers, .. } = self;
         let sum_bytes = u64::from(part.width * part.row_count) * size_of::<PixelSums>() as u64;
         gpu.attempt(|device| {
@@ -150,25 +166,30 @@ impl<'a> Dispatcher<'a> {
                 pass.set_bind_group(1, &self.film, &[]);
                 pass.dispatch_workgroups(part.width.div_ceil(GROUP), part.row_count.div_ceil(GROUP), 1);
             }
-            encoder.copy_buffer_to_buffer(&buffers.sums, 0, &buffers.back, 0, sum_bytes);
-            encoder.copy_buffer_to_buffer(&buffers.events, 0, &buffers.back, sum_bytes, EVENT_BYTES);
+            encoder.copy_buffer_to_buffer(&buffers.events, 0, &buffers.back, 0, EVENT_BYTES);
+            encoder.copy_buffer_to_buffer(&buffers.sums, 0, &buffers.back, EVENT_BYTES, sum_bytes);
             gpu.queue.submit([encoder.finish()]);
             buffers.back.map_async(wgpu::MapMode::Read, ..sum_bytes + EVENT_BYTES, |_| ());
         })?;
         gpu.wait()?;
-        {
+        let is_at_end = {
             let mapped = buffers
                 .back
                 .get_mapped_range(..sum_bytes + EVENT_BYTES)
                 .map_err(|error| GpuFault::Refused(error.to_string()))?;
-            let (sums, events) = mapped.split_at(sum_bytes as usize);
+            let (events, sums) = mapped.split_at(EVENT_BYTES as usize);
             let events: Vec<u32> = bytemuck::pod_collect_to_vec(events);
-            match bytemuck::try_cast_slice(sums) {
-                Ok(sums) => band.add(sums, &events),
-                Err(_) => band.add(&bytemuck::pod_collect_to_vec::<u8, PixelSums>(sums), &events),
+            let is_at_end = events.last() == Some(&0);
+            band.add_events(&events);
+            if is_at_end {
+                match bytemuck::try_cast_slice(sums) {
+                    Ok(sums) => band.add_sums(sums),
+                    Err(_) => band.add_sums(&bytemuck::pod_collect_to_vec::<u8, PixelSums>(sums)),
+                }
             }
-        }
+            is_at_end
+        };
         buffers.back.unmap();
-        Ok(())
+        Ok(is_at_end)
     }
 }

@@ -85,6 +85,32 @@ layouts! {
         last_sample: u32,
         has_ranges: u32,
         max_depth: u32,
+        is_start: u32,
+        most_steps: u32,
+        pad0: u32,
+        pad1: u32,
+    }
+
+    /// `transport/path.wgsl`
+    Path {
+        origin: [f32; 3],
+        sample: u32,
+        direction: [f32; 3],
+        leaves: u32,
+        beta: [f32; 3],
+        t_min: f32,
+        radiance: [f32; 3],
+        after: u32,
+        last_position: [f32; 3],
+        last_pdf: f32,
+        medium: u32,
+        segment: u32,
+        radiance_scale: f32,
+        roulette_below: f32,
+        has_scattered: u32,
+        pad0: u32,
+        pad1: u32,
+        pad2: u32,
     }
 
     /// `render/gpu/film.wgsl`

@@ -10,7 +10,7 @@ use super::shader::Variant;
 /// Buffers that the shaders read, in group 0, after the two uniform ones.
 const READ_BUFFERS: u32 = 12;
 /// Storage buffers of both groups.
-pub const STORAGE_BUFFERS: u32 = READ_BUFFERS + 3;
+pub const STORAGE_BUFFERS: u32 = READ_BUFFERS + 5;
 
 /// The bindings of group 0: `render/gpu/scene.wgsl`.
 #[derive(Debug)]
@@ -42,7 +42,7 @@ impl FilmLayout {
         let storage = |binding: u32, read_only: bool| entry(binding, wgpu::BufferBindingType::Storage { read_only });
         Self(device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("film"),
-            entries: &[storage(0, false), storage(1, false), storage(2, true)],
+            entries: &[storage(0, false), storage(1, false), storage(2, true), storage(3, false), storage(4, false)],
         }))
     }
 

@@ -32,6 +32,11 @@ const MOST_TRACKER_ROOM: u32 = 512;
 const SPARE_TRACKER_ROOM: u32 = 6;
 /// Pixels whose sums are brought back at once, at the most.
 const MOST_PIXELS: u32 = 1 << 20;
+/// Bytes of one buffer that they take, at the most.
+const MOST_BYTES: u64 = 64 << 20;
+/// Steps of a thread in one dispatch, at the most: see `film.wgsl`. In software eight threads are one, and their loops count together.
+const MOST_STEPS: u32 = 1 << 16;
+const MOST_STEPS_IN_SOFTWARE: u32 = 5000;
 /// Samples that are summed in f32, at the most.
 const MOST_SUMMED: u32 = 64;
 
@@ -97,13 +102,13 @@ impl Gpu {
     }
 
     /// Buffers for that many pixels: those of an earlier pass, if no other pass uses them.
-    fn film_buffers(&self, pixels: u32) -> Result<Lent<'_>, GpuFault> {
+    fn film_buffers(&self, pixels: u32, tracker_words: u32) -> Result<Lent<'_>, GpuFault> {
         let mut kept = lock(&self.buffers);
-        let buffers = match kept.iter().position(|buffers| buffers.pixels() >= pixels) {
+        let buffers = match kept.iter().position(|buffers| buffers.have_room(pixels, tracker_words)) {
             Some(index) => kept.swap_remove(index),
             None => {
                 drop(kept);
-                FilmBuffers::new(&self.device, pixels)?
+                FilmBuffers::new(&self.device, pixels, tracker_words)?
             }
         };
         Ok(Lent { buffers: Some(buffers), owner: &self.buffers })
@@ -122,7 +127,8 @@ impl Gpu {
             CannotUpload::DoesNotFit(what) => GpuFault::Refused(format!("{what} does not fit")),
             CannotUpload::Fault(fault) => fault,
         })?;
-        let pipeline = self.pipelines.get(&self.device, &variant(task, scene.tree_depth()))?;
+        let variant = variant(task, scene.tree_depth());
+        let pipeline = self.pipelines.get(&self.device, &variant)?;
         let (mut image, is_ambiguous) = image(task, film);
         let ranges = sample_ranges(film, samples);
         // Of all pixels, the one with the most samples decides how long a row takes.
@@ -131,9 +137,13 @@ impl Gpu {
             None => samples,
         };
         image.has_ranges = u32::from(ranges.is_some());
+        image.most_steps = if self.device.adapter.is_software { MOST_STEPS_IN_SOFTWARE } else { MOST_STEPS };
         (image.first_sample, image.last_sample) = (film.first + film.samples, film.first + film.samples + samples);
         let (width, height) = (film.width, film.height);
-        let buffers = self.film_buffers(MOST_PIXELS.min(width * height).max(width))?;
+        let words = variant.tracker_words();
+        let fitting = (MOST_BYTES / FilmBuffers::bytes_per_pixel(words)) as u32;
+        let most_rows = (fitting.min(MOST_PIXELS) / width.max(1)).clamp(1, height.max(1));
+        let buffers = self.film_buffers(width * most_rows, words)?;
         let dispatcher =
             Dispatcher::new(&self.device, &self.pipelines, &scene, &pipeline, &buffers, ranges.as_deref())?;
         let most_summed = if film.exact.is_some() { 1 } else { MOST_SUMMED };
@@ -141,25 +151,30 @@ impl Gpu {
         while first_row < height {
             let paths = *lock(&self.paths_per_slice);
             let band_rows = (paths / (f64::from(width) * f64::from(count.max(1)))) as u32;
-            let most_rows = (MOST_PIXELS / width).max(1).min(height - first_row);
-            let row_count = band_rows.clamp(1, most_rows);
+            let row_count = band_rows.clamp(1, most_rows.min(height - first_row));
+            let pixels = f64::from(width) * f64::from(row_count);
             // Where sums are exact, every sample by itself.
             let mut bands = vec![Band::new(width, row_count)];
             let mut before = 0;
             while before < count {
-                if cancel.load(Ordering::Relaxed) {
-                    return Ok(());
-                }
-                let at_once = (paths / (f64::from(width) * f64::from(row_count))) as u32;
-                let sample_count = at_once.clamp(1, most_summed).min(count - before);
-                let part = layout::Image { first_row, row_count, sample_count, samples_before: before, ..image };
-                let start = Instant::now();
+                let sample_count = ((paths / pixels) as u32).clamp(1, most_summed).min(count - before);
                 if film.exact.is_some() && before > 0 {
                     bands.push(Band::new(width, row_count));
                 }
                 let Some(band) = bands.last_mut() else { break };
-                dispatcher.run(&part, band)?;
-                self.adapt(start.elapsed(), f64::from(width) * f64::from(row_count) * f64::from(sample_count));
+                let mut part =
+                    layout::Image { first_row, row_count, sample_count, samples_before: before, is_start: 1, ..image };
+                let start = Instant::now();
+                loop {
+                    if cancel.load(Ordering::Relaxed) {
+                        return Ok(());
+                    }
+                    if dispatcher.run(&part, band)? {
+                        break;
+                    }
+                    part.is_start = 0;
+                }
+                self.adapt(start.elapsed(), pixels * f64::from(sample_count));
                 before += sample_count;
             }
             for band in bands {

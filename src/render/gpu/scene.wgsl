@@ -64,6 +64,12 @@ struct Image {
     last_sample: u32,
     has_ranges: u32,
     max_depth: u32,
+    /// Whether the paths of this part are started, or those that were interrupted go on.
+    is_start: u32,
+    /// After so many steps of a thread its path is interrupted.
+    most_steps: u32,
+    pad0: u32,
+    pad1: u32,
 }
 
 @group(0) @binding(0) var<uniform> image: Image;

@@ -116,6 +116,15 @@ impl Variant {
         matches!(mode, Mode::Stack | Mode::Priority)
     }
 
+    /// Words that a path's state takes in memory.
+    pub fn tracker_words(&self) -> u32 {
+        match self.mode {
+            Mode::Stack => 1 + self.tracker_room.max(1),
+            Mode::Priority => 1 + 2 * self.tracker_room.max(1),
+            _ => 0,
+        }
+    }
+
     /// The text of the shader that renders.
     pub fn source(&self) -> String {
         self.library() + &text(FILM)
@@ -126,9 +135,10 @@ impl Variant {
         let room = self.tracker_room.max(1);
         // A shadow ray that may not pass asks no tracker.
         let words = if self.can_pass { 2 * room } else { room };
+        let kept = self.tracker_words();
+        let depth = self.tree_depth.max(1);
         format!(
-            "const TREE_DEPTH: u32 = {}u;\nconst TRACKER_ROOM: u32 = {room}u;\nconst STATE_WORDS: u32 = {words}u;\n",
-            self.tree_depth.max(1),
+            "const TREE_DEPTH: u32 = {depth}u;\nconst TRACKER_ROOM: u32 = {room}u;\nconst STATE_WORDS: u32 = {words}u;\nconst TRACKER_WORDS: u32 = {kept}u;\n",
         ) + &text(COMMON)
             + &text(of_mode(self.mode).unwrap_or_default())
     }
