@@ -53,6 +53,7 @@ fn settings_for(shot: &WindowArguments) -> Settings {
         narrow_panel: if shot.tab.is_some() { SidePanel::Render } else { defaults.narrow_panel },
         // As many samples as are asked for.
         noise_target: None,
+        backend: shot.backend,
         ..defaults
     }
 }

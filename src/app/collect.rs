@@ -26,6 +26,7 @@ impl App {
             self.state.scene_ready(report);
         }
         self.state.preparation = board.preparation();
+        self.state.set_graphics(board.graphics());
         self.state.films = board.snapshots();
         self.state.measurement.set_truth(board.ground_truth());
         if let Some(results) = self.measurer.take_finished() {

@@ -14,7 +14,7 @@ use super::snapshots::SnapshotId;
 use super::state::{PathOption, WorldPart};
 use crate::check::Spot;
 use crate::optics::Ior;
-use crate::render::ToneCurve;
+use crate::render::{BackendChoice, ToneCurve};
 use crate::scene::description::CameraDescription;
 use crate::session::GroundTruthDemand;
 use crate::transport::inspect::Follow;
@@ -131,6 +131,8 @@ pub enum Command {
     /// Mean relative error of a pixel at which rendering stops.
     SetNoiseTarget(Option<f64>),
     SetDenoise(bool),
+    /// What renders.
+    SetBackend(BackendChoice),
     TogglePause,
     Restart,
     /// Gives up preparing the scene, and goes back to the last one that was prepared.

@@ -380,7 +380,7 @@ fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
     let samples = films.iter().map(|film| film.samples).min().unwrap_or(0);
     let text = export::metadata(&job.prepared, &modes, samples, job.seed);
     match job.kind {
-        ExportKind::PaneExr => export::exr(&job.path, &picture_of(first)),
+        ExportKind::PaneExr => export::exr(&job.path, &picture_of(first), &text),
         ExportKind::PanePng if films.len() == 1 && truth.is_none() => {
             export::png(&job.path, &picture_of(first), &job.display, &text)
         }

@@ -11,9 +11,9 @@ use super::first_panes;
 use super::measurement::{ErrorAxis, ErrorMetric};
 use super::objects::Manipulation;
 use super::range::DifferenceRange;
-use crate::render::Display;
 use crate::render::slice::SLICED_MODES;
 use crate::render::surfaces::SurfaceQuantity;
+use crate::render::{BackendChoice, Display};
 use crate::scene::Description;
 use crate::tracking::Mode;
 
@@ -92,6 +92,8 @@ pub struct Settings {
     pub sample_limit: Option<u32>,
     /// Mean relative error of a pixel at which rendering stops; `None`: only the limit of samples counts.
     pub noise_target: Option<f64>,
+    /// What renders.
+    pub backend: BackendChoice,
     /// Whether noise is smoothed away in what is displayed.
     pub denoise: bool,
     pub theme: Theme,
@@ -132,6 +134,7 @@ impl Default for Settings {
             max_depth: None,
             sample_limit: Some(4096),
             noise_target: Some(DEFAULT_NOISE_TARGET),
+            backend: BackendChoice::default(),
             denoise: false,
             theme: Theme::Dark,
             interface_scale: InterfaceScale::Automatic,

@@ -2,6 +2,7 @@
 
 mod apply;
 mod film_size;
+mod graphics;
 mod inspection;
 mod notices;
 mod scene;
@@ -14,6 +15,7 @@ use std::sync::Arc;
 
 use self::film_size::FilmSize;
 pub use self::film_size::magnification;
+pub use self::graphics::sentence;
 pub use self::inspection::{Inspection, PathOption, PathOptions, modes_over};
 pub use self::side_panels::Room;
 pub use self::view::Motion;
@@ -31,7 +33,7 @@ use crate::check::Problem;
 use crate::render::ImageSettings;
 use crate::scene::Description;
 use crate::scene::description::{CameraDescription, Object};
-use crate::session::{Preparation, Request, SceneReport, Snapshot};
+use crate::session::{GraphicsStatus, Preparation, Request, SceneReport, Snapshot};
 use crate::tracking::Mode;
 
 /// Largest magnification of the picture.
@@ -128,6 +130,8 @@ pub struct State {
     pub is_live_in_tev: bool,
     /// Pictures that are kept.
     pub snapshots: Snapshots,
+    /// What is known of the graphics processor; `None` until it has been looked for.
+    pub graphics: Option<Arc<GraphicsStatus>>,
     /// The latest film of each mode that is rendered.
     pub films: BTreeMap<Mode, Arc<Snapshot>>,
     /// What is to be said of the modes that the panes show.
@@ -148,6 +152,8 @@ pub struct State {
     picture_floor: u64,
     /// How often films were begun anew though nothing had changed.
     restarts: u64,
+    /// How often the backend was chosen.
+    backend_choices: u64,
     /// Whether the worker should be told.
     has_news: bool,
 }
@@ -187,6 +193,7 @@ impl State {
             preparation: None,
             is_live_in_tev: false,
             snapshots: Snapshots::default(),
+            graphics: None,
             films: BTreeMap::new(),
             verdicts: Verdicts::default(),
             measurement: Measurement::default(),
@@ -198,6 +205,7 @@ impl State {
             epoch_floor: 1,
             picture_floor: 1,
             restarts: 0,
+            backend_choices: 0,
             has_news: true,
         }
     }
@@ -250,6 +258,8 @@ impl State {
             surfaces: self.settings.surfaces(),
             size: self.size.film,
             settings: ImageSettings { max_depth: self.settings.max_depth, ..ImageSettings::new(Mode::Rectified, 0) },
+            backend: self.settings.backend,
+            backend_choices: self.backend_choices,
             sample_limit: self.settings.sample_limit,
             noise_target: self.noise_target(),
             is_paused: self.is_paused,

@@ -61,6 +61,16 @@ pub fn sized_row_ui<R>(ui: &mut Ui, name_width: f32, name: &str, about: &str, ad
 
 /// Buttons of which one is chosen, joined to a bar that fills the width. Returns what was clicked.
 pub fn segmented_ui<T: PartialEq + Copy>(ui: &mut Ui, chosen: T, options: &[(T, &str, &str)]) -> Option<T> {
+    segmented_where_ui(ui, chosen, options, |_| true)
+}
+
+/// [`segmented_ui`] some of whose buttons cannot be clicked.
+pub fn segmented_where_ui<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    chosen: T,
+    options: &[(T, &str, &str)],
+    is_enabled: impl Fn(T) -> bool,
+) -> Option<T> {
     let mut clicked = None;
     let gap = 2.0;
     let width = (ui.available_width() - gap * (options.len() as f32 - 1.0)) / options.len() as f32;
@@ -71,8 +81,10 @@ pub fn segmented_ui<T: PartialEq + Copy>(ui: &mut Ui, chosen: T, options: &[(T, 
             let button = egui::Button::selectable(*value == chosen, *name)
                 .frame_when_inactive(true)
                 .min_size(Vec2::new(width, ui.spacing().interact_size.y));
-            let response = ui.add_sized([width, ui.spacing().interact_size.y], button);
-            let response = if about.is_empty() { response } else { response.on_hover_text(*about) };
+            let add = |ui: &mut Ui| ui.add_sized([width, ui.spacing().interact_size.y], button);
+            let response = ui.add_enabled_ui(is_enabled(*value), add).inner;
+            let response =
+                if about.is_empty() { response } else { response.on_hover_text(*about).on_disabled_hover_text(*about) };
             if response.clicked() {
                 clicked = Some(*value);
             }

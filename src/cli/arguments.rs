@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 
-use crate::render::{Backend, Estimator, ImageSettings, SampleRange, ToneCurve};
+use crate::render::{BackendChoice, Estimator, ImageSettings, SampleRange, ToneCurve};
 use crate::report::make::Part;
 use crate::scene::shapes::MAX_LENGTH;
 use crate::tracking::Mode;
@@ -88,6 +88,9 @@ pub struct WindowArguments {
     /// Number of panes in the picture: 1, 2 or 4
     #[arg(long, hide = true, requires = "screenshot")]
     pub panes: Option<usize>,
+    /// What renders the pictures
+    #[arg(long, hide = true, value_name = "BACKEND", default_value = "auto", value_parser = backend)]
+    pub backend: BackendChoice,
     /// One pane over the other, with a divider
     #[arg(long, hide = true, requires = "screenshot")]
     pub wipe: bool,
@@ -125,9 +128,10 @@ pub struct ImageArguments {
     /// Most segments of a path, the camera's first being one, or `none`: K surfaces need K + 1
     #[arg(long, value_name = "D", default_value = "none", value_parser = depth, allow_negative_numbers = true)]
     pub max_depth: Depth,
-    /// What computes: auto, cpu (gpu is not yet supported)
+    /// What computes: cpu, gpu, or auto, which takes the graphics processor where a short measurement finds it faster; mode reference
+    /// is always computed by the CPU
     #[arg(long, value_name = "BACKEND", default_value = "auto", value_parser = backend)]
-    pub backend: Backend,
+    pub backend: BackendChoice,
     /// How light is transported: path (bidirectional is not yet supported)
     #[arg(long, value_name = "ESTIMATOR", default_value = "path", value_parser = estimator)]
     pub estimator: Estimator,
@@ -144,9 +148,10 @@ pub struct ImageArguments {
     /// --samples]
     #[arg(long, value_name = "on|off", value_parser = on_or_off)]
     pub adaptive: Option<Switch>,
-    /// Interfaces seen from the camera at which a path may split, so that both the reflected and the transmitted light are followed; 0: none
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=8), allow_negative_numbers = true)]
-    pub splits: u32,
+    /// Interfaces seen from the camera at which a path may split, so that both the reflected and the transmitted light are followed; 0: none,
+    /// as always with the graphics processor [default: 2, or 0 with the graphics processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=8), allow_negative_numbers = true)]
+    pub splits: Option<u32>,
     /// Where random numbers come from: sobol, whose samples are spread evenly, or independent
     #[arg(long, value_name = "SEQUENCE", default_value = "sobol", value_parser = sequence)]
     pub sampler: Sequence,
@@ -159,24 +164,40 @@ pub struct ImageArguments {
     /// Print what was done as JSON; without -o, no picture is written then
     #[arg(long)]
     pub json: bool,
+    /// Take the graphics processor away after so many samples per pixel, to try what happens then
+    #[arg(long, hide = true, value_name = "N")]
+    pub lose_gpu_after: Option<u32>,
     /// Whether progress is told in lines where standard error is no terminal; nothing that can be asked for.
     #[arg(skip)]
     pub tells_progress: bool,
 }
 
 impl ImageArguments {
-    /// How the image of one mode is rendered.
+    /// How the image of one mode is rendered by the CPU.
     pub fn settings(&self, mode: Mode) -> ImageSettings {
+        let usual = ImageSettings::new(mode, self.seed);
         ImageSettings {
-            mode,
-            backend: self.backend,
             estimator: self.estimator,
-            seed: self.seed,
             max_depth: self.max_depth.0,
             leave_out: self.leave_out.0,
-            splits: self.splits,
+            splits: self.splits.unwrap_or(usual.splits),
             sampler: self.sampler,
             sample_environment: self.sample_environment.0,
+            ..usual
+        }
+    }
+
+    /// What may render: the graphics processor does not split paths.
+    ///
+    /// # Errors
+    /// When both are asked for.
+    pub fn backend(&self) -> Result<BackendChoice, &'static str> {
+        match (self.backend, self.splits) {
+            (BackendChoice::Gpu, Some(1..)) => {
+                Err("the graphics processor does not split paths; leave out --splits, or use `--backend cpu`")
+            }
+            (BackendChoice::Auto, Some(1..)) => Ok(BackendChoice::Cpu),
+            (backend, _) => Ok(backend),
         }
     }
 }
@@ -232,8 +253,8 @@ pub struct CompareArguments {
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Files must be of one image: same content of the scene, camera, size, mode, seed and settings, and no sample twice. The result is the
-same to the bit in whatever order and grouping files are merged, and as if one machine had taken all samples.
+Files must be of one image: same content of the scene, camera, size, mode, backend, seed and settings, and no sample twice. The result is the
+same to the bit in whatever order and grouping files are merged, and, by the CPU, as if one machine had taken all samples.
 
 Examples:
   iorect merge part*.exr -o all.exr                              can be merged further; any viewer opens it
@@ -243,6 +264,9 @@ pub struct MergeArguments {
     /// Files that `iorect render --samples` or `iorect merge` wrote
     #[arg(required = true, value_name = "FILE.exr")]
     pub files: Vec<PathBuf>,
+    /// Put together parts by the CPU and by graphics processors, which agree but for rounding
+    #[arg(long)]
+    pub mix_backends: bool,
     /// File to write, by its extension EXR (sums and counts again, and the picture) or PNG; may be given more than once
     #[arg(short, long = "output", value_name = "FILE")]
     pub outputs: Vec<PathBuf>,
@@ -323,9 +347,13 @@ pub struct ReportArguments {
     /// Small images and few runs
     #[arg(long)]
     pub quick: bool,
-    /// What to measure, separated by commas: error, stability, left-out, editing, first-look, growth [default: all of it]
+    /// What to measure, separated by commas: error, stability, left-out, editing, first-look, growth, backends [default: all of it]
     #[arg(long, value_name = "PARTS", value_delimiter = ',')]
     pub only: Vec<Part>,
+    /// Whether a graphics processor is measured beside the CPU, which renders everything else: cpu (no), auto (where it is real hardware), or
+    /// gpu, by which the part editing is rendered too
+    #[arg(long, value_name = "BACKEND", default_value = "auto", value_parser = backend)]
+    pub backend: BackendChoice,
     /// Seed of the random numbers
     #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]
     pub seed: u64,
@@ -441,9 +469,9 @@ fn on_or_off(text: &str) -> Result<Switch, String> {
     one_of(text, &[("on", Switch(true)), ("off", Switch(false))], &[])
 }
 
-fn backend(text: &str) -> Result<Backend, String> {
-    // The CPU is what `auto` comes to as long as it is the only one.
-    one_of(text, &[("auto", Backend::Cpu), ("cpu", Backend::Cpu)], &["gpu"])
+fn backend(text: &str) -> Result<BackendChoice, String> {
+    let all = [BackendChoice::Auto, BackendChoice::Cpu, BackendChoice::Gpu];
+    one_of(text, &all.map(|backend| (backend.name(), backend)), &[])
 }
 
 fn estimator(text: &str) -> Result<Estimator, String> {
@@ -534,9 +562,9 @@ mod tests {
 
     #[test]
     fn what_is_planned_is_told_from_what_is_unknown() {
-        assert_eq!(backend("auto"), Ok(Backend::Cpu));
-        assert!(backend("gpu").unwrap_err().contains("not yet supported"));
-        assert!(!backend("abacus").unwrap_err().contains("not yet supported"));
+        assert_eq!(backend("auto"), Ok(BackendChoice::Auto));
+        assert_eq!(backend("gpu"), Ok(BackendChoice::Gpu));
+        assert!(backend("abacus").unwrap_err().contains("auto, cpu, gpu"));
         assert!(estimator("bidirectional").unwrap_err().contains("not yet supported"));
         assert_eq!(granularity("patch"), Ok(Granularity::Patch));
         assert!(granularity("face").unwrap_err().contains("patch, object"));

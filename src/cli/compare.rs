@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use serde::Serialize;
 
 use super::arguments::CompareArguments;
-use super::image::{ImageReport, Job, Rendered, mega_samples_per_second, output_path};
+use super::image::{DEFAULT_SPP, ImageReport, Job, Rendered, mega_samples_per_second, output_path};
 use super::table::Table;
 use super::{Failure, print, print_json};
 use crate::export::escape::{short_name, shown};
@@ -47,7 +47,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
         }
         require_writable(path).map_err(Failure::bad_output)?;
     }
-    let job = Job::new(image, &arguments.modes)?;
+    let job = Job::new(image, &arguments.modes, image.spp.unwrap_or(DEFAULT_SPP))?;
     let rendered = job.render(&arguments.modes);
     let pictures: Vec<Picture> = rendered.iter().map(|image| Picture::from(&image.film)).collect();
     let differences = job.on_threads(|| differences(&rendered, &pictures, job.display()));
@@ -119,20 +119,27 @@ fn write_picture(
     let Picture { width, height, .. } = pictures[0];
     let about = Comparison {
         title: job.prepared.description.name.clone(),
-        details: format!("{width}×{height} · seed {seed} · iorect {}", env!("CARGO_PKG_VERSION")),
+        details: format!("{width}×{height} · seed {seed}{} · iorect {}", by(job, rendered), env!("CARGO_PKG_VERSION")),
         display: job.display(),
         baseline: most_trusted(rendered).filter(|_| rendered.len() > 1),
     };
     let sheet = export::comparison(&panes, &about).map_err(Failure::output)?;
     let modes: Vec<Mode> = rendered.iter().map(|image| image.mode).collect();
-    let text = export::metadata(&job.prepared, &modes, rendered[0].film.samples, seed);
+    let mut text = export::metadata(&job.prepared, &modes, rendered[0].film.samples, seed);
+    text.push(job.renderer(rendered));
     export::image_png(path, &sheet, &text).map_err(Failure::output)
+}
+
+/// The graphics processor, where one was used.
+fn by(job: &Job<'_>, rendered: &[Rendered]) -> String {
+    job.adapter(rendered).map_or_else(String::new, |adapter| format!(" · {}", short_name(adapter)))
 }
 
 fn summary(job: &Job<'_>, rendered: &[Rendered], differences: &[PairDifference], output: Option<&Path>) -> String {
     let film = &rendered[0].film;
     let name = short_name(&job.prepared.description.name);
-    let mut text = format!("{name} · {}×{} · {} spp\n\n", film.width, film.height, film.samples);
+    let by = by(job, rendered);
+    let mut text = format!("{name} · {}×{} · {} spp{by}\n\n", film.width, film.height, film.samples);
     let mut modes = Table::new("mode,>time,>Msamples/s,events");
     for image in rendered {
         modes.row([

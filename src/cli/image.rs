@@ -11,9 +11,13 @@ use serde::Serialize;
 use super::arguments::{ImageArguments, Size};
 use super::preparation::prepare_shown;
 use super::progress::Progress;
-use super::{Failure, pool};
+use super::{Failure, pool, tell};
+use crate::export::renderer;
+use crate::render::choice::{self, Work};
 use crate::render::exact::unit_exponent;
-use crate::render::{Display, Film, ImageSettings, Recipe, RenderTask, SampleRange};
+use crate::render::{
+    Backend, BackendChoice, Chosen, Display, Film, ImageSettings, Recipe, RenderTask, SampleRange, choose,
+};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
@@ -40,6 +44,10 @@ pub struct ImageReport<'a> {
     pub scene: Cow<'a, str>,
     #[serde(flatten)]
     pub settings: ImageSettings,
+    /// The graphics processor that took samples, if one did.
+    pub adapter: Option<&'a str>,
+    /// What came in the way of the graphics processor.
+    pub notice: Option<&'a str>,
     pub width: u32,
     pub height: u32,
     pub spp: u32,
@@ -62,6 +70,26 @@ pub struct Rendered {
     pub film: Film,
     /// Seconds spent on this mode alone.
     pub seconds: f64,
+    /// Why the CPU took samples that the graphics processor should have taken.
+    pub notice: Option<String>,
+}
+
+impl Rendered {
+    fn new(mode: Mode, film: Film) -> Self {
+        Self { mode, film, seconds: 0.0, notice: None }
+    }
+
+    /// Tells, once, that the graphics processor has failed after so many samples per pixel.
+    fn notice_of_fault(&mut self, settings: &ImageSettings, samples: u32) {
+        let is_as_planned = self.film.backend == Some(settings.backend);
+        if is_as_planned || self.notice.is_some() {
+            return;
+        }
+        let why = choice::fault().unwrap_or_else(|| "the graphics processor failed".into());
+        let notice = format!("{why} after {samples} samples per pixel of {}; the CPU took the others", self.mode);
+        tell(&format!("note: {notice}\n"));
+        self.notice = Some(notice);
+    }
 }
 
 /// When a render ends: at whichever of its limits comes first. It has one at least.
@@ -105,24 +133,52 @@ pub struct Job<'a> {
     arguments: &'a ImageArguments,
     pub prepared: Prepared,
     camera: Camera,
+    chosen: Chosen,
     load_secs: f64,
     pool: rayon::ThreadPool,
 }
 
 impl<'a> Job<'a> {
-    /// Reads and prepares the scene, which is to be rendered in these modes.
-    pub fn new(arguments: &'a ImageArguments, modes: &[Mode]) -> Result<Self, Failure> {
+    /// Reads and prepares the scene, which is to be rendered in these modes with so many samples per pixel, unless time decides.
+    pub fn new(arguments: &'a ImageArguments, modes: &[Mode], samples: u32) -> Result<Self, Failure> {
         let start = Instant::now();
         let description = crate::formats::open(&arguments.scene)?;
         let load_secs = start.elapsed().as_secs_f64();
         let camera = Camera::new(&description.camera)?;
         let pool = pool(arguments.threads)?;
         let prepared = pool.install(|| prepare_shown(Arc::new(description)))?;
-        for settings in modes.iter().map(|&mode| arguments.settings(mode)) {
-            let task = RenderTask { prepared: &prepared, camera: &camera, settings: &settings };
+        let settings: Vec<ImageSettings> = modes.iter().map(|&mode| arguments.settings(mode)).collect();
+        for settings in &settings {
+            let task = RenderTask { prepared: &prepared, camera: &camera, settings };
             task.require().map_err(|error| Failure::Wrong(error.into()))?;
         }
-        Ok(Self { arguments, prepared, camera, load_secs, pool })
+        let Size { width, height } = arguments.size;
+        let work = Work {
+            prepared: &prepared,
+            camera: &camera,
+            settings: &settings,
+            size: [width, height],
+            samples: if arguments.time.is_none() { Some(samples) } else { None },
+        };
+        let asked = arguments.backend().map_err(Failure::wrong)?;
+        let chosen = pool.install(|| choose(asked, &work)).map_err(|error| Failure::Failed(error.into()))?;
+        match (&chosen.reason, asked) {
+            (Some(reason), BackendChoice::Gpu) => tell(&format!("note: {reason}; the CPU renders it\n")),
+            (Some(reason), _) => log::info!("rendering on the CPU: {reason}"),
+            (None, _) => {}
+        }
+        Ok(Self { arguments, prepared, camera, chosen, load_secs, pool })
+    }
+
+    /// How the image of one mode is rendered.
+    pub fn settings(&self, mode: Mode) -> ImageSettings {
+        self.chosen.settings(self.arguments.settings(mode))
+    }
+
+    /// The graphics processor that took samples of any of these images, if one did.
+    pub fn adapter(&self, images: &[Rendered]) -> Option<&str> {
+        let is_by_gpu = |image: &Rendered| matches!(image.film.backend, Some(Backend::Gpu | Backend::Mixed));
+        self.chosen.adapter.as_deref().filter(|_| images.iter().any(is_by_gpu))
     }
 
     /// Does `work` on no more threads than were asked for.
@@ -138,8 +194,7 @@ impl<'a> Job<'a> {
     pub fn render(&self, modes: &[Mode]) -> Vec<Rendered> {
         let Size { width, height } = self.arguments.size;
         let film = || if self.is_adaptive() { Film::adaptive(width, height) } else { Film::new(width, height) };
-        let mut images: Vec<Rendered> =
-            modes.iter().map(|&mode| Rendered { mode, film: film(), seconds: 0.0 }).collect();
+        let mut images: Vec<Rendered> = modes.iter().map(|&mode| Rendered::new(mode, film())).collect();
         let ImageArguments { spp, time, .. } = self.arguments;
         let samples = if time.is_none() { Some(spp.unwrap_or(DEFAULT_SPP)) } else { *spp };
         self.advance(&mut images, Until { samples, seconds: *time });
@@ -151,23 +206,24 @@ impl<'a> Job<'a> {
         let Size { width, height } = self.arguments.size;
         let unit_exponent = unit_exponent(&self.prepared.description);
         let film = Film::partial(width, height, samples.0, unit_exponent);
-        let mut images = [Rendered { mode, film, seconds: 0.0 }];
+        let mut images = [Rendered::new(mode, film)];
         self.advance(&mut images, Until::samples(samples.count()));
         let [image] = images;
         image
     }
 
-    /// What decides the samples of [`Self::render_part`].
-    pub fn recipe(&self, mode: Mode) -> Recipe {
+    /// What decides the samples of an image of [`Self::render_part`].
+    pub fn recipe(&self, image: &Rendered) -> Recipe {
         let description = &self.prepared.description;
         Recipe {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             scene: description.name.clone(),
             content: description.fingerprint(),
             camera: self.camera.fingerprint(),
+            adapter: self.adapter(std::slice::from_ref(image)).map(str::to_owned),
             width: self.arguments.size.width,
             height: self.arguments.size.height,
-            settings: self.arguments.settings(mode),
+            settings: self.settings_of(image),
             unit_exponent: unit_exponent(description),
         }
     }
@@ -180,13 +236,17 @@ impl<'a> Job<'a> {
         let mut done = 0;
         let mut slice = 1;
         while slice > 0 {
+            if self.arguments.lose_gpu_after.is_some_and(|samples| done >= samples) {
+                choice::take_gpu_away();
+            }
             let slice_start = Instant::now();
             for (index, image) in images.iter_mut().enumerate() {
-                let settings = self.arguments.settings(image.mode);
+                let settings = self.settings(image.mode);
                 let mode_start = Instant::now();
                 let task = RenderTask { prepared: &self.prepared, camera: &self.camera, settings: &settings };
                 self.pool.install(|| task.pass(&mut image.film, slice, &never));
                 image.seconds += mode_start.elapsed().as_secs_f64();
+                image.notice_of_fault(&settings, done);
                 let samples = f64::from(done) + f64::from(slice) * (index + 1) as f64 / modes;
                 progress.tell(until.part(samples, start.elapsed()), start.elapsed());
             }
@@ -197,16 +257,34 @@ impl<'a> Job<'a> {
         }
     }
 
+    /// What has rendered these images, for pictures' texts.
+    pub fn renderer(&self, images: &[Rendered]) -> (String, String) {
+        let backends: Vec<Backend> = images.iter().map(|image| self.settings_of(image).backend).collect();
+        renderer(&backends, self.adapter(images))
+    }
+
+    /// How an image was rendered, whatever was planned.
+    fn settings_of(&self, image: &Rendered) -> ImageSettings {
+        let settings = self.settings(image.mode);
+        ImageSettings { backend: image.film.backend.unwrap_or(settings.backend), ..settings }
+    }
+
+    fn is_gpu_asked(&self) -> bool {
+        self.arguments.backend == BackendChoice::Gpu
+    }
+
     fn is_adaptive(&self) -> bool {
         self.arguments.adaptive.is_none_or(|adaptive| adaptive.0)
     }
 
     /// What there is to say about an image.
-    pub fn report<'b>(&'b self, image: &Rendered, output: Option<&'b Path>) -> ImageReport<'b> {
+    pub fn report<'b>(&'b self, image: &'b Rendered, output: Option<&'b Path>) -> ImageReport<'b> {
         let is_part = image.film.exact.is_some();
         ImageReport {
             scene: self.arguments.scene.to_string_lossy(),
-            settings: self.arguments.settings(image.mode),
+            settings: self.settings_of(image),
+            adapter: self.adapter(std::slice::from_ref(image)),
+            notice: image.notice.as_deref().or(self.chosen.reason.as_deref().filter(|_| self.is_gpu_asked())),
             width: image.film.width,
             height: image.film.height,
             spp: image.film.samples,

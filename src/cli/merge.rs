@@ -1,6 +1,7 @@
 //! `iorect merge`: parts of an image, rendered by many machines, put together.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -11,7 +12,7 @@ use super::{Failure, plural, print, print_json};
 use crate::export::escape::{short_name, shown};
 use crate::export::words::events_in_words;
 use crate::export::{self, Format, Head, Picture, SumsError};
-use crate::render::{CannotMerge, Display, ImageSettings, Partial, Recipe, SampleRange};
+use crate::render::{Backend, CannotMerge, Display, ImageSettings, Partial, Recipe, SampleRange};
 use crate::tracking::Events;
 use crate::tracking::Mode;
 use crate::writing::require_writable;
@@ -35,7 +36,7 @@ pub fn run(arguments: &MergeArguments) -> Result<ExitCode, Failure> {
         Format::of(path).map_err(Failure::bad_output)?;
         require_writable(path).map_err(Failure::bad_output)?;
     }
-    let merged = merge(&arguments.files)?;
+    let merged = merge(&arguments.files, arguments.mix_backends)?;
     for path in &arguments.outputs {
         write(path, &merged, &Display { exposure: arguments.exposure, curve: arguments.curve })?;
     }
@@ -58,16 +59,29 @@ pub fn run(arguments: &MergeArguments) -> Result<ExitCode, Failure> {
 }
 
 /// All files in one. Heads are compared before any pixels are read, which can take minutes.
-fn merge(files: &[PathBuf]) -> Result<Partial, Failure> {
+fn merge(files: &[PathBuf], mixes_backends: bool) -> Result<Partial, Failure> {
     let wrong = |error: SumsError| match error {
         SumsError::Read { .. } => Failure::Failed(error.into()),
         _ => Failure::Wrong(error.into()),
     };
-    let heads = files.iter().map(|path| export::read_sums_head(path)).collect::<Result<Vec<_>, _>>().map_err(wrong)?;
+    let mut heads =
+        files.iter().map(|path| export::read_sums_head(path)).collect::<Result<Vec<_>, _>>().map_err(wrong)?;
+    let backend = heads.iter().map(|head| head.recipe.settings.backend).reduce(Backend::and);
+    // Parts that may be mixed are all taken for what they come to.
+    let as_mixed = |recipe: &mut Recipe| {
+        if let Some(backend) = backend.filter(|_| mixes_backends) {
+            recipe.settings.backend = backend;
+        }
+    };
+    heads.iter_mut().for_each(|head| as_mixed(&mut head.recipe));
     require_mergeable(files, &heads)?;
+    let adapters: BTreeSet<&str> = heads.iter().filter_map(|head| head.recipe.adapter.as_deref()).collect();
+    let adapter = adapters.into_iter().map(str::to_owned).reduce(|all, adapter| format!("{all}, {adapter}"));
     let mut merged: Option<Partial> = None;
     for path in files {
-        let part = export::read_sums(path).map_err(wrong)?;
+        let mut part = export::read_sums(path).map_err(wrong)?;
+        as_mixed(&mut part.recipe);
+        part.recipe.adapter.clone_from(&adapter);
         match &mut merged {
             None => merged = Some(part),
             Some(merged) => merged.add(&part).map_err(|reason| {
@@ -81,7 +95,11 @@ fn merge(files: &[PathBuf]) -> Result<Partial, Failure> {
 fn require_mergeable(files: &[PathBuf], heads: &[Head]) -> Result<(), Failure> {
     let refused = |path: &Path, earlier: &Path, reason: CannotMerge| {
         let (path, earlier) = (path.display(), earlier.display());
-        Failure::wrong(format!("{path} cannot be merged with {earlier}: {reason}"))
+        let advice = match reason {
+            CannotMerge::Differs { field: ImageSettings::BACKEND, .. } => "; `--mix-backends` merges them all the same",
+            _ => "",
+        };
+        Failure::wrong(format!("{path} cannot be merged with {earlier}: {reason}{advice}"))
     };
     for (path, head) in files.iter().zip(heads).skip(1) {
         head.recipe.require_same_image(&heads[0].recipe).map_err(|reason| refused(path, &files[0], reason))?;
@@ -105,8 +123,9 @@ fn write(path: &Path, merged: &Partial, display: &Display) -> Result<(), Failure
         Format::Png => {
             let recipe = &merged.recipe;
             let picture = Picture { width: recipe.width, height: recipe.height, rgb: merged.to_rgb() };
-            let ImageSettings { mode, seed, .. } = recipe.settings;
-            let text = export::metadata_for_media(&recipe.scene, &[], &[mode], merged.samples(), seed);
+            let ImageSettings { mode, backend, seed, .. } = recipe.settings;
+            let mut text = export::metadata_for_media(&recipe.scene, &[], &[mode], merged.samples(), seed);
+            text.push(export::renderer(&[backend], recipe.adapter.as_deref()));
             export::png(path, &picture, display, &text)
         }
     }
@@ -122,6 +141,9 @@ fn summary(arguments: &MergeArguments, merged: &Partial) -> String {
     let from = format!("{samples} spp from {files} file{}", plural(files));
     let mut text = format!("{scene} · {mode} · {width}×{height} · {from} · seed {seed}\n");
     text += &format!("  samples   {}\n", ranges(&merged.ranges));
+    if let Some(adapter) = &recipe.adapter {
+        text += &format!("  by        {}\n", short_name(adapter));
+    }
     let gaps = merged.gaps();
     if !gaps.is_empty() {
         text += &format!("  missing   {}\n", ranges(&gaps));

@@ -3,13 +3,13 @@
 use std::process::ExitCode;
 
 use super::arguments::{RenderArguments, Switch};
-use super::image::{ImageReport, Job, Rendered, Seconds, mega_samples_per_second, output_path};
+use super::image::{DEFAULT_SPP, ImageReport, Job, Rendered, Seconds, mega_samples_per_second, output_path};
 use super::{Failure, plural, print, print_json};
 use crate::export::escape::{short_name, shown};
 use crate::export::tev::{PATIENCE, Tev};
 use crate::export::words::{brief, duration, events_in_words};
 use crate::export::{self, Format, Picture};
-use crate::render::{ImageSettings, Partial, SampleRange};
+use crate::render::{Backend, ImageSettings, Partial, SampleRange};
 use crate::writing::require_writable;
 
 pub fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
@@ -34,21 +34,25 @@ pub fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     if let Some(address) = &arguments.tev {
         Tev::connect(address, PATIENCE).map_err(|error| Failure::Failed(error.into()))?;
     }
-    let job = Job::new(image, &[arguments.mode])?;
+    let samples = arguments.samples.map_or(image.spp.unwrap_or(DEFAULT_SPP), SampleRange::count);
+    let job = Job::new(image, &[arguments.mode], samples)?;
     let rendered = match arguments.samples {
         Some(samples) => job.render_part(arguments.mode, samples),
         None => job.render(&[arguments.mode]).remove(0),
     };
     let text = if image.json { None } else { Some(summary(&job, &rendered, output.as_deref())) };
-    let report = job.report(&rendered, output.as_deref());
+    let report = image.json.then(|| serde_json::to_value(job.report(&rendered, output.as_deref()))).transpose();
+    let report = report.map_err(|error| Failure::Failed(error.into()))?;
     let to_tev = arguments.tev.as_ref().map(|address| (address, Picture::from(&rendered.film)));
     if let Some(path) = &output {
         if arguments.samples.is_some() {
-            if let Some(partial) = Partial::of_film(rendered.film, job.recipe(arguments.mode)) {
+            let recipe = job.recipe(&rendered);
+            if let Some(partial) = Partial::of_film(rendered.film, recipe) {
                 export::write_sums(path, &partial).map_err(Failure::output)?;
             }
         } else {
-            let text = export::metadata(&job.prepared, &[arguments.mode], rendered.film.samples, image.seed);
+            let mut text = export::metadata(&job.prepared, &[arguments.mode], rendered.film.samples, image.seed);
+            text.push(job.renderer(std::slice::from_ref(&rendered)));
             export::save(path, &Picture::from(&rendered.film), &job.display(), &text).map_err(Failure::output)?;
         }
     }
@@ -67,6 +71,7 @@ pub fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
 fn summary(job: &Job<'_>, rendered: &Rendered, output: Option<&std::path::Path>) -> String {
     let report = job.report(rendered, output);
     let ImageReport { width, height, spp, threads, settings: ImageSettings { mode, seed, .. }, .. } = report;
+    let adapter = report.adapter.map_or_else(String::new, short_name);
     let Seconds { load, bvh, rectify, render } = report.seconds;
     let speed = brief(mega_samples_per_second(&rendered.film, render));
     let [load, bvh, rectify, render] = [load, bvh, rectify, render].map(duration);
@@ -74,7 +79,12 @@ fn summary(job: &Job<'_>, rendered: &Rendered, output: Option<&std::path::Path>)
     let scene = short_name(&job.prepared.description.name);
     let mut text = format!("{scene} · {mode} · {width}×{height} · {spp} spp · seed {seed}\n");
     text += &format!("  time      load {load} · tree {bvh} · rectify {rectify} · render {render}\n");
-    text += &format!("  speed     {speed} million samples a second, {threads} thread{}\n", plural(threads));
+    let by = match report.settings.backend {
+        Backend::Cpu => format!("{threads} thread{}", plural(threads)),
+        Backend::Gpu => adapter,
+        Backend::Mixed => format!("{adapter} and {threads} thread{}", plural(threads)),
+    };
+    text += &format!("  speed     {speed} million samples a second, {by}\n");
     text += &format!("  events    {}\n", events_in_words(&report.events));
     if let Some(share) = report.mixed_share {
         text += &format!("  mixed     {:.1} % of the crossings\n", 100.0 * share);

@@ -14,6 +14,8 @@ use crate::export::ExportError;
 use crate::export::escape::{escaped_json, short_name, shown};
 use crate::export::words::duration;
 use crate::formats::{self, builtin};
+use crate::render::BackendChoice;
+use crate::render::choice::{self, KnownAdapter};
 use crate::report::data::Report;
 use crate::report::extent::Extent;
 use crate::report::frame_times::FrameTimes;
@@ -36,15 +38,19 @@ pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     require_all_writable(&arguments.output).map_err(|error| unwritable(error.into()))?;
     let pool = pool(arguments.threads)?;
     let threads = pool.current_num_threads();
-    let extent = match arguments {
+    let mut extent = match arguments {
         ReportArguments { tiny: true, .. } => Extent::tiny(arguments.seed, threads),
         ReportArguments { quick: true, .. } => Extent::quick(arguments.seed, threads),
         _ => Extent::full(arguments.seed, threads),
     };
+    if arguments.backend == BackendChoice::Gpu {
+        extent.editing.backend = BackendChoice::Gpu;
+    }
     let parts = if arguments.only.is_empty() { Part::ALL.to_vec() } else { arguments.only.clone() };
     let frames = arguments.frames.as_deref().map(FrameTimes::read).transpose();
     let frames = frames.map_err(|error| Failure::wrong(error.to_string()))?;
-    let request = Request { subjects, parts, extent, seed: arguments.seed, command: command_line(), frames };
+    let adapter = if parts.contains(&Part::Backends) { adapter(arguments.backend)? } else { None };
+    let request = Request { subjects, parts, extent, seed: arguments.seed, command: command_line(), frames, adapter };
     let bar = bar(STEPS, "{bar:30.cyan/dim} {percent:>3} % · {elapsed}, {eta} left · {wide_msg}");
     bar.enable_steady_tick(Duration::from_millis(250));
     let tell = |what: &str, part: f64| {
@@ -58,6 +64,15 @@ pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     let written = write(&report, &arguments.output).map_err(Failure::output)?;
     print(&if arguments.json { escaped_json(&json(&report)).into_owned() } else { summary(&report, &written) })?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The graphics processor to measure.
+fn adapter(asked: BackendChoice) -> Result<Option<KnownAdapter>, Failure> {
+    match asked {
+        BackendChoice::Cpu => Ok(None),
+        BackendChoice::Auto => Ok(choice::hardware().ok()),
+        BackendChoice::Gpu => choice::adapter().map(Some).map_err(|error| Failure::Failed(error.into())),
+    }
 }
 
 fn failure(error: ReportError) -> Failure {

@@ -1,6 +1,7 @@
 //! What a picture shows, in words that travel with it.
 
 use super::escape::escaped;
+use crate::render::Backend;
 use crate::scene::{MediumId, SceneMedium};
 use crate::tracking::Mode;
 use crate::tracking::Prepared;
@@ -37,6 +38,15 @@ pub fn metadata_for_media(
     // Readers of pictures print these as they are.
     .map(|(keyword, text)| (keyword.to_owned(), escaped(&text).into_owned()))
     .collect()
+}
+
+/// What has rendered, for [`metadata`]: the backends of the images, and the graphics processor where one was used.
+pub fn renderer(backends: &[Backend], adapter: Option<&str>) -> (String, String) {
+    let has = |wanted: Backend| backends.iter().any(|backend| *backend == wanted || *backend == Backend::Mixed);
+    let gpu = has(Backend::Gpu).then(|| adapter.unwrap_or("graphics processor"));
+    let cpu = has(Backend::Cpu).then_some("CPU");
+    let words: Vec<&str> = gpu.into_iter().chain(cpu).collect();
+    ("Renderer".to_owned(), escaped(&words.join(" and ")).into_owned())
 }
 
 /// As few digits as tell the IOR apart from its neighbours at nine decimals: 1 + (n − 1) must not read 1.3329999999999997.

@@ -62,14 +62,14 @@ impl Format {
     }
 }
 
-/// Writes `picture` in the format that the path's extension names. `display` and `text` matter to PNG only.
+/// Writes `picture` in the format that the path's extension names. `display` matters to PNG only.
 ///
 /// # Errors
 /// As [`png()`] and [`exr()`], and when the extension is neither.
 pub fn save(path: &Path, picture: &Picture, display: &Display, text: &[(String, String)]) -> Result<(), ExportError> {
     match Format::of(path)? {
         Format::Png => png(path, picture, display, text),
-        Format::Exr => exr(path, picture),
+        Format::Exr => exr(path, picture, text),
     }
 }
 
@@ -123,24 +123,29 @@ fn encode_png(image: &image::RgbImage, text: &[(String, String)]) -> Result<Vec<
     Ok(bytes)
 }
 
-/// Writes `picture` as a linear 32-bit float OpenEXR image with channels R, G and B.
+/// Writes `picture` as a linear 32-bit float OpenEXR image with channels R, G and B. The lines of `text`, as (keyword, text), are its attribute
+/// `comments`.
 ///
 /// # Errors
 /// When the picture is empty or the path cannot be written.
-pub fn exr(path: &Path, picture: &Picture) -> Result<(), ExportError> {
+pub fn exr(path: &Path, picture: &Picture, text: &[(String, String)]) -> Result<(), ExportError> {
     picture.require_sound()?;
-    let bytes =
-        encode_exr(picture).map_err(|e| ExportError::Encode { path: path.to_path_buf(), message: e.to_string() })?;
+    let bytes = encode_exr(picture, text)
+        .map_err(|e| ExportError::Encode { path: path.to_path_buf(), message: e.to_string() })?;
     Ok(write_atomically(path, |writer| writer.write_all(&bytes))?)
 }
 
-fn encode_exr(picture: &Picture) -> exr::error::Result<Vec<u8>> {
-    use exr::prelude::{Encoding, Image, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage};
+fn encode_exr(picture: &Picture, text: &[(String, String)]) -> exr::error::Result<Vec<u8>> {
+    use exr::prelude::{Encoding, Image, LayerAttributes, LineOrder, SpecificChannels, Text, Vec2, WritableImage};
     let size = (picture.width as usize, picture.height as usize);
     let pixel = |at: Vec2<usize>| <(f32, f32, f32)>::from(picture.rgb[at.y() * size.0 + at.x()]);
     // Blocks are compressed on all cores: in no particular order, equal pictures would not give equal files.
     let encoding = Encoding { line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
-    let layer = exr::prelude::Layer::new(size, LayerAttributes::default(), encoding, SpecificChannels::rgb(pixel));
+    let lines: Vec<String> = text.iter().map(|(keyword, text)| format!("{keyword}: {text}")).collect();
+    // Texts are bytes, in UTF-8 by the file format's convention.
+    let comments = Some(Text::from_slice_unchecked(lines.join("\n").as_bytes())).filter(|_| !lines.is_empty());
+    let attributes = LayerAttributes { comments, ..Default::default() };
+    let layer = exr::prelude::Layer::new(size, attributes, encoding, SpecificChannels::rgb(pixel));
     let mut bytes = io::Cursor::new(Vec::new());
     Image::from_layer(layer).write().to_buffered(&mut bytes)?;
     Ok(bytes.into_inner())

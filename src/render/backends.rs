@@ -4,6 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::cpu::Cpu;
 use super::film::Film;
+#[cfg(feature = "gpu")]
+use super::gpu::SharedGpu;
 use super::renderer::{RenderTask, Renderer, Unsupported};
 use super::settings::Backend;
 use crate::tracking::Mode;
@@ -12,7 +14,9 @@ use crate::tracking::Mode;
 pub fn renderer(backend: Backend) -> &'static dyn Renderer {
     match backend {
         Backend::Cpu | Backend::Mixed => &Cpu,
-        // Nothing chooses it yet.
+        #[cfg(feature = "gpu")]
+        Backend::Gpu => &SharedGpu,
+        #[cfg(not(feature = "gpu"))]
         Backend::Gpu => &Cpu,
     }
 }
@@ -40,6 +44,10 @@ impl RenderTask<'_> {
         if !has_failed {
             film.rendered_by(backend);
             return is_complete;
+        }
+        // Rows that were finished are kept.
+        if film.ahead.iter().any(|ahead| *ahead > 0) {
+            film.rendered_by(Backend::Gpu);
         }
         let is_complete = Cpu.pass(self, film, samples, cancel);
         film.rendered_by(Backend::Cpu);

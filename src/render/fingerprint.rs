@@ -33,6 +33,7 @@ mod tests {
 
     use super::*;
     use crate::formats;
+    use crate::render::settings::Backend;
     use crate::tracking::Mode;
     use crate::transport::sampler::Sequence;
 
@@ -51,6 +52,7 @@ mod tests {
             of(&closer, [64, 32], base),
             of(&camera, [64, 32], ImageSettings { mode: Mode::Stack, ..base }),
             of(&camera, [64, 32], ImageSettings { seed: 4, ..base }),
+            of(&camera, [64, 32], ImageSettings { backend: Backend::Gpu, ..base }),
             of(&camera, [64, 32], ImageSettings { max_depth: Some(9), ..base }),
             of(&camera, [64, 32], ImageSettings { leave_out: false, ..base }),
             of(&camera, [64, 32], ImageSettings { splits: 0, ..base }),

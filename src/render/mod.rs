@@ -2,6 +2,7 @@
 
 pub mod allocation;
 pub mod backends;
+pub mod choice;
 pub mod cpu;
 pub mod denoise;
 pub mod display;
@@ -19,6 +20,7 @@ pub mod slice;
 pub mod surfaces;
 
 pub use backends::renderer;
+pub use choice::{BackendChoice, Chosen, choose};
 pub use display::{Display, ToneCurve};
 pub use film::Film;
 pub use fingerprint::fingerprint;

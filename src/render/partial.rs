@@ -25,7 +25,7 @@ impl fmt::Display for SampleRange {
     }
 }
 
-/// What decides which sample has which radiance. Parts can be put together where all of it is equal, but for the scene's name.
+/// What decides which sample has which radiance. Parts can be put together where all of it is equal, but for the names.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Recipe {
     /// Of the program.
@@ -35,6 +35,9 @@ pub struct Recipe {
     /// Of all that can be seen: contents of meshes and images, not names.
     pub content: Fingerprint,
     pub camera: Fingerprint,
+    /// The graphics processors that took samples, if any did. For people: it decides nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub adapter: Option<String>,
     pub width: u32,
     pub height: u32,
     #[serde(flatten)]
@@ -49,7 +52,8 @@ impl Recipe {
     pub fn require_same_image(&self, other: &Self) -> Result<(), CannotMerge> {
         // Taken apart so that no field can be forgotten.
         let fields = |recipe: &Self| {
-            let Self { version, scene: _, content, camera, width, height, settings, unit_exponent } = recipe;
+            let Self { version, scene: _, content, camera, adapter: _, width, height, settings, unit_exponent } =
+                recipe;
             let mut fields = vec![
                 ("iorect's version", version.clone()),
                 ("the scene's content", content.short()),

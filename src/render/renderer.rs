@@ -24,7 +24,7 @@ pub trait Renderer: Sync {
     /// When it cannot: why, and what to do instead.
     fn require(&self, task: &RenderTask<'_>) -> Result<(), Unsupported>;
 
-    /// Whether a pass can begin at once; else [`Self::make_ready`] takes a while, and the first pass as long.
+    /// Whether a pass can begin soon; else [`Self::make_ready`] takes a while, and the first pass as long.
     fn is_ready(&self, _task: &RenderTask<'_>) -> bool {
         true
     }
@@ -43,7 +43,8 @@ pub trait Renderer: Sync {
     /// Returns `false` when `cancel` was set before all was done. A film that [`Film::is_resumable`] has kept each row that was finished
     /// and can be gone on with: the next pass takes what is missing. Another one is spoilt.
     ///
-    /// Also `false` where the device fails meanwhile: the film is then as it was before the pass, and another renderer can go on with it.
+    /// Also `false` where the device fails meanwhile: the film has kept each row that was finished, and none in part, so that another renderer
+    /// can go on with it.
     fn pass(&self, task: &RenderTask<'_>, film: &mut Film, samples: u32, cancel: &AtomicBool) -> bool;
 }
 

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::backends::ModeBackends;
 use super::data::Report;
 use super::growth::Exponent;
 use super::stability::Measurement;
@@ -47,6 +48,7 @@ pub fn tables(report: &Report) -> Vec<Table> {
         left_out(report),
         editing(report),
         first_look(report),
+        backends(report),
         frames(report),
         growth(report),
         exponents(report),
@@ -175,6 +177,33 @@ fn editing(report: &Report) -> Option<Table> {
         ("pane_height", "pixels down a pane"),
     ];
     Table::new("editing.csv", "How long the picture takes to follow an edit", columns, rows)
+}
+
+fn backends(report: &Report) -> Option<Table> {
+    let measured = report.scenes.iter().filter_map(|scene| Some((&scene.name, scene.backends.as_ref()?)));
+    let rows = measured.flat_map(|(scene, found)| {
+        let row = move |one: &ModeBackends| {
+            (scene, one.mode, &found.adapter, found.size, one.cpu, one.gpu, one.parted, one.mean_ratio)
+        };
+        found.modes.iter().map(row)
+    });
+    let columns = [
+        ("scene", "name of the scene"),
+        ("mode", "how media are tracked"),
+        ("adapter", "name and interface of the graphics processor"),
+        ("width", "pixels across"),
+        ("height", "pixels down"),
+        ("cpu_samples_per_sec", "pixel samples a second by the CPU, without splits"),
+        ("gpu_samples_per_sec", "the same by the graphics processor"),
+        ("parted", "share of the pixels that differ by more than rounding"),
+        ("mean_ratio", "mean of the graphics processor's image over that of the CPU's"),
+    ];
+    Table::new(
+        "backends.csv",
+        "Speed of the CPU and of the graphics processor, and how far their images are apart",
+        columns,
+        rows,
+    )
 }
 
 fn first_look(report: &Report) -> Option<Table> {

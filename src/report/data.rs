@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::backends::Backends;
 use super::editing::Editing;
 use super::experiment::SceneErrors;
 use super::first_look::FirstLook;
@@ -20,6 +21,8 @@ pub struct Origin {
     /// Whether the program was built with optimisation; without it times mean little.
     pub is_optimized: bool,
     pub machine: Machine,
+    /// Name and interface of the graphics processor that was measured; `None` where all was rendered by the CPU.
+    pub adapter: Option<String>,
     /// When the report was finished; some of its pieces may be older, if it was interrupted.
     pub date: String,
     /// As it was typed.
@@ -56,6 +59,7 @@ pub struct SceneReport {
     pub left_out: Option<LeftOut>,
     pub editing: Option<Editing>,
     pub first_look: Option<FirstLook>,
+    pub backends: Option<Backends>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::progress::Progress;
 use crate::measure::statistics::median;
 use crate::optics::Ior;
-use crate::render::ImageSettings;
+use crate::render::{Backend, BackendChoice, ImageSettings};
 use crate::scene::{Description, SceneError};
 use crate::session::{GroundTruthDemand, Request, Worker};
 use crate::spectrum::WAVELENGTH_D_UM;
@@ -27,6 +27,8 @@ pub struct EditingPlan {
     pub edits: usize,
     /// An edit comes at an irregular moment within so many seconds after the last one was answered.
     pub within_secs: f64,
+    /// What renders the panes.
+    pub backend: BackendChoice,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -66,6 +68,8 @@ pub struct Editing {
     pub panes: Vec<Mode>,
     /// Pixels of each.
     pub size: [u32; 2],
+    /// What rendered the first of them.
+    pub backend: Backend,
     pub times: Vec<EditTimes>,
 }
 
@@ -103,11 +107,12 @@ pub fn measure(
 ) -> Result<Option<Editing>, EditingError> {
     let panes = vec![Mode::Naive, Mode::Stack, Mode::Rectified, Mode::Reference];
     let kinds: Vec<Edit> = Edit::ALL.into_iter().filter(|edit| edit.is_possible(description)).collect();
-    let mut request = first_request(description, panes.clone(), plan.size);
+    let mut request = Request { backend: plan.backend, ..first_request(description, panes.clone(), plan.size) };
     let window = Window::open()?;
     if window.answer(&request, progress)?.is_none() {
         return Ok(None);
     }
+    window.wait_for_graphics(plan.backend, progress);
     let mut answers = vec![Vec::new(); kinds.len()];
     // Multiples of the golden ratio: each edit meets the renderer at another moment of its work.
     let mut moment = 0.0_f64;
@@ -120,8 +125,9 @@ pub fn measure(
             answers.push(answer);
         }
     }
+    let backend = window.backend(panes[0]);
     let times = kinds.into_iter().zip(&answers).filter_map(|(edit, answers)| of_kind(edit, answers)).collect();
-    Ok(Some(Editing { panes, size: plan.size, times }))
+    Ok(Some(Editing { panes, size: plan.size, backend, times }))
 }
 
 fn first_request(description: &Arc<Description>, modes: Vec<Mode>, size: [u32; 2]) -> Request {
@@ -134,6 +140,8 @@ fn first_request(description: &Arc<Description>, modes: Vec<Mode>, size: [u32; 2
         surfaces: Vec::new(),
         size,
         settings: ImageSettings::new(Mode::Rectified, 0),
+        backend: BackendChoice::Cpu,
+        backend_choices: 0,
         sample_limit: Some(4096),
         noise_target: None,
         is_paused: false,
@@ -204,6 +212,24 @@ impl Window {
         Ok(Self { worker, bell })
     }
 
+    /// What has rendered the image of a mode.
+    fn backend(&self, mode: Mode) -> Backend {
+        self.worker.board().snapshots().get(&mode).map_or(Backend::Cpu, |film| film.backend)
+    }
+
+    /// Waits until it is decided whether the graphics processor renders, and it has begun to.
+    fn wait_for_graphics(&self, backend: BackendChoice, progress: &Progress<'_>) {
+        let start = Instant::now();
+        let board = self.worker.board();
+        let is_open = || match board.graphics() {
+            None => true,
+            Some(status) => status.is_used && !board.snapshots().values().any(|film| film.backend == Backend::Gpu),
+        };
+        while backend != BackendChoice::Cpu && is_open() && start.elapsed() < PATIENCE && !progress.is_cancelled() {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
     /// Submits and waits until each pane has an image of that epoch; `None` when cancelled.
     fn answer(&self, request: &Request, progress: &Progress<'_>) -> Result<Option<Answer>, EditingError> {
         let (mutex, rung) = &*self.bell;
@@ -242,7 +268,7 @@ mod tests {
     use crate::formats;
     use std::sync::atomic::AtomicBool;
 
-    const PLAN: EditingPlan = EditingPlan { size: [32, 18], edits: 2, within_secs: 0.01 };
+    const PLAN: EditingPlan = EditingPlan { size: [32, 18], edits: 2, within_secs: 0.01, backend: BackendChoice::Cpu };
 
     fn measured(description: Description, cancel: bool) -> Result<Option<Editing>, EditingError> {
         let progress = Progress { cancel: &AtomicBool::new(cancel), tell: &|_, _| () };

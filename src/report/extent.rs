@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::backends::BackendsPlan;
 use super::editing::EditingPlan;
 use super::experiment::Effort;
 use super::first_look::{self, FirstLookPlan};
@@ -9,6 +10,7 @@ use super::growth::{GrowthPlan, Timing};
 use super::left_out::LeftOutPlan;
 use super::pictures::PicturePlan;
 use super::stability;
+use crate::render::BackendChoice;
 
 /// Which of the stability checks are run, from the first on.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -38,6 +40,7 @@ pub struct Extent {
     pub left_out: LeftOutPlan,
     pub editing: EditingPlan,
     pub first_look: FirstLookPlan,
+    pub backends: BackendsPlan,
     pub growth: GrowthPlan,
 }
 
@@ -58,6 +61,10 @@ fn sizes(triangles: u64, threads: usize) -> [Vec<u64>; 4] {
     [half_decades(1000, triangles), half_decades(1, 1000), half_decades(1, 10_000), doublings(threads)]
 }
 
+fn backends(size: [u32; 2], slices: usize, slice_secs: f64, seed: u64) -> BackendsPlan {
+    BackendsPlan { size, compared_size: [128; 2], compared_samples: 4, seed, slices, slice_secs }
+}
+
 impl Extent {
     /// All built-in scenes within two minutes on two cores.
     pub fn quick(seed: u64, threads: usize) -> Self {
@@ -67,8 +74,9 @@ impl Extent {
             errors: Effort { first_seed: seed, ..Effort::QUICK },
             stability: StabilityPlan::all(stability::Effort::Quick),
             left_out: LeftOutPlan { width: 96, height: 54, seed, pairs: 6, slice_secs: 0.02, each: false },
-            editing: EditingPlan { size: PANE, edits: 3, within_secs: 0.1 },
+            editing: EditingPlan { size: PANE, edits: 3, within_secs: 0.1, backend: BackendChoice::Cpu },
             first_look: FirstLookPlan { size: [121, 108], converged_samples: 128, most_secs: 3.0, seed },
+            backends: backends([512; 2], 3, 0.1, seed),
             growth: GrowthPlan {
                 sizes: sizes(1_000_000, threads),
                 timing: Timing { side: 32, seed, slices: 3, slice_secs: 0.03 },
@@ -84,8 +92,9 @@ impl Extent {
             errors: Effort { first_seed: seed, ..Effort::FULL },
             stability: StabilityPlan::all(stability::Effort::Full),
             left_out: LeftOutPlan { width: 192, height: 108, seed, pairs: 15, slice_secs: 0.25, each: true },
-            editing: EditingPlan { size: PANE, edits: 12, within_secs: 0.7 },
+            editing: EditingPlan { size: PANE, edits: 12, within_secs: 0.7, backend: BackendChoice::Cpu },
             first_look: FirstLookPlan { size: first_look::PANE, converged_samples: 1024, most_secs: 600.0, seed },
+            backends: backends([1024; 2], 7, 0.5, seed),
             growth: GrowthPlan {
                 sizes: sizes(10_000_000, threads),
                 timing: Timing { side: 64, seed, slices: 9, slice_secs: 0.2 },
@@ -111,8 +120,9 @@ impl Extent {
             },
             stability: StabilityPlan { effort: stability::Effort::Quick, cases: 11, sweeps: 1, has_maps: false },
             left_out: LeftOutPlan { width: 16, height: 9, seed, pairs: 2, slice_secs: 1e-4, each: true },
-            editing: EditingPlan { size: [32, 18], edits: 1, within_secs: 0.01 },
+            editing: EditingPlan { size: [32, 18], edits: 1, within_secs: 0.01, backend: BackendChoice::Cpu },
             first_look: FirstLookPlan { size: [24, 16], converged_samples: 64, most_secs: 1e9, seed },
+            backends: BackendsPlan { compared_size: [8; 2], compared_samples: 1, ..backends([8; 2], 1, 1e-5, seed) },
             growth: GrowthPlan {
                 sizes: [(0..6).map(|k| 500 << k).collect(), few.clone(), few, doublings(threads.min(2))],
                 timing: Timing { side: 8, seed, slices: 1, slice_secs: 1e-5 },

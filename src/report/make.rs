@@ -7,6 +7,7 @@ use std::time::Instant;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::backends;
 use super::data::{Origin, Report, SceneReport};
 use super::editing::{self, EditingError};
 use super::experiment::{ExperimentError, scene_errors};
@@ -26,6 +27,7 @@ use crate::formats::builtin;
 use crate::geometry::Ray;
 use crate::measure::MetricError;
 use crate::rectify::start::start;
+use crate::render::choice::KnownAdapter;
 use crate::scene::camera::Camera;
 use crate::scene::fingerprint::Hasher;
 use crate::scene::{Description, SceneError};
@@ -39,11 +41,12 @@ pub enum Part {
     Editing,
     FirstLook,
     Growth,
+    Backends,
 }
 
 impl Part {
-    pub const ALL: [Self; 6] =
-        [Self::Error, Self::Stability, Self::LeftOut, Self::Editing, Self::FirstLook, Self::Growth];
+    pub const ALL: [Self; 7] =
+        [Self::Error, Self::Stability, Self::LeftOut, Self::Editing, Self::FirstLook, Self::Growth, Self::Backends];
 
     /// As on the command line.
     pub fn name(self) -> &'static str {
@@ -54,6 +57,7 @@ impl Part {
             Self::Editing => "editing",
             Self::FirstLook => "first-look",
             Self::Growth => "growth",
+            Self::Backends => "backends",
         }
     }
 }
@@ -86,6 +90,8 @@ pub struct Request {
     pub command: String,
     /// What the window has measured of itself.
     pub frames: Option<FrameTimes>,
+    /// The graphics processor to measure beside the CPU.
+    pub adapter: Option<KnownAdapter>,
 }
 
 #[derive(Debug, thiserror::Error)]
@@ -134,6 +140,7 @@ pub fn make(request: &Request, store: &Store, progress: &Progress<'_>) -> Result
         version: env!("CARGO_PKG_VERSION"),
         is_optimized: !cfg!(debug_assertions),
         machine: tally.machine,
+        adapter: request.measured_adapter().map(|adapter| adapter.label.clone()),
         date: machine::now(),
         command: request.command.clone(),
         seed: request.seed,
@@ -148,6 +155,11 @@ pub fn make(request: &Request, store: &Store, progress: &Progress<'_>) -> Result
 }
 
 impl Request {
+    /// The graphics processor, where it is measured.
+    fn measured_adapter(&self) -> Option<&KnownAdapter> {
+        self.adapter.as_ref().filter(|_| self.parts.contains(&Part::Backends))
+    }
+
     /// What `measure` finds, where the part is asked for.
     fn asks_for<T>(
         &self,
@@ -160,13 +172,15 @@ impl Request {
 
 /// Work of a request, for the progress bar, in units of about a second of a quick report.
 fn weight_of(request: &Request) -> f64 {
+    let backends = if request.measured_adapter().is_some() { BACKENDS } else { 0.0 };
     let has = |part: Part| if request.parts.contains(&part) { 1.0 } else { 0.0 };
     let errors = has(Part::Error) * request.extent.errors.secs.min(MOST_ERRORS);
     let scene = PICTURES
         + errors
         + has(Part::LeftOut) * LEFT_OUT
         + has(Part::Editing) * EDITING
-        + has(Part::FirstLook) * FIRST_LOOK;
+        + has(Part::FirstLook) * FIRST_LOOK
+        + backends;
     let checks = stability::cases().len().min(request.extent.stability.cases)
         + stability::sweeps().len().min(request.extent.stability.sweeps)
         + 1;
@@ -178,6 +192,7 @@ const PICTURES: f64 = 1.0;
 const LEFT_OUT: f64 = 0.5;
 const EDITING: f64 = 1.0;
 const FIRST_LOOK: f64 = 5.0;
+const BACKENDS: f64 = 6.0;
 const CHECK: f64 = 0.4;
 /// Largest weight of error against time.
 const MOST_ERRORS: f64 = 1000.0;
@@ -221,6 +236,13 @@ fn scene(
             Ok(first_look::measure(prepared, &camera, &first_look::modes(description), &extent.first_look, progress)?)
         })
     })?;
+    let backends = request.measured_adapter().map(|adapter| {
+        let inputs = (fingerprint, extent.backends, &adapter.label);
+        tally.piece([name, "both backends"], BACKENDS, "backends", &inputs, |progress| {
+            Ok(backends::measure(prepared, &camera, adapter, &extent.backends, progress))
+        })
+    });
+    let backends = backends.transpose()?;
     // The experiment keeps its pieces by itself.
     let errors = request.asks_for(Part::Error, || {
         tally.part([name, "error against time"], extent.errors.secs.min(MOST_ERRORS), |progress| {
@@ -244,6 +266,7 @@ fn scene(
         left_out,
         editing,
         first_look,
+        backends,
     })
 }
 

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::{GroundTruth, Preparation};
+use super::{GraphicsStatus, GroundTruth, Preparation};
 use crate::check::Problem;
+use crate::render::Backend;
 use crate::render::surfaces::{OFFSETS, Painting, SurfaceQuantity};
 use crate::scene::SceneError;
 use crate::tracking::Mode;
@@ -28,6 +29,8 @@ pub struct Snapshot {
     /// Variance of the luminance of each pixel, roughly; `None` before two samples.
     pub variances: Option<Vec<f32>>,
     pub events: Events,
+    /// What has taken the samples.
+    pub backend: Backend,
     /// Time spent rendering this film, in seconds.
     pub seconds: f64,
     /// Whether the limit of samples or of noise has been reached.
@@ -62,6 +65,7 @@ impl Snapshot {
             noise: None,
             variances: None,
             events,
+            backend: Backend::Cpu,
             seconds: 1.0,
             is_done: false,
         })
@@ -112,6 +116,7 @@ pub(super) struct BoardState {
     pub(super) snapshots: BTreeMap<Mode, Arc<Snapshot>>,
     pub(super) paintings: BTreeMap<SurfaceQuantity, Arc<PaintedSurfaces>>,
     pub(super) ground_truth: Option<GroundTruth>,
+    pub(super) graphics: Option<Arc<GraphicsStatus>>,
 }
 
 impl Board {
@@ -148,6 +153,11 @@ impl Board {
     /// The latest picture of the surfaces by each quantity.
     pub fn paintings(&self) -> BTreeMap<SurfaceQuantity, Arc<PaintedSurfaces>> {
         self.lock().paintings.clone()
+    }
+
+    /// What is known of the graphics processor; `None` until it has been looked for.
+    pub fn graphics(&self) -> Option<Arc<GraphicsStatus>> {
+        self.lock().graphics.clone()
     }
 
     /// The ground truth and how far it is; `None` where none is wanted.

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use super::mailbox::{Alarm, Mailbox};
 use super::{Board, Request, Wake, guarded};
-use crate::render::ImageSettings;
+use crate::render::backends::backend_of;
+use crate::render::{Backend, ImageSettings};
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::Prepared;
@@ -59,7 +60,14 @@ impl Job {
 
     /// How to render a film of this picture.
     pub(super) fn settings(&self, mode: Mode, seed: u64) -> ImageSettings {
-        ImageSettings { mode, seed, ..self.request.settings }
+        let backend = backend_of(mode, self.request.settings.backend);
+        ImageSettings { mode, seed, backend, ..self.request.settings }
+    }
+
+    /// Whether only this lane takes the CPU: the others have nothing to do, or the graphics processor to do it.
+    pub(super) fn has_cpu_to_itself(&self) -> bool {
+        let is_by_gpu = self.request.settings.backend == Backend::Gpu;
+        self.is_alone() || (is_by_gpu && self.modes == [Mode::Reference])
     }
 }
 

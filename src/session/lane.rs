@@ -4,6 +4,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use super::backend::Graphics;
 use super::film_cache::{Entry, FilmCache, Picture};
 use super::job::{Job, LaneMessage, attempted, cancellable};
 use super::mailbox::{Alarm, Mailbox, Taken};
@@ -11,11 +12,12 @@ use super::preview::Preview;
 use super::speed::Speed;
 use super::{Board, News, Snapshot, Wake};
 use crate::render::denoise::variances;
-use crate::render::{Noise, RenderTask};
+use crate::render::{Backend, Noise, RenderTask};
 use crate::tracking::Mode;
 
 /// Time that a slice of samples should take, in seconds.
 const SLICE_SECONDS: f64 = 0.08;
+const MOST_SAMPLES_OF_A_SLICE: u32 = 128;
 /// Samples that are taken before an estimate of noise is believed.
 const LEAST_SAMPLES_TO_STOP: u32 = 16;
 
@@ -92,11 +94,13 @@ pub(super) fn run_lane(
     board: &Board,
     wake: &Wake,
     cache: &Mutex<FilmCache>,
+    graphics: &Graphics,
 ) {
     let mut speed = Speed::default();
     let mut progress: Option<Progress> = None;
     loop {
         let has_work = progress.as_ref().is_some_and(Progress::has_work);
+        let mut next = None;
         let message = mailbox.wait(has_work.then_some(Duration::ZERO));
         let mut cache = cache.lock().unwrap_or_else(PoisonError::into_inner);
         match message {
@@ -107,23 +111,36 @@ pub(super) fn run_lane(
                     before.park(&mut cache);
                 }
             }
-            Taken::Message(Some(job)) => {
-                if let Some(before) = progress.take_if(|p| p.job.request.epoch != job.request.epoch) {
-                    before.park(&mut cache);
-                }
-                speed.begin(&job);
-                let p = progress.get_or_insert_with(|| Progress::new(Job::clone(&job)));
-                p.go_on(*job, &mut cache, &speed);
-                p.publish_changes(board, wake);
+            Taken::Message(Some(job)) => next = Some(*job),
+        }
+        // The graphics processor may have become ready since.
+        let changed = || progress.as_ref().filter(|p| p.has_work()).map(|p| &p.job).filter(|job| graphics.changes(job));
+        if let Some(mut job) = next.take().or_else(|| changed().cloned()) {
+            // Films of one epoch go on as they began, also where the graphics processor has failed since.
+            let begun = progress
+                .as_ref()
+                .map(|p| &p.job.request)
+                .filter(|begun| begun.epoch == job.request.epoch && begun.settings.backend == Backend::Gpu);
+            job.request.settings = begun.map_or_else(|| graphics.settings(&job), |begun| begun.settings);
+            let is_other = |p: &mut Progress| {
+                p.job.request.epoch != job.request.epoch || p.job.request.settings != job.request.settings
+            };
+            if let Some(before) = progress.take_if(is_other) {
+                before.park(&mut cache);
             }
+            speed.begin(&job);
+            let p = progress.get_or_insert_with(|| Progress::new(job.clone()));
+            p.go_on(job, &mut cache, &speed);
+            p.publish_changes(board, wake);
         }
         drop(cache);
         let Some(p) = progress.as_mut().filter(|p| p.has_work()) else { continue };
-        let pool = if p.job.is_alone() { &pools.alone } else { &pools.beside };
+        let pool = if p.job.has_cpu_to_itself() { &pools.alone } else { &pools.beside };
         let threads = Threads { pool, mailbox, board, wake };
         if !attempted(p.job.request.epoch, board, wake, || p.advance(&threads, &mut speed)) {
             progress = None;
         }
+        graphics.notice_fault(board, wake);
     }
 }
 
@@ -219,7 +236,8 @@ impl Progress {
         let behind = || self.full.iter().filter(|entry| entry.film.samples == fewest);
         let per_sample = speed.seconds_of(behind().map(|entry| entry.mode), self.job.request.size);
         let to_look = behind().map(|entry| Noise::samples_to_look(&entry.film)).min().unwrap_or(1);
-        let samples = ((SLICE_SECONDS / per_sample) as u32).clamp(1, 32).min(to_look).min(end - fewest);
+        let samples =
+            ((SLICE_SECONDS / per_sample) as u32).clamp(1, MOST_SAMPLES_OF_A_SLICE).min(to_look).min(end - fewest);
         for entry in self.full.iter_mut().filter(|entry| entry.film.samples == fewest) {
             // Any message may want something else, and nothing is lost.
             let outcome = threads.pass(&self.job, entry, samples, |_| true, Instant::now(), None, speed);
@@ -275,6 +293,7 @@ impl Snapshot {
             noise: noise.of(film),
             variances: variances(film, noise),
             events: film.events,
+            backend: film.backend.unwrap_or(job.request.settings.backend),
             seconds: *seconds,
             is_done,
         }
@@ -285,8 +304,12 @@ impl Snapshot {
 pub(super) fn post(board: &Board, wake: &Wake, snapshots: Vec<Snapshot>) {
     let mut state = board.lock();
     for snapshot in snapshots {
-        // A mode that moved to the other lane may have newer images from there.
-        let is_stale = state.snapshots.get(&snapshot.mode).is_some_and(|old| old.epoch > snapshot.epoch);
+        // A mode that moved to the other lane may have newer images from there. What began anew on the graphics processor is shown when it
+        // has caught up.
+        let is_stale = state.snapshots.get(&snapshot.mode).is_some_and(|old| {
+            let has_less = !old.is_preview() && (snapshot.is_preview() || snapshot.samples < old.samples);
+            old.epoch > snapshot.epoch || (old.epoch == snapshot.epoch && has_less)
+        });
         if !is_stale {
             state.snapshots.insert(snapshot.mode, Arc::new(snapshot));
         }

@@ -8,12 +8,14 @@
 //! requests ─► preparer (scene, rectification) ─► main lane:      every mode but `reference`, in lockstep
 //!                                              ├► reference lane: `reference`, beside other modes on a few threads of its own
 //!                                              ├► surfaces lane:  surfaces in the colours of what rectification found
-//!                                              └► ground truth:   `reference` twice, to measure the others against
+//!                                              ├► ground truth:   `reference` twice, to measure the others against
+//!                                              └► graphics lane:  looks for a graphics processor and compiles for it, meanwhile the CPU renders
 //! ```
 //!
 //! Modes of one lane have equally many samples, taken with the same random numbers: their difference shows the modes' error and not
 //! noise. One that comes later catches up first. Films that are not shown any more are kept for a while. `reference` is far slower than the others; beside them it has a lane of its own and holds nobody back.
 
+mod backend;
 mod board;
 mod film_cache;
 pub mod first_modes;
@@ -35,6 +37,8 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
+pub use self::backend::GraphicsStatus;
+use self::backend::{Graphics, run_graphics};
 pub use self::board::{Board, News, PaintedSurfaces, SceneReport, Snapshot, Wake};
 use self::film_cache::{FilmCache, MOST_BYTES};
 use self::ground_truth::run_ground_truth;
@@ -45,8 +49,8 @@ use self::mailbox::Mailbox;
 use self::painter::run_painter;
 pub use self::preparation::Preparation;
 use self::preparer::{Lanes, prepare_scenes};
-use crate::render::ImageSettings;
 use crate::render::surfaces::SurfaceQuantity;
+use crate::render::{BackendChoice, ImageSettings};
 use crate::scene::description::CameraDescription;
 use crate::scene::{Description, SceneError};
 use crate::tracking::Mode;
@@ -71,6 +75,10 @@ pub struct Request {
     pub size: [u32; 2],
     /// Of every film; `mode` is each of `modes` in turn.
     pub settings: ImageSettings,
+    /// What renders; until a graphics processor is found and ready, the CPU.
+    pub backend: BackendChoice,
+    /// How often that was chosen: who chooses again wants a graphics processor that has failed to be tried again.
+    pub backend_choices: u64,
     /// Samples per pixel at which to stop; `None`: go on for ever.
     pub sample_limit: Option<u32>,
     /// Noise, as in [`Snapshot::noise`], at which to stop before that.
@@ -97,7 +105,7 @@ impl Worker {
     pub fn start(wake: Wake) -> std::io::Result<Self> {
         let board = Arc::new(Board::default());
         let requests = Arc::new(Mailbox::new());
-        let lanes: Lanes = [(); 4].map(|()| Arc::new(Mailbox::new()));
+        let lanes: Lanes = [(); 5].map(|()| Arc::new(Mailbox::new()));
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let mut threads = Vec::new();
         // The window's own thread is idle most of the time. Where there are cores to spare it has one for itself; on small machines
@@ -110,16 +118,17 @@ impl Worker {
         };
         let alone = pool_of("render", widths[0])?;
         let cache = Arc::new(Mutex::new(FilmCache::new(MOST_BYTES)));
+        let graphics = Arc::new(Graphics::default());
         for (lane, name, beside) in
             [(0, "render", Arc::clone(&alone)), (1, "reference", pool_of("reference", widths[1])?)]
         {
             let pools = Pools { alone: Arc::clone(&alone), beside };
             let (mailbox, board, wake) = (Arc::clone(&lanes[lane]), Arc::clone(&board), Arc::clone(&wake));
-            let cache = Arc::clone(&cache);
+            let (cache, graphics) = (Arc::clone(&cache), Arc::clone(&graphics));
             threads.push(
                 std::thread::Builder::new()
                     .name(format!("{name}-lane"))
-                    .spawn(move || run_lane(&pools, &mailbox, &board, &wake, &cache))?,
+                    .spawn(move || run_lane(&pools, &mailbox, &board, &wake, &cache, &graphics))?,
             );
         }
         let painter = {
@@ -128,6 +137,11 @@ impl Worker {
             move || run_painter(&pool, &mailbox, &board, &wake)
         };
         threads.push(std::thread::Builder::new().name("surfaces-lane".into()).spawn(painter)?);
+        let chooser = {
+            let (mailbox, board, wake) = (Arc::clone(&lanes[4]), Arc::clone(&board), Arc::clone(&wake));
+            move || run_graphics(&mailbox, &board, &wake, &graphics)
+        };
+        threads.push(std::thread::Builder::new().name("graphics-lane".into()).spawn(chooser)?);
         let pools = Pools { beside: pool_of("truth", widths[1])?, alone };
         let ground_truth = {
             let (mailbox, board, wake) = (Arc::clone(&lanes[3]), Arc::clone(&board), Arc::clone(&wake));

@@ -14,8 +14,8 @@ use crate::scene::camera::Camera;
 use crate::tracking::Mode;
 use crate::tracking::Prepared;
 
-/// What the lanes are told: main, reference, surfaces, ground truth.
-pub(super) type Lanes = [Arc<Mailbox<LaneMessage>>; 4];
+/// What the lanes are told: main, reference, surfaces, ground truth, graphics.
+pub(super) type Lanes = [Arc<Mailbox<LaneMessage>>; 5];
 
 /// Requests of a drag follow each other faster than this: what can wait is done when there is none for so long.
 const QUIET: Duration = Duration::from_millis(80);
@@ -121,8 +121,9 @@ pub(super) fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &Lanes, board: &B
         let (reference, main): (Vec<Mode>, Vec<Mode>) =
             request.modes.iter().partition(|mode| **mode == Mode::Reference);
         let measures = request.ground_truth != GroundTruthDemand::Off;
-        let has_work = [!main.is_empty(), !reference.is_empty(), !request.surfaces.is_empty(), measures];
-        for ((lane, modes), has_work) in lanes.iter().zip([main, reference, Vec::new(), Vec::new()]).zip(has_work) {
+        let has_work = [!main.is_empty(), !reference.is_empty(), !request.surfaces.is_empty(), measures, true];
+        let modes = [main.clone(), reference, Vec::new(), Vec::new(), main];
+        for ((lane, modes), has_work) in lanes.iter().zip(modes).zip(has_work) {
             let (prepared, request) = (prepared.clone(), request.clone());
             lane.post(has_work.then(|| Box::new(Job { prepared, camera, modes, request, asked_at })));
         }

@@ -5,21 +5,23 @@ use std::sync::Arc;
 
 use super::job::{FIRST_IMAGE, Job};
 use super::preview::PILOT_SHARE;
+use crate::render::Backend;
 use crate::scene::description::Source;
 use crate::tracking::Mode;
 
 /// Pixels of the first pass of a mode that has not been timed in this scene.
 const UNTIMED_PIXELS: f64 = 600.0;
 
-/// Measured pixel samples per second of each mode, in one scene.
+/// Measured pixel samples per second of each mode, in one scene by one backend.
 #[derive(Debug, Default)]
 pub(super) struct Speed {
     scene: Option<Arc<Source>>,
+    backend: Backend,
     of_mode: BTreeMap<Mode, f64>,
 }
 
 impl Speed {
-    /// Forgets what was measured in another scene than the job's.
+    /// Forgets what was measured in another scene than the job's, or by another backend.
     pub(super) fn begin(&mut self, job: &Job) {
         let scene = &job.prepared.description.source;
         let is_same = match (&self.scene, scene) {
@@ -27,8 +29,9 @@ impl Speed {
             (None, None) => true,
             _ => false,
         };
-        if !is_same {
-            *self = Self { scene: scene.clone(), of_mode: BTreeMap::new() };
+        let backend = job.request.settings.backend;
+        if !is_same || backend != self.backend {
+            *self = Self { scene: scene.clone(), backend, of_mode: BTreeMap::new() };
         }
     }
 

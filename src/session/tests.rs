@@ -26,6 +26,8 @@ fn request(epoch: u64, modes: &[Mode]) -> Request {
         surfaces: Vec::new(),
         size: [96, 64],
         settings: ImageSettings { max_depth: Some(8), ..ImageSettings::new(Mode::Rectified, 0) },
+        backend: BackendChoice::Cpu,
+        backend_choices: 0,
         sample_limit: Some(3),
         noise_target: None,
         is_paused: false,

@@ -213,6 +213,7 @@ fn sums(first: u32) -> Vec<u8> {
         scene: description.name.clone(),
         content: description.fingerprint(),
         camera: camera.fingerprint(),
+        adapter: None,
         width: film.width,
         height: film.height,
         settings,

@@ -30,7 +30,7 @@ fn exr_comes_back_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("linear.exr");
     let original = picture(7, 5);
-    export::exr(&path, &original).unwrap();
+    export::exr(&path, &original, &[]).unwrap();
     let read = image::open(&path).unwrap().into_rgb32f();
     assert_eq!(read.dimensions(), (7, 5));
     let expected: Vec<u32> = original.rgb.iter().flatten().map(|x| x.to_bits()).collect();

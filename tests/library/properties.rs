@@ -241,6 +241,7 @@ fn part(index: u32, pixels: &[([i64; 3], u32)]) -> Partial {
             scene: "a scene".to_owned(),
             content: nothing,
             camera: nothing,
+            adapter: None,
             width: 2,
             height: 2,
             settings: ImageSettings { splits: 0, ..ImageSettings::new(Mode::Rectified, 0) },

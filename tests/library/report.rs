@@ -67,6 +67,7 @@ fn request(subjects: Vec<Subject>, parts: &[Part]) -> Request {
         extent: Extent::tiny(5, 2),
         seed: 5,
         command: "iorect report '<&>'".into(),
+        adapter: None,
     }
 }
 

@@ -57,10 +57,12 @@ fn assert_has(value: &Value, expected: &[&str]) {
     }
 }
 
-const IMAGE_KEYS: [&str; 13] = [
+const IMAGE_KEYS: [&str; 15] = [
     "scene",
     "mode",
     "backend",
+    "adapter",
+    "notice",
     "estimator",
     "width",
     "height",
@@ -469,7 +471,8 @@ fn wrong_commands_are_refused_before_any_work() {
         ("render nest.toml --curve film", "clip, soft"),
         ("render nest.toml --leave-out maybe", "on, off"),
         ("render nest.toml --mode fast", "naive, stack, priority, rectified-object, rectified, reference"),
-        ("render nest.toml --backend gpu", "not yet supported"),
+        ("render nest.toml --backend abacus", "auto, cpu, gpu"),
+        ("render nest.toml --backend gpu --splits 1", "--splits"),
         ("render nest.toml --estimator bidirectional", "not yet supported"),
         ("rectify nest.toml --granularity face", "patch, object"),
         ("report nest.toml", "--output"),

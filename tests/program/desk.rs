@@ -39,6 +39,8 @@ impl Desk {
     pub fn command(&self, line: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_iorect"));
         command.current_dir(self.path()).args(line.split_whitespace()).stdin(Stdio::null());
+        // Else Mesa's Vulkan complains on standard error where nobody has logged in to a desktop.
+        command.env("NODEVICE_SELECT", "1");
         for variable in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET", "RUST_LOG"] {
             command.env_remove(variable);
         }

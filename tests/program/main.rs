@@ -6,6 +6,7 @@ mod tev_listener;
 
 mod cli;
 mod files;
+mod gpu;
 mod hostile_text;
 mod inlining;
 mod merge;

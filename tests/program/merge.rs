@@ -6,7 +6,7 @@ use crate::desk::{Desk, text};
 use serde_json::{Value, json};
 
 /// A ball of glass around one of water, a lamp and a sky: noise in every pixel.
-const SCENE: &str = r#"
+pub const SCENE: &str = r#"
 name = "Kugel in Öl — 球"
 [camera]
 position = [0.0, 0.5, 6.0]

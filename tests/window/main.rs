@@ -8,6 +8,7 @@ mod accessibility;
 mod app;
 mod building;
 mod export;
+mod gpu;
 mod journey;
 mod layout;
 mod measuring;

@@ -2,6 +2,7 @@
 
 pub mod about;
 mod add;
+mod backend;
 mod camera;
 pub mod dialogs;
 mod environment;

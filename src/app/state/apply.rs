@@ -118,6 +118,11 @@ impl State {
                 self.has_news = true;
             }
             Command::SetDenoise(is_on) => self.settings.denoise = is_on,
+            Command::SetBackend(backend) => {
+                self.settings.backend = backend;
+                self.backend_choices += 1;
+                self.invalidate();
+            }
             Command::TogglePause => {
                 self.is_paused = !self.is_paused;
                 self.has_news = true;

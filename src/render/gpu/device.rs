@@ -1,6 +1,7 @@
 //! The device that everything is computed on: opened once and shared, watched for faults.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::adapter::{self, Adapter, GpuError};
 use super::fault::{Faults, GpuFault, one_line};
@@ -58,15 +59,6 @@ impl GpuDevice {
         lock().get_or_insert_with(Self::open).clone()
     }
 
-    /// The device of this process if it has been asked for and is there; does not wait for one that is being opened.
-    pub fn shared_now() -> Option<Result<Arc<Self>, GpuError>> {
-        match SHARED.try_lock() {
-            Ok(shared) => shared.clone(),
-            Err(TryLockError::Poisoned(shared)) => shared.into_inner().clone(),
-            Err(TryLockError::WouldBlock) => None,
-        }
-    }
-
     /// Gives up the shared device if it has a fault, or could not be opened, so that the next who asks opens a new one.
     pub fn renew() {
         let mut shared = lock();
@@ -100,6 +92,28 @@ impl GpuDevice {
             Some(fault) => Err(fault),
             None => Ok(made),
         }
+    }
+
+    /// A buffer that holds `contents`, whose length is a multiple of four bytes; of one word where there are none. (wgpu's own function for it panics
+    /// on a lost device.)
+    pub fn filled_buffer(&self, label: &str, usage: wgpu::BufferUsages, contents: &[u8]) -> wgpu::Buffer {
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: contents.len().max(4) as u64,
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, contents);
+        buffer
+    }
+
+    /// Does `work`; `None` if wgpu panics, as it does in places where a device is lost while it is asked for something. The device has a fault then.
+    pub fn guarded<T>(&self, work: impl FnOnce() -> T) -> Option<T> {
+        let outcome = catch_unwind(AssertUnwindSafe(work));
+        if outcome.is_err() {
+            self.faults.note(GpuFault::Refused("wgpu panicked".into()));
+        }
+        outcome.ok()
     }
 
     /// Waits until all that was submitted is done and its buffers are mapped.
@@ -238,7 +252,7 @@ mod tests {
     #[test]
     fn one_device_is_shared() {
         let Ok(first) = GpuDevice::shared() else {
-            assert!(GpuDevice::shared().is_err() && GpuDevice::shared_now().is_some_and(|shared| shared.is_err()));
+            assert!(GpuDevice::shared().is_err());
             return;
         };
         assert!(Arc::ptr_eq(&first, &GpuDevice::shared().unwrap()));

@@ -129,13 +129,9 @@ impl<'a> Dispatcher<'a> {
         buffers: &'a FilmBuffers,
         ranges: Option<&[[u32; 2]]>,
     ) -> Result<Self, GpuFault> {
-        use wgpu::util::DeviceExt;
         gpu.attempt(|device| {
-            let ranges = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("ranges"),
-                contents: bytemuck::cast_slice(ranges.unwrap_or(&[[0; 2]])),
-                usage: wgpu::BufferUsages::STORAGE,
-            });
+            let contents = bytemuck::cast_slice(ranges.unwrap_or(&[[0; 2]]));
+            let ranges = gpu.filled_buffer("ranges", wgpu::BufferUsages::STORAGE, contents);
             let film = [&buffers.sums, &buffers.events, &ranges, &buffers.paths, &buffers.trackers].into_iter();
             Self {
                 gpu,

@@ -8,6 +8,7 @@ mod layout;
 mod pipeline;
 pub mod renderer;
 mod shader;
+pub mod shared;
 mod tables;
 mod upload;
 
@@ -15,3 +16,4 @@ pub use adapter::{Adapter, GpuError};
 pub use device::GpuDevice;
 pub use fault::GpuFault;
 pub use renderer::Gpu;
+pub use shared::SharedGpu;

@@ -238,8 +238,12 @@ impl Renderer for Gpu {
     }
 
     fn is_ready(&self, task: &RenderTask<'_>) -> bool {
-        let scene = self.kept(task);
-        scene.is_some_and(|scene| self.pipelines.ready(&variant(task, scene.tree_depth())).is_some())
+        let is_compiled = |tree_depth| self.pipelines.ready(&variant(task, tree_depth)).is_some();
+        match self.kept(task) {
+            Some(scene) => is_compiled(scene.tree_depth()),
+            // To bring an edited scene onto the device takes little, and its tree is about as deep as it was.
+            None => lock(&self.scenes).iter().any(|scene| is_compiled(scene.tree_depth())),
+        }
     }
 
     fn make_ready(&self, task: &RenderTask<'_>) -> Result<(), Unsupported> {

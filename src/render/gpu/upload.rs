@@ -2,8 +2,6 @@
 
 use std::sync::{Arc, Weak};
 
-use wgpu::util::DeviceExt;
-
 use super::device::GpuDevice;
 use super::fault::GpuFault;
 use super::pipeline::SceneLayout;
@@ -175,13 +173,8 @@ impl SceneOnGpu {
             return Err(CannotUpload::DoesNotFit(what.into()));
         }
         let words = tables::scene_of(scene, &geometry.tables, &flat.tables, &lights.tables, &answers.tables);
-        let scene = gpu.attempt(|device| {
-            device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("scene"),
-                contents: bytemuck::bytes_of(&words),
-                usage: wgpu::BufferUsages::UNIFORM,
-            })
-        })?;
+        let scene =
+            gpu.attempt(|_| gpu.filled_buffer("scene", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(&words)))?;
         Ok(Self { geometry, flat, lights, answers, scene, of })
     }
 
@@ -210,11 +203,5 @@ fn buffer<T: bytemuck::Pod>(gpu: &GpuDevice, what: &str, contents: &[T]) -> Resu
             megabytes(most),
         )));
     }
-    Ok(gpu.attempt(|device| {
-        device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some(what),
-            contents,
-            usage: wgpu::BufferUsages::STORAGE,
-        })
-    })?)
+    Ok(gpu.attempt(|_| gpu.filled_buffer(what, wgpu::BufferUsages::STORAGE, contents))?)
 }

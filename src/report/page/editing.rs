@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::words::time;
+use crate::render::Backend;
 use crate::report::data::Report;
 use crate::report::editing::{Edit, EditTimes, Editing};
 
@@ -17,6 +18,7 @@ pub fn section(report: &Report) -> Option<Markup> {
             ") while it is edited: the IOR of one medium after the other, the place of one dielectric after the other, the camera, each time at an irregular moment. "
             "Rectification is done again as far as an edit reaches. A first image is as fine as can be rendered in an instant, and is refined from there: "
             "its width stands beside the time."
+            @if first.backend == Backend::Gpu { " Here the graphics processor renders all but " code { "reference" } "." }
         }
         div class="scroll" {
             table class="editing" {

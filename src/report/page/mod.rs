@@ -1,5 +1,6 @@
 //! One page that holds everything: no other file, no network, no script. Light or dark as its reader prefers, on a phone, on paper.
 
+mod backends;
 mod editing;
 mod errors;
 mod files;

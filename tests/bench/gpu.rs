@@ -1,0 +1,148 @@
+//! What the graphics processor brings on this machine: million samples a second of each mode, by the CPU and by the graphics processor, of two
+//! scenes of the tests' data (S1 and S2) or of any others.
+//!
+//! `cargo bench --bench gpu` takes less than five minutes, the build not counted. It says which graphics processor it has found, how long the
+//! shaders took to compile, and how far the two images are apart, as the share of pixels that differ by more than rounding: what is quick
+//! but wrong must not pass for a result.
+
+// Reason: printing is what it is for.
+#![allow(clippy::print_stdout)]
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use iorect::render::choice::{self, Work};
+use iorect::render::{Backend, Film, ImageSettings, RenderTask};
+use iorect::report::backends::{MODES, apart};
+use iorect::scene::camera::Camera;
+use iorect::tracking::{Mode, Prepared, prepare};
+
+const HELP: &str = "\
+Million samples a second by the CPU and by the graphics processor.
+
+Usage: cargo bench --bench gpu -- [OPTIONS]
+
+  --scene NAME  a scene file or a built-in scene [S1 and S2 of tests/data/reference]; as often as wanted
+  --size WxH    pixels of each picture [1024x1024]
+  --secs S      seconds for each measurement [5]
+  --help        this text
+
+WGPU_BACKEND (vulkan, dx12, metal, gl) and WGPU_ADAPTER_NAME choose among several graphics processors.
+";
+
+/// Samples per pixel of the images that are compared.
+const COMPARED: u32 = 4;
+
+struct Options {
+    scenes: Vec<PathBuf>,
+    size: [u32; 2],
+    secs: f64,
+}
+
+fn main() -> ExitCode {
+    let Some(options) = options() else {
+        println!("{HELP}");
+        return ExitCode::SUCCESS;
+    };
+    match run(&options) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            println!("{why}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// `None` where help is wanted, or nothing can be done.
+fn options() -> Option<Options> {
+    let mut options = Options { scenes: Vec::new(), size: [1024; 2], secs: 5.0 };
+    let mut words = std::env::args().skip(1).filter(|word| word != "--bench");
+    while let Some(word) = words.next() {
+        let mut value = || words.next();
+        match word.as_str() {
+            "--scene" => options.scenes.push(value()?.into()),
+            "--size" => {
+                let (width, height) = value()?.split_once('x').map(|(w, h)| (w.to_owned(), h.to_owned()))?;
+                options.size = [width.parse().ok()?, height.parse().ok()?];
+            }
+            "--secs" => options.secs = value()?.parse().ok()?,
+            _ => return None,
+        }
+    }
+    if options.scenes.is_empty() {
+        let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/reference");
+        options.scenes = ["s1.toml", "s2.toml"].map(|name| folder.join(name)).to_vec();
+    }
+    Some(options)
+}
+
+fn run(options: &Options) -> Result<(), String> {
+    let begin = Instant::now();
+    let adapter = choice::adapter().map_err(|error| error.to_string())?;
+    let kind = if adapter.is_software { ", which computes on the CPU itself" } else { "" };
+    println!("{}{kind}, found in {:.2} s", adapter.label, begin.elapsed().as_secs_f64());
+    let [width, height] = options.size;
+    println!("{} threads on the CPU, {width} × {height} pixels\n", rayon::current_num_threads());
+    println!("| scene | mode | CPU | GPU | GPU/CPU | compiled in | other paths | mean |");
+    println!("|---|---|---|---|---|---|---|---|");
+    for path in &options.scenes {
+        let description = iorect::formats::open(path).map_err(|error| error.to_string())?;
+        let camera = Camera::new(&description.camera).map_err(|error| error.to_string())?;
+        let name = description.name.clone();
+        let prepared = prepare(Arc::new(description), None).map_err(|error| error.to_string())?;
+        for mode in MODES {
+            println!("| {name} | {mode} | {}", row(&prepared, &camera, mode, options)?);
+        }
+    }
+    println!(
+        "\nIn million samples of a pixel a second, without splits. Other paths: pixels that differ by more than rounding."
+    );
+    match choice::fault() {
+        Some(fault) => Err(format!("These figures are worth nothing: {fault}.")),
+        None => Ok(()),
+    }
+}
+
+fn row(prepared: &Prepared, camera: &Camera, mode: Mode, options: &Options) -> Result<String, String> {
+    let usual = ImageSettings { splits: 0, ..ImageSettings::new(mode, 1) };
+    let begin = Instant::now();
+    let work = Work { prepared, camera, settings: &[usual], size: options.size, samples: None };
+    work.make_ready()?;
+    let compiled = begin.elapsed().as_secs_f64();
+    let by = |backend| ImageSettings { backend, ..usual };
+    let images = [Backend::Cpu, Backend::Gpu].map(|backend| {
+        let mut film = Film::new(128, 128);
+        pass(prepared, camera, &by(backend), &mut film, COMPARED);
+        film.to_rgb()
+    });
+    let [cpu, gpu] = [Backend::Cpu, Backend::Gpu].map(|backend| rate(prepared, camera, &by(backend), options));
+    let [by_cpu, by_gpu] = &images;
+    let (others, ratio) = apart(by_cpu, by_gpu);
+    let shares = format!("{compiled:.2} s | {:.2} % | {:+.3} %", 100.0 * others, 100.0 * (ratio - 1.0));
+    Ok(format!("{cpu:.2} | {gpu:.2} | {:.1} | {shares} |", gpu / cpu))
+}
+
+fn pass(prepared: &Prepared, camera: &Camera, settings: &ImageSettings, film: &mut Film, samples: u32) {
+    RenderTask { prepared, camera, settings }.pass(film, samples, &AtomicBool::new(false));
+}
+
+/// Million samples of a pixel a second, after one pass that finds cold caches.
+fn rate(prepared: &Prepared, camera: &Camera, settings: &ImageSettings, options: &Options) -> f64 {
+    let mut film = Film::new(options.size[0], options.size[1]);
+    pass(prepared, camera, settings, &mut film, 1);
+    let begin = Instant::now();
+    let mut samples = 1;
+    while begin.elapsed().as_secs_f64() < options.secs {
+        let slice = Instant::now();
+        pass(prepared, camera, settings, &mut film, samples);
+        // Slices of a fifth of a second or more.
+        if slice.elapsed().as_secs_f64() < 0.2 {
+            samples *= 2;
+        }
+    }
+    let taken = f64::from(film.samples - 1) * f64::from(film.width) * f64::from(film.height);
+    taken / begin.elapsed().as_secs_f64() / 1e6
+}
