@@ -95,7 +95,7 @@ pub enum PaneContent {
     Change(Mode, SnapshotId),
     /// Snapshot A less snapshot B, in false colour.
     SnapshotDifference,
-    /// A plane through the scene, filled with the medium that a mode finds at each place: one of [`SLICED_MODES`].
+    /// A plane through the scene, filled with the medium that a mode finds at each place: one of [`SLICED_MODES`](crate::render::slice::SLICED_MODES).
     Slice(Mode),
 }
 
