@@ -35,6 +35,8 @@ pub struct Seconds {
     pub load: f64,
     pub bvh: f64,
     pub rectify: f64,
+    /// Of choosing the backend, and of compiling for the graphics processor.
+    pub compile: f64,
     pub render: f64,
 }
 
@@ -135,6 +137,7 @@ pub struct Job<'a> {
     camera: Camera,
     chosen: Chosen,
     load_secs: f64,
+    compile_secs: f64,
     pool: rayon::ThreadPool,
 }
 
@@ -161,13 +164,15 @@ impl<'a> Job<'a> {
             samples: if arguments.time.is_none() { Some(samples) } else { None },
         };
         let asked = arguments.backend().map_err(Failure::wrong)?;
+        let start = Instant::now();
         let chosen = pool.install(|| choose(asked, &work)).map_err(|error| Failure::Failed(error.into()))?;
+        let compile_secs = start.elapsed().as_secs_f64();
         match (&chosen.reason, asked) {
             (Some(reason), BackendChoice::Gpu) => tell(&format!("note: {reason}; the CPU renders it\n")),
             (Some(reason), _) => log::info!("rendering on the CPU: {reason}"),
             (None, _) => {}
         }
-        Ok(Self { arguments, prepared, camera, chosen, load_secs, pool })
+        Ok(Self { arguments, prepared, camera, chosen, load_secs, compile_secs, pool })
     }
 
     /// How the image of one mode is rendered.
@@ -295,6 +300,7 @@ impl<'a> Job<'a> {
                 load: self.load_secs,
                 bvh: self.prepared.seconds.bvh,
                 rectify: self.prepared.seconds.rectify,
+                compile: self.compile_secs,
                 render: image.seconds,
             },
             events: image.film.events,

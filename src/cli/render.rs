@@ -72,13 +72,14 @@ fn summary(job: &Job<'_>, rendered: &Rendered, output: Option<&std::path::Path>)
     let report = job.report(rendered, output);
     let ImageReport { width, height, spp, threads, settings: ImageSettings { mode, seed, .. }, .. } = report;
     let adapter = report.adapter.map_or_else(String::new, short_name);
-    let Seconds { load, bvh, rectify, render } = report.seconds;
+    let Seconds { load, bvh, rectify, compile, render } = report.seconds;
     let speed = brief(mega_samples_per_second(&rendered.film, render));
     let [load, bvh, rectify, render] = [load, bvh, rectify, render].map(duration);
     let left_out = if report.left_out.is_empty() { "nothing".into() } else { report.left_out.join(", ") };
     let scene = short_name(&job.prepared.description.name);
     let mut text = format!("{scene} · {mode} · {width}×{height} · {spp} spp · seed {seed}\n");
-    text += &format!("  time      load {load} · tree {bvh} · rectify {rectify} · render {render}\n");
+    let compile = report.adapter.map_or_else(String::new, |_| format!(" · compile {}", duration(compile)));
+    text += &format!("  time      load {load} · tree {bvh} · rectify {rectify}{compile} · render {render}\n");
     let by = match report.settings.backend {
         Backend::Cpu => format!("{threads} thread{}", plural(threads)),
         Backend::Gpu => adapter,

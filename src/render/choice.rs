@@ -74,8 +74,8 @@ const MEASURING: f64 = 0.04;
 /// Pixels of the image that the CPU is measured with; the graphics processor is measured with the whole.
 const CPU_PIXELS: f64 = 4096.0;
 
-/// Chooses the backend for `work`. For [`BackendChoice::Auto`] both are measured, which takes a tenth of a second for each image, and where
-/// there is a graphics processor its time to compile as well; runs on rayon's current pool.
+/// Chooses the backend for `work`, and compiles what the graphics processor needs, if that is chosen. For [`BackendChoice::Auto`] both are
+/// measured, which takes a tenth of a second for each image; runs on rayon's current pool.
 ///
 /// # Errors
 /// When a graphics processor is asked for and there is none.
@@ -84,9 +84,9 @@ pub fn choose(asked: BackendChoice, work: &Work<'_>) -> Result<Chosen, NoGpu> {
         BackendChoice::Cpu => Ok(Chosen::cpu(None)),
         BackendChoice::Gpu => {
             let adapter = adapter()?;
-            Ok(match not_possible(work) {
-                None => Chosen { backend: Backend::Gpu, adapter: Some(adapter.label), reason: None },
-                Some(reason) => Chosen::cpu(Some(reason)),
+            Ok(match work.make_ready() {
+                Ok(()) => Chosen { backend: Backend::Gpu, adapter: Some(adapter.label), reason: None },
+                Err(reason) => Chosen::cpu(Some(reason)),
             })
         }
         BackendChoice::Auto => Ok(faster(work)),
@@ -110,7 +110,7 @@ fn faster(work: &Work<'_>) -> Chosen {
         Ok(adapter) => adapter,
         Err(error) => return Chosen::cpu(Some(error.to_string())),
     };
-    if let Some(reason) = not_possible(work) {
+    if let Err(reason) = work.make_ready() {
         return Chosen::cpu(Some(reason));
     }
     match seconds_per_sample(Backend::Gpu, work, &settings) {
@@ -137,11 +137,6 @@ pub fn hardware() -> Result<KnownAdapter, NoGpu> {
 fn may_have_hardware() -> bool {
     let is_there = |path: &str| std::path::Path::new(path).exists();
     cfg!(not(target_os = "linux")) || ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/kfd"].into_iter().any(is_there)
-}
-
-/// Why the graphics processor cannot render all of it; `None`: it can.
-fn not_possible(work: &Work<'_>) -> Option<String> {
-    work.on_gpu(|renderer, task| renderer.require(task).err().map(|error| error.to_string()))
 }
 
 impl Work<'_> {

@@ -156,7 +156,7 @@ fn render_json_has_the_documented_fields_and_writes_nothing_unasked() {
     let desk = with_nest();
     let report = desk.json("render nest.toml --size 8x4 --spp 2 --threads 2 --mode stack --json");
     assert_has(&report, &IMAGE_KEYS);
-    assert_has(&report["seconds"], &["load", "bvh", "rectify", "render"]);
+    assert_has(&report["seconds"], &["load", "bvh", "rectify", "compile", "render"]);
     assert_has(&report["events"], &EVENT_KEYS);
     assert_eq!(report["mode"], "stack");
     assert_eq!((&report["backend"], &report["estimator"]), (&"cpu".into(), &"path".into()));
