@@ -159,3 +159,62 @@ pub(super) fn run_graphics(mailbox: &Mailbox<LaneMessage>, board: &Board, wake: 
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::Instant;
+
+    use super::*;
+    use crate::scene::camera::Camera;
+    use crate::session::{GroundTruthDemand, Request};
+    use crate::tracking::{Mode, prepare};
+
+    fn job(scene: &str, modes: &[Mode], backend: BackendChoice) -> Job {
+        let description = Arc::new(crate::formats::open(scene).unwrap());
+        Job {
+            prepared: prepare(Arc::clone(&description), None).unwrap(),
+            camera: Camera::new(&description.camera).unwrap(),
+            modes: modes.to_vec(),
+            request: Request {
+                epoch: 1,
+                restarts: 0,
+                camera: description.camera,
+                description,
+                modes: modes.to_vec(),
+                surfaces: Vec::new(),
+                size: [8, 8],
+                settings: ImageSettings::new(Mode::Rectified, 0),
+                backend,
+                backend_choices: 0,
+                sample_limit: None,
+                noise_target: None,
+                is_paused: false,
+                ground_truth: GroundTruthDemand::Off,
+            },
+            asked_at: Instant::now(),
+        }
+    }
+
+    /// What is decided holds for the scene and the choice that it was decided for.
+    #[test]
+    fn lanes_follow_the_decision_about_their_scene() {
+        // Beside films of the graphics processor the reference, which needs none, takes the same samples.
+        let asked = job("plain-glass", &[Mode::Reference], BackendChoice::Gpu);
+        let graphics = Graphics::default();
+        assert_eq!(graphics.settings(&asked), asked.request.settings);
+        assert!(!graphics.changes(&asked));
+        let chosen = Chosen { backend: Backend::Gpu, adapter: Some("Card".into()), reason: None };
+        let scene = asked.prepared.description.source.clone();
+        graphics.lock().decision = Some(Decision { asked: BackendChoice::Gpu, scene, chosen });
+        let settings = graphics.settings(&asked);
+        assert_eq!((settings.backend, settings.splits), (Backend::Gpu, 0));
+        assert!(graphics.changes(&asked));
+        let begun = Job { request: Request { settings, ..asked.request.clone() }, ..asked.clone() };
+        assert!(!graphics.changes(&begun));
+        assert_eq!(begun.settings(Mode::Reference, 0).backend, Backend::Cpu);
+        // Neither for another choice nor for another scene.
+        let by_cpu = Job { request: Request { backend: BackendChoice::Cpu, ..asked.request.clone() }, ..asked };
+        let other = job("nested-spheres", &[Mode::Reference], BackendChoice::Gpu);
+        assert!([by_cpu, other].iter().all(|job| graphics.settings(job).backend == Backend::Cpu));
+    }
+}
