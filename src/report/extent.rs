@@ -93,7 +93,7 @@ impl Extent {
             stability: StabilityPlan::all(stability::Effort::Full),
             left_out: LeftOutPlan { width: 192, height: 108, seed, pairs: 15, slice_secs: 0.25, each: true },
             editing: EditingPlan { size: PANE, edits: 12, within_secs: 0.7, backend: BackendChoice::Cpu },
-            first_look: FirstLookPlan { size: first_look::PANE, converged_samples: 1024, most_secs: 600.0, seed },
+            first_look: FirstLookPlan { size: first_look::PANE, converged_samples: 256, most_secs: 600.0, seed },
             backends: backends([1024; 2], 7, 0.5, seed),
             growth: GrowthPlan {
                 sizes: sizes(10_000_000, threads),
