@@ -18,7 +18,7 @@
 //! | [`tracking`] | the modes: given a crossing, which medium is left and which is entered |
 //! | [`scatter`] | scattering functions about interpolated normals, given a pair of indices: sample, evaluate, pdf |
 //! | [`transport`] | a ray's life, from the camera to its last vertex: what it meets, where it goes on, what it brings |
-//! | [`render`] | the settings of an image, the film that samples are added to, and what renders them |
+//! | [`render`] | the settings of an image, the film that samples are added to, and what renders them: the CPU, and the graphics processor |
 //! | [`check`] | what is wrong or doubtful in a scene, with advice |
 //! | [`measure`] | image differences |
 //! | [`session`] | the threads behind the window: scenes are prepared and rendered while they are edited |
@@ -31,7 +31,9 @@
 //!
 //! - Nothing outside `app` knows egui; nothing outside `geometry` knows obvhs; `cli` and `app` never use each other.
 //! - No tracker sees a scattering function and no scattering function sees a tracker: they share a pair of IORs.
-//! - Random numbers are a pure function of (seed, pixel, sample, dimension), the same in every mode.
+//! - Random numbers are a pure function of (seed, pixel, sample, dimension), the same in every mode and on every processor.
+//! - What the graphics processor computes is in WGSL beside its twin in Rust, and a test calls both with the same numbers; nothing outside
+//!   `render::gpu` and `app` knows wgpu.
 
 /// Declares an enum whose variants have names: words for files, tables and legends.
 macro_rules! named {

@@ -5,6 +5,9 @@
 /// Turns of loops that this thread has taken.
 var<private> steps: u32;
 
+/// Nodes to be visited. Private, because a variable of a function is set to zero at every call.
+var<private> stack: array<u32, TREE_DEPTH>;
+
 /// Whether there are triangles, spheres, primitives that rays need not meet.
 override TRIANGLES: bool = true;
 override SPHERES: bool = true;
@@ -111,7 +114,6 @@ fn search(ray: Ray, t_max: f32, only_object: u32, is_any: bool) -> Hit {
     let start = start_of(ray);
     let boxes = box_ray(ray, start);
     let sheared = sheared_ray(ray);
-    var stack: array<u32, TREE_DEPTH>;
     var open = 0u;
     loop {
         steps += 1u;

@@ -18,6 +18,8 @@ mod export;
 mod extremes;
 mod families;
 mod geometry;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod layering;
 mod loaders;
 mod measure;

@@ -11,7 +11,7 @@ use crate::render::film::SampleSums;
 use crate::tracking::Events;
 
 /// Threads of a workgroup along each side: `render/gpu/film.wgsl`.
-const GROUP: u32 = 8;
+pub const GROUP: u32 = 8;
 /// Kinds of events that are counted, and the threads that are not at their end.
 const EVENTS: usize = 7;
 const EVENT_BYTES: u64 = (EVENTS * size_of::<u32>()) as u64;

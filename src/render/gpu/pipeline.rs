@@ -72,22 +72,47 @@ fn bind<'a>(
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }
 
-/// Changes the text of shaders: for tests, which plant faults.
-pub type Edit = fn(String) -> String;
+/// A change of the text of all shaders: for tests, which plant faults.
+#[derive(Debug, Clone, Copy)]
+pub struct Replacement {
+    /// Stands in each shader once.
+    pub from: &'static str,
+    pub to: &'static str,
+}
+
+impl Replacement {
+    fn apply(self, source: &str) -> Result<String, GpuFault> {
+        match source.matches(self.from).count() {
+            1 => Ok(source.replace(self.from, self.to)),
+            count => Err(GpuFault::Refused(format!("`{}` is in the shader {count} times", self.from))),
+        }
+    }
+}
 
 /// The pipelines of one device.
 #[derive(Debug)]
 pub struct Pipelines {
     pub scene: SceneLayout,
     pub film: FilmLayout,
-    edit: Option<Edit>,
+    replacement: Option<Replacement>,
     made: Mutex<HashMap<Variant, Arc<wgpu::ComputePipeline>>>,
 }
 
 impl Pipelines {
-    pub fn new(gpu: &GpuDevice, edit: Option<Edit>) -> Self {
+    pub fn new(gpu: &GpuDevice, replacement: Option<Replacement>) -> Self {
         let (scene, film) = (SceneLayout::new(&gpu.device), FilmLayout::new(&gpu.device));
-        Self { scene, film, edit, made: Mutex::default() }
+        Self { scene, film, replacement, made: Mutex::default() }
+    }
+
+    /// The text of a shader with the replacement made.
+    ///
+    /// # Errors
+    /// When what is to be replaced is not in it, or not only once.
+    pub fn replaced(&self, source: String) -> Result<String, GpuFault> {
+        match self.replacement {
+            Some(replacement) => replacement.apply(&source),
+            None => Ok(source),
+        }
     }
 
     /// The pipeline of a variant if it has been compiled.
@@ -103,8 +128,7 @@ impl Pipelines {
         if let Some(pipeline) = self.ready(variant) {
             return Ok(pipeline);
         }
-        let source = variant.source();
-        let source = self.edit.map_or(source.clone(), |edit| edit(source));
+        let source = self.replaced(variant.source())?;
         let start = std::time::Instant::now();
         let pipeline = gpu.attempt(|device| {
             let layouts = [Some(&self.scene.0), Some(&self.film.0)];

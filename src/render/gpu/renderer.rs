@@ -5,10 +5,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::device::GpuDevice;
-use super::dispatch::{Band, Dispatcher, FilmBuffers};
+use super::dispatch::{Band, Dispatcher, FilmBuffers, GROUP};
 use super::fault::GpuFault;
 use super::layout;
-use super::pipeline::{Edit, Pipelines, STORAGE_BUFFERS};
+use super::pipeline::{Pipelines, Replacement, STORAGE_BUFFERS};
 use super::shader::Variant;
 use super::tables;
 use super::upload::{CannotUpload, SceneOnGpu};
@@ -49,7 +49,7 @@ const SLICE_IN_SOFTWARE: Duration = Duration::from_millis(120);
 #[derive(Debug)]
 pub struct Gpu {
     pub device: Arc<GpuDevice>,
-    pipelines: Pipelines,
+    pub(super) pipelines: Pipelines,
     scenes: Mutex<Vec<Arc<SceneOnGpu>>>,
     /// Those that no pass uses.
     buffers: Mutex<Vec<FilmBuffers>>,
@@ -61,12 +61,12 @@ pub struct Gpu {
 
 impl Gpu {
     pub fn new(device: Arc<GpuDevice>) -> Self {
-        Self::with_edited_shaders(device, None)
+        Self::with_replacement(device, None)
     }
 
     /// With shaders whose text is changed: for tests, which plant faults.
-    pub fn with_edited_shaders(device: Arc<GpuDevice>, edit: Option<Edit>) -> Self {
-        let pipelines = Pipelines::new(&device, edit);
+    pub fn with_replacement(device: Arc<GpuDevice>, replacement: Option<Replacement>) -> Self {
+        let pipelines = Pipelines::new(&device, replacement);
         let first = if device.adapter.is_software { 4096.0 } else { 65_536.0 };
         Self {
             device,
@@ -89,13 +89,14 @@ impl Gpu {
     }
 
     /// The scene on the device, where it stays until others take its place.
-    fn scene(&self, task: &RenderTask<'_>) -> Result<Arc<SceneOnGpu>, CannotUpload> {
+    pub(super) fn scene(&self, task: &RenderTask<'_>) -> Result<Arc<SceneOnGpu>, CannotUpload> {
         if let Some(scene) = self.kept(task) {
             return Ok(scene);
         }
         let others = lock(&self.scenes).clone();
         let scene = Arc::new(SceneOnGpu::new(&self.device, task.prepared, task.settings.mode, &others)?);
         let mut scenes = lock(&self.scenes);
+        scenes.retain(|scene| scene.is_wanted());
         scenes.insert(0, Arc::clone(&scene));
         scenes.truncate(KEPT_SCENES);
         Ok(scene)
@@ -151,7 +152,7 @@ impl Gpu {
         while first_row < height {
             let paths = *lock(&self.paths_per_slice);
             let band_rows = (paths / (f64::from(width) * f64::from(count.max(1)))) as u32;
-            let row_count = band_rows.clamp(1, most_rows.min(height - first_row));
+            let row_count = band_rows.max(GROUP).min(most_rows).min(height - first_row);
             let pixels = f64::from(width) * f64::from(row_count);
             // Where sums are exact, every sample by itself.
             let mut bands = vec![Band::new(width, row_count)];
@@ -164,17 +165,21 @@ impl Gpu {
                 let Some(band) = bands.last_mut() else { break };
                 let mut part =
                     layout::Image { first_row, row_count, sample_count, samples_before: before, is_start: 1, ..image };
-                let start = Instant::now();
                 loop {
                     if cancel.load(Ordering::Relaxed) {
                         return Ok(());
                     }
-                    if dispatcher.run(&part, band)? {
+                    let start = Instant::now();
+                    let is_at_end = dispatcher.run(&part, band)?;
+                    // Dispatches that go on with a few long paths are shorter.
+                    if part.is_start == 1 {
+                        self.adapt(start.elapsed(), pixels * f64::from(sample_count));
+                    }
+                    if is_at_end {
                         break;
                     }
                     part.is_start = 0;
                 }
-                self.adapt(start.elapsed(), pixels * f64::from(sample_count));
                 before += sample_count;
             }
             for band in bands {
@@ -311,7 +316,7 @@ fn starts(task: &RenderTask<'_>, position: glam::DVec3) -> StartRegion {
 }
 
 /// What the shader of a task has to do.
-fn variant(task: &RenderTask<'_>, tree_depth: u32) -> Variant {
+pub(super) fn variant(task: &RenderTask<'_>, tree_depth: u32) -> Variant {
     let RenderTask { prepared, settings, .. } = *task;
     let (scene, table) = (&*prepared.scene, &*prepared.table);
     let needs = if settings.leave_out { scene.needs } else { SceneNeeds::EVERYTHING.without_impossible(scene) };
@@ -347,7 +352,7 @@ fn variant(task: &RenderTask<'_>, tree_depth: u32) -> Variant {
 }
 
 /// The image as the shader is given it, but for the part that is rendered; and whether the medium that paths start in is in doubt.
-fn image(task: &RenderTask<'_>, film: &Film) -> (layout::Image, bool) {
+pub(super) fn image(task: &RenderTask<'_>, film: &Film) -> (layout::Image, bool) {
     let RenderTask { prepared, camera, settings } = *task;
     let scene = &*prepared.scene;
     let position = camera.position - scene.geometry.origin;

@@ -104,6 +104,11 @@ impl SceneOnGpu {
         self.of.has_flat_of(&of) && self.of.has_lights_of(&of) && self.of.has_answers_of(&of)
     }
 
+    /// Whether anybody still has what it was made from.
+    pub fn is_wanted(&self) -> bool {
+        self.of.geometry.strong_count() > 0 && self.of.scene.strong_count() > 0 && self.of.table.strong_count() > 0
+    }
+
     /// Nodes that may wait to be visited in its tree.
     pub fn tree_depth(&self) -> u32 {
         self.geometry.tables.depth
@@ -204,4 +209,48 @@ fn buffer<T: bytemuck::Pod>(gpu: &GpuDevice, what: &str, contents: &[T]) -> Resu
         )));
     }
     Ok(gpu.attempt(|_| gpu.filled_buffer(what, wgpu::BufferUsages::STORAGE, contents))?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::Ior;
+    use crate::render::gpu::device::for_test;
+    use crate::tracking::prepare;
+
+    /// What an edit has not changed is not uploaded again.
+    #[test]
+    fn an_edit_of_an_index_uploads_answers_only() {
+        let Some(gpu) = for_test() else { return };
+        let description = crate::formats::open("half-submerged").unwrap();
+        let before = prepare(Arc::new(description.clone()), None).unwrap();
+        let first = Arc::new(SceneOnGpu::new(&gpu, &before, Mode::Rectified, &[]).unwrap());
+        assert!(first.is_of(&before, Mode::Rectified) && first.is_wanted());
+        let others = [Arc::clone(&first)];
+
+        // Another mode has the same tables, but for what lies outside each object.
+        let in_stack = SceneOnGpu::new(&gpu, &before, Mode::Stack, &others).unwrap();
+        assert!(Arc::ptr_eq(&in_stack.answers, &first.answers));
+        let by_object = SceneOnGpu::new(&gpu, &before, Mode::RectifiedObject, &others).unwrap();
+        assert!(Arc::ptr_eq(&by_object.geometry, &first.geometry) && !Arc::ptr_eq(&by_object.answers, &first.answers));
+
+        let mut edited = description.clone();
+        edited.media[0].ior = Ior::Constant(1.4);
+        let after = prepare(Arc::new(edited), Some(&before)).unwrap();
+        assert!(!first.is_of(&after, Mode::Rectified));
+        let second = SceneOnGpu::new(&gpu, &after, Mode::Rectified, &others).unwrap();
+        assert!(Arc::ptr_eq(&first.geometry, &second.geometry));
+        assert!(Arc::ptr_eq(&first.flat, &second.flat) && Arc::ptr_eq(&first.lights, &second.lights));
+        assert!(!Arc::ptr_eq(&first.answers, &second.answers));
+        let bytes: u64 = second.answers.buffers.iter().map(wgpu::Buffer::size).sum();
+        assert!(bytes < 64 << 10, "{bytes}");
+
+        let mut moved = description;
+        moved.objects.refractors_mut()[0].transform.translate.x += 0.1;
+        let after = prepare(Arc::new(moved), Some(&before)).unwrap();
+        let third = SceneOnGpu::new(&gpu, &after, Mode::Rectified, &others).unwrap();
+        assert!(!Arc::ptr_eq(&first.geometry, &third.geometry) && !Arc::ptr_eq(&first.lights, &third.lights));
+        drop(before);
+        assert!(!first.is_wanted());
+    }
 }
