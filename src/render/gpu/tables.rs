@@ -403,14 +403,15 @@ pub fn scene_of(
 /// What f32 does not hold of the numbers and of the squares of lengths; `None`: it holds all.
 pub fn too_large_for_f32(
     geometry: &GeometryTables,
-    lights: &LightTables,
+    scene: &layout::Scene,
     answers: &AnswerTables,
 ) -> Option<&'static str> {
     let is_finite = |v: &[f32; 3]| v.iter().all(|x| x.is_finite());
     let colors = answers.objects.iter().all(|object| is_finite(&object.color) && is_finite(&object.other_color));
+    let sky = [scene.zenith, scene.horizon, scene.nadir];
     if geometry.is_too_large {
         Some("a scene so much larger than what is in its middle")
-    } else if !colors || !lights.image_scale.is_finite() {
+    } else if !colors || !sky.iter().all(is_finite) || !scene.image_scale.is_finite() {
         Some("light as bright as 3.4e38")
     } else if !answers.media.iter().all(|medium| is_finite(&medium.absorption)) {
         Some("absorption as strong as 3.4e38")

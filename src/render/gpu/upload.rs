@@ -174,10 +174,10 @@ impl SceneOnGpu {
         if geometry.tables.depth > MOST_TREE_DEPTH {
             return Err(CannotUpload::DoesNotFit("a scene with so many surfaces in one place".into()));
         }
-        if let Some(what) = tables::too_large_for_f32(&geometry.tables, &lights.tables, &answers.tables) {
+        let words = tables::scene_of(scene, &geometry.tables, &flat.tables, &lights.tables, &answers.tables);
+        if let Some(what) = tables::too_large_for_f32(&geometry.tables, &words, &answers.tables) {
             return Err(CannotUpload::DoesNotFit(what.into()));
         }
-        let words = tables::scene_of(scene, &geometry.tables, &flat.tables, &lights.tables, &answers.tables);
         let scene =
             gpu.attempt(|_| gpu.filled_buffer("scene", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(&words)))?;
         Ok(Self { geometry, flat, lights, answers, scene, of })

@@ -146,52 +146,87 @@ fn no_ray_slips_through_a_closed_mesh() {
     assert!(found.chunks(2).filter(|hits| hits[0] == 1).count() > rays.len() / 2);
 }
 
-/// The media on both sides of what rays hit, in faces that are divided and cells that are asked about.
+/// How often answers about what rays meet first were compared, of those how many in divided faces, and how many differ.
+#[derive(Debug, Default)]
+pub struct Answers {
+    pub compared: u32,
+    pub in_divided_faces: u32,
+    pub others: u32,
+}
+
+/// The media on both sides of what `rays` meet first.
+pub fn compare_answers(gpu: &Gpu, subject: &Subject, rays: &[Ray]) -> Answers {
+    let body = "fn probe(i: u32) {
+        let ray = ray_leaving(vector(6u * i), vector(6u * i + 3u), NOTHING);
+        let hit = search(ray, FAR, NOTHING, false);
+        probe_out[4u * i] = hit.primitive;
+        if hit.primitive == NOTHING || objects[faces[hit.primitive].object].kind != REFRACTOR { return; }
+        let crossing = crossing_of(ray, hit);
+        var is_known = tracker_ask(PATH, crossing, false);
+        while !is_known {
+            let found = search(member_ray(crossing), FAR, member_object(), false);
+            tracker_hear(found.primitive != NOTHING && !found.is_front);
+            is_known = tracker_go_on(crossing);
+        }
+        probe_out[4u * i + 1u] = told.before;
+        probe_out[4u * i + 2u] = told.behind;
+        probe_out[4u * i + 3u] = u32(told.is_interface);
+    }";
+    let found = subject.probe(gpu, body, &words(subject, rays), rays.len(), 4);
+    let (scene, table) = (&*subject.prepared.scene, &*subject.prepared.table);
+    let mut answers = Answers::default();
+    for (ray, found) in rays.iter().zip(found.chunks(4)) {
+        let hit = match table.mask() {
+            Some(mask) => scene.geometry.closest_but(ray, mask),
+            None => scene.geometry.closest(ray),
+        };
+        let Some(hit) = hit.filter(|hit| hit.primitive == found[0]) else { continue };
+        let object = ObjectId(scene.geometry.object_of(hit.primitive));
+        if !scene.is_refractor(object) {
+            continue;
+        }
+        let answer = table.look(scene, object, &scene.geometry.surface(ray, &hit), hit.barycentric);
+        let (before, behind) =
+            if hit.is_front { (answer.outside, answer.inside) } else { (answer.inside, answer.outside) };
+        let expected = [before.0, behind.0, u32::from(!answer.is_masked())];
+        answers.compared += 1;
+        answers.in_divided_faces += u32::from(table.is_mixed(object, hit.primitive));
+        answers.others += u32::from(found[1..] != expected);
+    }
+    answers
+}
+
+/// In faces that are divided, and cells that are asked about.
 #[test]
 fn the_interface_table_says_the_same() {
     let Some(device) = device() else { return };
     let gpu = Gpu::new(device);
     for subject in [Subject::new(workshop()), Subject::builtin("half-submerged"), Subject::builtin("iced-water")] {
-        let rays = rays(&subject, 13, 4000);
-        let body = "fn probe(i: u32) {
-            let ray = ray_leaving(vector(6u * i), vector(6u * i + 3u), NOTHING);
-            let hit = search(ray, FAR, NOTHING, false);
-            probe_out[4u * i] = hit.primitive;
-            if hit.primitive == NOTHING || objects[faces[hit.primitive].object].kind != REFRACTOR { return; }
-            let crossing = crossing_of(ray, hit);
-            var is_known = tracker_ask(PATH, crossing, false);
-            while !is_known {
-                let found = search(member_ray(crossing), FAR, member_object(), false);
-                tracker_hear(found.primitive != NOTHING && !found.is_front);
-                is_known = tracker_go_on(crossing);
-            }
-            probe_out[4u * i + 1u] = told.before;
-            probe_out[4u * i + 2u] = told.behind;
-            probe_out[4u * i + 3u] = u32(told.is_interface);
-        }";
-        let found = subject.probe(&gpu, body, &words(&subject, &rays), rays.len(), 4);
-        let (scene, table) = (&*subject.prepared.scene, &*subject.prepared.table);
-        let (mut asked, mut mixed, mut others) = (0, 0, 0);
-        for (ray, found) in rays.iter().zip(found.chunks(4)) {
-            let hit = match table.mask() {
-                Some(mask) => scene.geometry.closest_but(ray, mask),
-                None => scene.geometry.closest(ray),
-            };
-            let Some(hit) = hit.filter(|hit| hit.primitive == found[0]) else { continue };
-            let object = ObjectId(scene.geometry.object_of(hit.primitive));
-            if !scene.is_refractor(object) {
-                continue;
-            }
-            let answer = table.look(scene, object, &scene.geometry.surface(ray, &hit), hit.barycentric);
-            let (before, behind) =
-                if hit.is_front { (answer.outside, answer.inside) } else { (answer.inside, answer.outside) };
-            let expected = [before.0, behind.0, u32::from(!answer.is_masked())];
-            asked += 1;
-            mixed += u32::from(table.is_mixed(object, hit.primitive));
-            others += u32::from(found[1..] != expected);
-        }
-        assert!(asked > 1000 && mixed > 100 && others <= 4, "{asked} {mixed} {others}");
+        let answers = compare_answers(&gpu, &subject, &rays(&subject, 13, 4000));
+        assert!(answers.compared > 1000 && answers.in_divided_faces > 100 && answers.others <= 4, "{answers:?}");
     }
+    let answers = compare_answers(&gpu, &Subject::new(workshop()), &rays_at_the_rim(&Subject::new(workshop())));
+    assert!(answers.in_divided_faces > 1000 && answers.others <= 4, "{answers:?}");
+}
+
+/// From inside the pool of the workshop up to where the block stands on its surface, most of them to the block's rim.
+pub fn rays_at_the_rim(subject: &Subject) -> Vec<Ray> {
+    let mut numbers = Numbers(16);
+    (0..4000)
+        .map(|_| {
+            let mut at = DVec3::new(numbers.between(-0.2, 0.5), 0.0, numbers.between(-0.7, -0.1));
+            let off = numbers.between(-0.03, 0.03);
+            match numbers.index(4) {
+                0 => at.x = -0.2 + off,
+                1 => at.x = 0.5 + off,
+                2 => at.z = -0.7 + off,
+                _ => at.z = -0.1 + off,
+            }
+            let direction = DVec3::new(numbers.between(-0.2, 0.2), 1.0, numbers.between(-0.2, 0.2)).normalize();
+            let origin = subject.prepared.scene.geometry.origin;
+            Ray::new(rounded(at - direction * 0.2 - origin), rounded(direction))
+        })
+        .collect()
 }
 
 /// Radiance, density and samples of the environment, and of emitters of both kinds.

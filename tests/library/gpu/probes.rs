@@ -218,9 +218,13 @@ fn scattering() {
     let mut others = 0;
     for ((normals, direction, u, segment, interface), found) in cases.iter().zip(found.chunks(12)) {
         let case = format!("{normals:?} {direction} {u:?} {segment} {interface:?}: {found:?}");
+        // Rounded to f32 they have not quite unit length, which a tilt of 1e-4 does not bear in f64.
+        let normals = &Normals { face: normals.face.normalize(), shading: normals.shading.normalize() };
         let (diffuse, pdf) = lambert::sample(normals, *u);
-        // A tilt of 1e-3 is known to 1e-4 of itself.
-        assert!((vector(found) - diffuse).length() < 5e-4 && (found[3] - pdf).abs() < 1e-4, "diffuse {case}");
+        // The direction in which one normal is tilted against the other is known as well as rounding leaves it.
+        let tilt = (normals.face - normals.shading).length();
+        let near = if tilt == 0.0 { 2e-6 } else { 1e-5 + 4e-7 / tilt };
+        assert!((vector(found) - diffuse).length() < near && (found[3] - pdf).abs() < near, "diffuse {diffuse} {case}");
         let told = lambert::pdf(normals, diffuse);
         assert!((found[4] - told).abs() < 1e-4, "pdf {told} {case}");
         let mirrored = mirror::reflect(*direction, normals);
