@@ -41,7 +41,6 @@ impl Gpu {
         count: u32,
         output: usize,
     ) -> Result<Vec<u32>, GpuFault> {
-        use wgpu::util::DeviceExt;
         let gpu = &*self.device;
         let scene = self.scene(task).map_err(|error| match error {
             CannotUpload::DoesNotFit(what) => GpuFault::Refused(format!("{what} does not fit")),
@@ -55,14 +54,11 @@ impl Gpu {
         let back = gpu.attempt(|device| {
             let layouts = [Some(&self.pipelines.scene.0), Some(&self.pipelines.film.0)];
             let pipeline = compile(device, &source, "call_probe", &variant.constants(), &layouts);
-            let filled = |contents: &[u8], usage| {
-                device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
-            };
             let empty = |size, usage| {
                 device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
             };
-            let image: wgpu::Buffer = filled(bytemuck::bytes_of(&image), wgpu::BufferUsages::UNIFORM);
-            let given = filled(bytemuck::cast_slice(input), wgpu::BufferUsages::STORAGE);
+            let image = gpu.filled_buffer("image", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(&image));
+            let given = gpu.filled_buffer("input", wgpu::BufferUsages::STORAGE, bytemuck::cast_slice(input));
             let out = empty(bytes, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
             let unused = [(); 3].map(|()| empty(size_of::<layout::Path>() as u64, wgpu::BufferUsages::STORAGE));
             let back = empty(bytes, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
