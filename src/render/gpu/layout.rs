@@ -254,8 +254,8 @@ mod tests {
     fn a_field_that_is_moved_renamed_or_too_large_is_found() {
         let source = Variant::with_everything().source();
         for (from, to) in [
-            ("    reach: f32,", "    reach: vec2f,"),
-            ("    emitter: u32,", "    shines: u32,"),
+            ("    pad3: u32,", "    pad3: vec4u,"),
+            ("    other_color: vec3f,\n    pad0: u32,", "    other_color: vec3f,\n    unused: u32,"),
             ("    color: vec3f,\n    is_checker: u32,", "    is_checker: u32,\n    color: vec3f,"),
         ] {
             assert_eq!(source.matches(from).count(), 1, "{from}");

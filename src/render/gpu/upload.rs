@@ -243,7 +243,7 @@ mod tests {
         assert!(Arc::ptr_eq(&first.flat, &second.flat) && Arc::ptr_eq(&first.lights, &second.lights));
         assert!(!Arc::ptr_eq(&first.answers, &second.answers));
         let bytes: u64 = second.answers.buffers.iter().map(wgpu::Buffer::size).sum();
-        assert!(bytes < 64 << 10, "{bytes}");
+        assert!(bytes < 256 << 10, "{bytes}");
 
         let mut moved = description;
         moved.objects.refractors_mut()[0].transform.translate.x += 0.1;
