@@ -29,7 +29,8 @@
 //!
 //! # Invariants
 //!
-//! - Nothing outside `app` knows egui; nothing outside `geometry` knows obvhs; `cli` and `app` never use each other.
+//! - Nothing outside `app` knows egui; nothing outside `app` and `render::gpu` knows wgpu; nothing outside `geometry` knows
+//!   obvhs; `cli` and `app` never use each other.
 //! - No tracker sees a scattering function and no scattering function sees a tracker: they share a pair of IORs.
 //! - Random numbers are a pure function of (seed, pixel, sample, dimension), the same in every mode and on every processor.
 //! - What the graphics processor computes is in WGSL beside its twin in Rust, and a test calls both with the same numbers; nothing outside

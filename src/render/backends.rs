@@ -38,19 +38,24 @@ impl RenderTask<'_> {
     /// A pass over `film` by the backend that the settings name: see [`Renderer::pass`]. Where its device fails, the CPU goes on, and
     /// [`Film::backend`] says so.
     pub fn pass(&self, film: &mut Film, samples: u32, cancel: &AtomicBool) -> bool {
-        let backend = self.backend();
-        let is_complete = renderer(backend).pass(self, film, samples, cancel);
-        let has_failed = !is_complete && backend == Backend::Gpu && !cancel.load(Ordering::Relaxed);
+        let is_complete = self.try_pass(film, samples, cancel);
+        let has_failed = !is_complete && self.backend() == Backend::Gpu && !cancel.load(Ordering::Relaxed);
         if !has_failed {
-            film.rendered_by(backend);
             return is_complete;
-        }
-        // Rows that were finished are kept.
-        if film.ahead.iter().any(|ahead| *ahead > 0) {
-            film.rendered_by(Backend::Gpu);
         }
         let is_complete = Cpu.pass(self, film, samples, cancel);
         film.rendered_by(Backend::Cpu);
+        is_complete
+    }
+
+    /// [`Self::pass`] without another backend that steps in.
+    pub fn try_pass(&self, film: &mut Film, samples: u32, cancel: &AtomicBool) -> bool {
+        let backend = self.backend();
+        let is_complete = renderer(backend).pass(self, film, samples, cancel);
+        // Of a pass that failed, rows that were finished are kept.
+        if is_complete || film.ahead.iter().any(|ahead| *ahead > 0) {
+            film.rendered_by(backend);
+        }
         is_complete
     }
 

@@ -299,6 +299,20 @@ mod tests {
     }
 
     #[test]
+    fn both_backends_can_be_measured() {
+        let prepared = prepare(Arc::new(crate::formats::open("plain-glass").unwrap()), None).unwrap();
+        let camera = Camera::new(&prepared.description.camera).unwrap();
+        let settings = [ImageSettings::new(Mode::Naive, 0)];
+        let work = Work { prepared: &prepared, camera: &camera, settings: &settings, size: [16, 12], samples: None };
+        let secs = |backend| seconds_per_sample(backend, &work, &settings);
+        assert!(secs(Backend::Cpu).is_some_and(|secs| secs > 0.0));
+        match adapter() {
+            Ok(_) => assert!(work.make_ready() == Ok(()) && secs(Backend::Gpu).is_some_and(|secs| secs > 0.0)),
+            Err(why) => assert!(std::env::var_os("CI").is_none() || cfg!(not(feature = "gpu")), "{why}"),
+        }
+    }
+
+    #[test]
     fn what_is_put_together_names_both() {
         use Backend::{Cpu, Gpu, Mixed};
         assert_eq!([Cpu.and(Cpu), Gpu.and(Gpu), Cpu.and(Gpu), Gpu.and(Cpu)], [Cpu, Gpu, Mixed, Mixed]);

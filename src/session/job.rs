@@ -64,6 +64,12 @@ impl Job {
         ImageSettings { mode, seed, backend, ..self.request.settings }
     }
 
+    /// Whether the graphics processor renders its films.
+    pub(super) fn is_by_graphics(&self) -> bool {
+        let backend = self.request.settings.backend;
+        self.modes.iter().all(|mode| backend_of(*mode, backend) == Backend::Gpu)
+    }
+
     /// Whether only this lane takes the CPU: the others have nothing to do, or the graphics processor to do it.
     pub(super) fn has_cpu_to_itself(&self) -> bool {
         let is_by_gpu = self.request.settings.backend == Backend::Gpu;

@@ -12,7 +12,7 @@ use super::preview::Preview;
 use super::speed::Speed;
 use super::{Board, News, Snapshot, Wake};
 use crate::render::denoise::variances;
-use crate::render::{Backend, Noise, RenderTask};
+use crate::render::{Backend, Noise, RenderTask, choice};
 use crate::tracking::Mode;
 
 /// Time that a slice of samples should take, in seconds.
@@ -25,11 +25,15 @@ const LEAST_SAMPLES_TO_STOP: u32 = 16;
 pub(super) struct Pools {
     pub(super) alone: Arc<rayon::ThreadPool>,
     pub(super) beside: Arc<rayon::ThreadPool>,
+    /// One thread, which waits for the graphics processor: among threads that render it would have to wait for them first.
+    pub(super) graphics: Arc<rayon::ThreadPool>,
 }
 
 /// What a lane works with and tells its results to.
 pub(super) struct Threads<'a> {
     pub(super) pool: &'a rayon::ThreadPool,
+    /// Whether the pool is that of the graphics processor, on which the CPU must not step in.
+    pub(super) is_graphics: bool,
     pub(super) mailbox: &'a Mailbox<LaneMessage>,
     pub(super) board: &'a Board,
     pub(super) wake: &'a Wake,
@@ -62,7 +66,7 @@ impl Threads<'_> {
         let film = &mut entry.film;
         let pixels = f64::from(film.width) * f64::from(film.height);
         let is_complete = cancellable(self.pool, self.mailbox, interrupts, not_before, alarm, |cancel| {
-            task.pass(film, samples, cancel)
+            if self.is_graphics { task.try_pass(film, samples, cancel) } else { task.pass(film, samples, cancel) }
         });
         let elapsed = begin.elapsed().as_secs_f64();
         entry.seconds += elapsed;
@@ -135,8 +139,13 @@ pub(super) fn run_lane(
         }
         drop(cache);
         let Some(p) = progress.as_mut().filter(|p| p.has_work()) else { continue };
-        let pool = if p.job.has_cpu_to_itself() { &pools.alone } else { &pools.beside };
-        let threads = Threads { pool, mailbox, board, wake };
+        let is_graphics = p.job.is_by_graphics() && choice::fault().is_none();
+        let pool = match () {
+            () if is_graphics => &pools.graphics,
+            () if p.job.has_cpu_to_itself() => &pools.alone,
+            () => &pools.beside,
+        };
+        let threads = Threads { pool, is_graphics, mailbox, board, wake };
         if !attempted(p.job.request.epoch, board, wake, || p.advance(&threads, &mut speed)) {
             progress = None;
         }

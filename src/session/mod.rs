@@ -119,10 +119,11 @@ impl Worker {
         let alone = pool_of("render", widths[0])?;
         let cache = Arc::new(Mutex::new(FilmCache::new(MOST_BYTES)));
         let graphics = Arc::new(Graphics::default());
+        let waiting = pool_of("graphics", 1)?;
         for (lane, name, beside) in
             [(0, "render", Arc::clone(&alone)), (1, "reference", pool_of("reference", widths[1])?)]
         {
-            let pools = Pools { alone: Arc::clone(&alone), beside };
+            let pools = Pools { alone: Arc::clone(&alone), beside, graphics: Arc::clone(&waiting) };
             let (mailbox, board, wake) = (Arc::clone(&lanes[lane]), Arc::clone(&board), Arc::clone(&wake));
             let (cache, graphics) = (Arc::clone(&cache), Arc::clone(&graphics));
             threads.push(
@@ -142,7 +143,7 @@ impl Worker {
             move || run_graphics(&mailbox, &board, &wake, &graphics)
         };
         threads.push(std::thread::Builder::new().name("graphics-lane".into()).spawn(chooser)?);
-        let pools = Pools { beside: pool_of("truth", widths[1])?, alone };
+        let pools = Pools { beside: pool_of("truth", widths[1])?, alone, graphics: waiting };
         let ground_truth = {
             let (mailbox, board, wake) = (Arc::clone(&lanes[3]), Arc::clone(&board), Arc::clone(&wake));
             move || run_ground_truth(&pools, &mailbox, &board, &wake)
