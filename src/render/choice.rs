@@ -151,7 +151,11 @@ impl Work<'_> {
     /// # Errors
     /// When it turns out that it cannot render it: why.
     pub fn make_ready(&self) -> Result<(), String> {
-        self.on_gpu(|renderer, task| renderer.make_ready(task).err()).map_or(Ok(()), |error| Err(error.to_string()))
+        self.on_gpu(|renderer, task| renderer.make_ready(task).err()).map_or(Ok(()), |error| {
+            let why = error.to_string();
+            // That is what is done.
+            Err(why.strip_suffix("; use the CPU").unwrap_or(&why).to_owned())
+        })
     }
 
     /// The first that `find` finds among the images that the graphics processor would render.
