@@ -43,7 +43,7 @@ const MOST_SUMMED: u32 = 64;
 /// Time that one dispatch should take. Hardware gives way to the desktop between dispatches; software has no desktop to give way to, but an edit must
 /// not wait for long.
 const SLICE: Duration = Duration::from_millis(8);
-const SLICE_IN_SOFTWARE: Duration = Duration::from_millis(120);
+const SLICE_IN_SOFTWARE: Duration = Duration::from_millis(40);
 
 /// Renders on one device. Made once for each, and shared: it keeps scenes and compiled shaders.
 #[derive(Debug)]
