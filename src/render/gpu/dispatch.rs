@@ -29,6 +29,12 @@ impl Band {
         Self { sums: vec![SampleSums::default(); (width * row_count) as usize], events: Events::default() }
     }
 
+    /// Takes everything away.
+    pub fn clear(&mut self) {
+        self.sums.fill(SampleSums::default());
+        self.events = Events::default();
+    }
+
     /// Samples that were taken, finite or not.
     pub fn samples(&self) -> u64 {
         self.sums.iter().map(|sums| u64::from(sums.count)).sum::<u64>() + self.events.non_finite

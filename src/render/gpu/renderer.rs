@@ -35,7 +35,7 @@ const MOST_PIXELS: u32 = 1 << 20;
 /// Bytes of one buffer that they take, at the most.
 const MOST_BYTES: u64 = 64 << 20;
 /// Steps of a thread in one dispatch, at the most: see `film.wgsl`. In software eight threads are one, and their loops count together.
-const MOST_STEPS: u32 = 1 << 16;
+const MOST_STEPS: u32 = 1 << 14;
 const MOST_STEPS_IN_SOFTWARE: u32 = 5000;
 /// Samples that are summed in f32, at the most.
 const MOST_SUMMED: u32 = 64;
@@ -147,47 +147,81 @@ impl Gpu {
         let buffers = self.film_buffers(width * most_rows, words)?;
         let dispatcher =
             Dispatcher::new(&self.device, &self.pipelines, &scene, &pipeline, &buffers, ranges.as_deref())?;
-        let most_summed = if film.exact.is_some() { 1 } else { MOST_SUMMED };
         let mut first_row = 0;
         while first_row < height {
             let paths = *lock(&self.paths_per_slice);
             let band_rows = (paths / (f64::from(width) * f64::from(count.max(1)))) as u32;
             let row_count = band_rows.max(GROUP).min(most_rows).min(height - first_row);
-            let pixels = f64::from(width) * f64::from(row_count);
-            // Where sums are exact, every sample by itself.
-            let mut bands = vec![Band::new(width, row_count)];
-            let mut before = 0;
-            while before < count {
-                let sample_count = ((paths / pixels) as u32).clamp(1, most_summed).min(count - before);
-                if film.exact.is_some() && before > 0 {
-                    bands.push(Band::new(width, row_count));
+            let part = layout::Image { first_row, row_count, ..image };
+            // Where sums are exact each sample is added by itself, and taken back if the band is not finished.
+            let pixels = (first_row * width) as usize..((first_row + row_count) * width) as usize;
+            let before = film.exact.as_ref().map(|exact| {
+                (
+                    film.sums[pixels.clone()].to_vec(),
+                    film.counts[pixels.clone()].to_vec(),
+                    exact.sums[pixels.clone()].to_vec(),
+                )
+            });
+            let result = self.render_band(&dispatcher, &part, count, film, is_ambiguous, cancel);
+            if let Ok(Some(events)) = result {
+                rows[first_row as usize..(first_row + row_count) as usize].fill(Some(Events::default()));
+                // Those of the whole band are counted with its first row.
+                rows[first_row as usize] = Some(events);
+            } else {
+                if let (Some((sums, counts, exact)), Some(target)) = (before, &mut film.exact) {
+                    film.sums[pixels.clone()].copy_from_slice(&sums);
+                    film.counts[pixels.clone()].copy_from_slice(&counts);
+                    target.sums[pixels].copy_from_slice(&exact);
                 }
-                let Some(band) = bands.last_mut() else { break };
-                let mut part =
-                    layout::Image { first_row, row_count, sample_count, samples_before: before, is_start: 1, ..image };
-                loop {
-                    if cancel.load(Ordering::Relaxed) {
-                        return Ok(());
-                    }
-                    let start = Instant::now();
-                    let is_at_end = dispatcher.run(&part, band)?;
-                    // Dispatches that go on with a few long paths are shorter.
-                    if part.is_start == 1 {
-                        self.adapt(start.elapsed(), pixels * f64::from(sample_count));
-                    }
-                    if is_at_end {
-                        break;
-                    }
-                    part.is_start = 0;
-                }
-                before += sample_count;
-            }
-            for band in bands {
-                add_band(film, first_row, band, is_ambiguous, rows);
+                return result.map(|_| ());
             }
             first_row += row_count;
         }
         Ok(())
+    }
+
+    /// Renders `count` samples of each pixel of a band, and adds them to the film. `None`: it was cancelled.
+    fn render_band(
+        &self,
+        dispatcher: &Dispatcher<'_>,
+        band: &layout::Image,
+        count: u32,
+        film: &mut Film,
+        is_ambiguous: bool,
+        cancel: &AtomicBool,
+    ) -> Result<Option<Events>, GpuFault> {
+        let pixels = f64::from(band.width) * f64::from(band.row_count);
+        let most_summed = if film.exact.is_some() { 1 } else { MOST_SUMMED };
+        let mut events = Events::default();
+        let mut sums = Band::new(band.width, band.row_count);
+        let mut samples_before = 0;
+        while samples_before < count {
+            let at_once = (*lock(&self.paths_per_slice) / pixels) as u32;
+            let sample_count = at_once.clamp(1, most_summed).min(count - samples_before);
+            let mut part = layout::Image { sample_count, samples_before, is_start: 1, ..*band };
+            loop {
+                if cancel.load(Ordering::Relaxed) {
+                    return Ok(None);
+                }
+                let start = Instant::now();
+                let is_at_end = dispatcher.run(&part, &mut sums)?;
+                // Dispatches that go on with a few long paths are shorter.
+                if part.is_start == 1 {
+                    self.adapt(start.elapsed(), pixels * f64::from(sample_count));
+                }
+                if is_at_end {
+                    break;
+                }
+                part.is_start = 0;
+            }
+            if film.exact.is_some() {
+                events += add_band(film, band.first_row, &sums, is_ambiguous);
+                sums.clear();
+            }
+            samples_before += sample_count;
+        }
+        events += add_band(film, band.first_row, &sums, is_ambiguous);
+        Ok(Some(events))
     }
 
     /// Makes dispatches larger or smaller, so that they take the time of a slice.
@@ -391,17 +425,15 @@ fn sample_ranges(film: &Film, samples: u32) -> Option<Vec<[u32; 2]>> {
     Some((0..film.sums.len()).map(of).collect())
 }
 
-/// Adds what a band has to the film, and notes its rows as finished.
-fn add_band(film: &mut Film, first_row: u32, band: Band, is_ambiguous: bool, rows: &mut [Option<Events>]) {
+/// Adds what a band has to the film. Returns what happened.
+fn add_band(film: &mut Film, first_row: u32, band: &Band, is_ambiguous: bool) -> Events {
     let mut events = band.events;
     events.ambiguous += if is_ambiguous { band.samples() } else { 0 };
-    let (width, first) = (film.width as usize, first_row as usize);
-    let targets = film.rows().into_iter().zip(rows).skip(first);
-    for ((mut row, done), pixels) in targets.zip(band.sums.chunks(width)) {
+    let width = film.width as usize;
+    for (mut row, pixels) in film.rows().into_iter().skip(first_row as usize).zip(band.sums.chunks(width)) {
         for (column, sums) in pixels.iter().enumerate() {
             row.add_sums(column, sums, &mut events);
         }
-        // Those of the whole band are counted with its first row.
-        *done.get_or_insert_default() += std::mem::take(&mut events);
     }
+    events
 }
