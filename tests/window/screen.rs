@@ -6,9 +6,12 @@
 #![cfg(target_os = "linux")]
 
 use std::io::{BufRead, BufReader};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
+
+use image::RgbImage;
 
 /// A virtual screen that goes when the test does.
 struct Screen {
@@ -82,41 +85,72 @@ fn wait(mut child: Child, patience: Duration) -> std::process::Output {
     child.wait_with_output().expect("its output can be read")
 }
 
-fn window_shows_images(backend: &str) {
-    let Some(screen) = Screen::open("1280x720") else { return };
+/// A picture of the window on a screen of just its size, left under `name`; `None` where there is no Xvfb.
+fn picture(name: &str, backend: &str, size: [u32; 2], arguments: &[&str]) -> Option<RgbImage> {
+    let size_text = format!("{}x{}", size[0], size[1]);
+    let screen = Screen::open(&size_text)?;
     let home = tempfile::tempdir().expect("a temporary folder");
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("target/ui-screenshots");
     std::fs::create_dir_all(&folder).expect("the build folder is writable");
-    let path = folder.join(format!("window-{backend}.png"));
+    let path = folder.join(format!("{name}.png"));
     let _ = std::fs::remove_file(&path);
 
     let child = program(Some(&screen.display), home.path())
         .env("WGPU_BACKEND", backend)
-        .args(["nested-spheres", "--window-size", "1280x720", "--samples", "1", "--screenshot"])
+        .args(["nested-spheres", "--samples", "1", "--window-size", &size_text])
+        .args(arguments)
+        .arg("--screenshot")
         .arg(&path)
         .stderr(Stdio::piped())
         .spawn()
         .expect("the program starts");
     let output = wait(child, Duration::from_secs(240));
     let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{backend}: {errors}");
+    assert!(output.status.success(), "{name}: {errors}");
 
     let picture = image::open(&path).expect("a picture of the window").to_rgb8();
-    assert_eq!((picture.width(), picture.height()), (1280, 720));
+    assert_eq!([picture.width(), picture.height()], size, "{name}");
+    Some(picture)
+}
+
+/// The standard deviation of the green of the pixels in these ranges.
+fn spread(picture: &RgbImage, xs: Range<u32>, ys: Range<u32>) -> f64 {
+    let values: Vec<f64> = xs
+        .flat_map(|x| ys.clone().map(move |y| (x, y)))
+        .map(|(x, y)| f64::from(picture.get_pixel(x, y).0[1]))
+        .collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+fn window_shows_images(backend: &str) {
+    let Some(picture) = picture(&format!("window-{backend}"), backend, [1280, 720], &[]) else { return };
     // The panels are even, the panes between them are not.
-    let spread = |xs: std::ops::Range<u32>, ys: std::ops::Range<u32>| {
-        let values: Vec<f64> = xs
-            .flat_map(|x| ys.clone().map(move |y| (x, y)))
-            .map(|(x, y)| f64::from(picture.get_pixel(x, y).0[1]))
-            .collect();
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
-    };
     for (name, xs, ys) in [("first", 320..640, 80..340), ("second", 680..980, 80..340), ("third", 320..640, 420..680)] {
-        let spread = spread(xs, ys);
+        let spread = spread(&picture, xs, ys);
         assert!(spread > 10.0, "{backend}: the {name} pane is blank (deviation {spread:.1})");
     }
-    assert!(spread(20..280, 400..600) < 3.0, "{backend}: the scene panel is not where it should be");
+    assert!(spread(&picture, 20..280, 400..600) < 3.0, "{backend}: the scene panel is not where it should be");
+}
+
+/// From the smallest screen to a large one, light and dark: bars from edge to edge in the theme's colour, and a picture between them.
+#[test]
+fn the_window_fills_screens_of_every_size() {
+    for [width, height] in [[800, 600], [1280, 720], [1920, 1080], [3840, 2160]] {
+        for theme in ["dark", "light"] {
+            let name = format!("window-{width}x{height}-{theme}");
+            let arguments: &[&str] = if theme == "light" { &["--light", "--panes", "2"] } else { &["--panes", "2"] };
+            let Some(picture) = picture(&name, "vulkan", [width, height], arguments) else { return };
+            for y in [1, height - 2] {
+                let [left, right] = [2, width - 3].map(|x| picture.get_pixel(x, y).0);
+                assert_eq!(left, right, "{name}: the bar at {y} does not reach from edge to edge");
+                assert_eq!(theme == "light", left[1] > 128, "{name}: {left:?}");
+            }
+            let part = |of: u32, from: u32, to: u32| of * from / 100..of * to / 100;
+            let spread = spread(&picture, part(width, 35, 48), part(height, 30, 60));
+            assert!(spread > 5.0, "{name}: the pane is blank (deviation {spread:.1})");
+        }
+    }
 }
 
 #[test]
