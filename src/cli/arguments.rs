@@ -264,7 +264,7 @@ pub struct MergeArguments {
     /// Files that `iorect render --samples` or `iorect merge` wrote
     #[arg(required = true, value_name = "FILE.exr")]
     pub files: Vec<PathBuf>,
-    /// Put together parts by the CPU and by graphics processors, which agree but for rounding
+    /// Put together parts by the CPU and by graphics processors, which agree but for rounding; the CPU's need `--splits 0`
     #[arg(long)]
     pub mix_backends: bool,
     /// File to write, by its extension EXR (sums and counts again, and the picture) or PNG; may be given more than once
