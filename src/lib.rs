@@ -33,8 +33,7 @@
 //!   obvhs; `cli` and `app` never use each other.
 //! - No tracker sees a scattering function and no scattering function sees a tracker: they share a pair of IORs.
 //! - Random numbers are a pure function of (seed, pixel, sample, dimension), the same in every mode and on every processor.
-//! - What the graphics processor computes is in WGSL beside its twin in Rust, and a test calls both with the same numbers; nothing outside
-//!   `render::gpu` and `app` knows wgpu.
+//! - What the graphics processor computes is in WGSL beside its twin in Rust, and a test calls both with the same numbers.
 
 /// Declares an enum whose variants have names: words for files, tables and legends.
 macro_rules! named {
