@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use self::film_size::FilmSize;
 pub use self::film_size::magnification;
-pub use self::graphics::sentence;
+pub use self::graphics::{capitalized, sentence};
 pub use self::inspection::{Inspection, PathOption, PathOptions, modes_over};
 pub use self::side_panels::Room;
 pub use self::view::Motion;

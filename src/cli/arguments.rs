@@ -334,7 +334,7 @@ kept in DIR/cache: a report that was interrupted goes on from there when the sam
 
 Examples:
   iorect report -o report --quick                                all built-in scenes, in two minutes
-  iorect report -o report                                        the same in full: most of an hour
+  iorect report -o report                                        the same in full: more than an hour
   iorect report my.toml iced-water -o report --only error
   iorect report -o report --only stability,growth")]
 pub struct ReportArguments {

@@ -33,12 +33,7 @@ struct Decision {
 
 impl Decision {
     fn is_about(&self, job: &Job) -> bool {
-        let is_same_scene = match (&self.scene, &job.prepared.description.source) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (None, None) => true,
-            _ => false,
-        };
-        is_same_scene && self.asked == job.request.backend
+        job.is_of(self.scene.as_ref()) && self.asked == job.request.backend
     }
 }
 

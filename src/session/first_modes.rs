@@ -18,7 +18,7 @@ const fn modes(scene: &'static str, wrong: Mode, right: Mode, third: Mode) -> Fi
     FirstModes { scene, wrong, right, third }
 }
 
-pub(crate) const ALL: &[FirstModes] = &[
+const ALL: &[FirstModes] = &[
     modes("iced-water", Mode::Stack, Mode::Rectified, Mode::Naive),
     modes("camera-in-water", Mode::Stack, Mode::Rectified, Mode::Naive),
     modes("nested-spheres", Mode::Naive, Mode::Rectified, Mode::Stack),

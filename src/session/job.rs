@@ -9,6 +9,7 @@ use super::{Board, Request, Wake, guarded};
 use crate::render::backends::backend_of;
 use crate::render::{Backend, ImageSettings};
 use crate::scene::camera::Camera;
+use crate::scene::description::Source;
 use crate::tracking::Mode;
 use crate::tracking::Prepared;
 
@@ -62,6 +63,15 @@ impl Job {
     pub(super) fn settings(&self, mode: Mode, seed: u64) -> ImageSettings {
         let backend = backend_of(mode, self.request.settings.backend);
         ImageSettings { mode, seed, backend, ..self.request.settings }
+    }
+
+    /// Whether its scene was read from `source`, edited since or not.
+    pub(super) fn is_of(&self, source: Option<&Arc<Source>>) -> bool {
+        match (source, &self.prepared.description.source) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (None, None) => true,
+            _ => false,
+        }
     }
 
     /// Whether the graphics processor renders its films.

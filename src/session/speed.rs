@@ -24,13 +24,8 @@ impl Speed {
     /// Forgets what was measured in another scene than the job's, or by another backend.
     pub(super) fn begin(&mut self, job: &Job) {
         let scene = &job.prepared.description.source;
-        let is_same = match (&self.scene, scene) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (None, None) => true,
-            _ => false,
-        };
         let backend = job.request.settings.backend;
-        if !is_same || backend != self.backend {
+        if !job.is_of(self.scene.as_ref()) || backend != self.backend {
             *self = Self { scene: scene.clone(), backend, of_mode: BTreeMap::new() };
         }
     }

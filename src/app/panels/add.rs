@@ -7,7 +7,7 @@ use crate::app::build::profiles::Vessel;
 use crate::app::build::{Addition, Body, DEFAULT_FILL, vessel_of};
 use crate::app::command::Command;
 use crate::app::modal;
-use crate::app::state::State;
+use crate::app::state::{State, capitalized};
 use crate::app::theme::Palette;
 use crate::scene::Description;
 use crate::scene::description::Object;
@@ -94,11 +94,6 @@ fn last_empty_vessel(description: &Description) -> Option<&Object> {
         refractors.iter().any(|liquid| vessel_of(description, liquid).is_some_and(|(of, _, _)| of.name == vessel.name))
     };
     refractors.iter().rev().find(|object| is_vessel(object) && !is_full(object))
-}
-
-fn capitalized(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// In the menu bar.
