@@ -24,7 +24,7 @@ pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
     let scene = &*prepared.scene;
     let mut pairs_left = MOST_PAIRS;
     (prepared.description.objects.iter().enumerate())
-        .filter(|(_, object)| object.visible && object.light().is_some_and(|light| light.radiance != [0.0; 3]))
+        .filter(|(_, object)| object.visible && object.light().is_some_and(|light| !light.is_black()))
         .filter_map(|(index, light)| {
             let lamp = Lamp { prepared, light, id: ObjectId(index as u32) };
             (scene.geometry.face_count(lamp.id.0) > 0).then_some(())?;

@@ -24,7 +24,7 @@ use glam::DVec3;
 
 use crate::rectify::{Cancelled, Progress};
 use crate::scene::LoadNote;
-use crate::scene::description::{Environment, Object};
+use crate::scene::description::{Environment, Light, Object};
 use crate::tracking::Prepared;
 
 /// How bad a problem is.
@@ -144,7 +144,7 @@ fn light(prepared: &Prepared) -> Vec<Problem> {
         Environment::Gradient { zenith, horizon, nadir } => [zenith, horizon, nadir] == [&[0.0; 3]; 3],
         Environment::Image { image, scale, .. } => *scale == 0.0 || image.pixels.iter().all(|p| *p == [0.0; 3]),
     };
-    if is_dark_around && description.objects.iter().filter_map(Object::light).all(|light| light.radiance == [0.0; 3]) {
+    if is_dark_around && description.objects.iter().filter_map(Object::light).all(Light::is_black) {
         problems.push(Problem::advice(
             "scene",
             "no_light",

@@ -60,6 +60,7 @@ fn ball(part: &Part) -> Option<(DVec3, f64)> {
             (radius > 0.0).then_some(((min + max) / 2.0, radius))
         }
         Part::Sphere { center, radius } => Some((*center, *radius)),
+        Part::Point(_) => None,
     }
 }
 

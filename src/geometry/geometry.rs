@@ -127,6 +127,7 @@ impl Geometry {
         let any_smooth = parts.iter().any(|p| matches!(p, Part::Mesh { smooth: true, .. }));
         geometry.reserve(&parts, any_smooth);
         let mut object_of_sphere = Vec::new();
+        let mut points = Vec::new();
         for (object, part) in parts.into_iter().enumerate() {
             match part {
                 Part::Mesh { mesh, smooth } => geometry.add_mesh(object as u32, &mesh, smooth, any_smooth),
@@ -134,6 +135,11 @@ impl Geometry {
                     geometry.ranges.push(ObjectRange::Sphere(geometry.spheres.len() as u32));
                     geometry.spheres.push(Sphere { center: center - origin, radius });
                     object_of_sphere.push(object as u32);
+                }
+                Part::Point(position) => {
+                    let none = geometry.triangles.len() as u32;
+                    geometry.ranges.push(ObjectRange::Triangles(none..none));
+                    points.push((position - origin).as_vec3());
                 }
             }
         }
@@ -146,7 +152,7 @@ impl Geometry {
             }
         }
         geometry.bounds_of_objects = geometry.ranges.par_iter().map(|range| geometry.measure_bounds(range)).collect();
-        geometry.build_trees();
+        geometry.build_trees(&points);
         geometry
     }
 
@@ -160,7 +166,8 @@ impl Geometry {
         self.normals.reserve_exact(if any_smooth { vertices } else { 0 });
         self.triangles.reserve_exact(triangles);
         self.areas.reserve_exact(triangles);
-        self.object_of_primitive.reserve_exact(triangles + parts.len() - meshes().count());
+        let spheres = parts.iter().filter(|part| matches!(part, Part::Sphere { .. })).count();
+        self.object_of_primitive.reserve_exact(triangles + spheres);
     }
 
     fn add_mesh(&mut self, object: u32, mesh: &Mesh, smooth: bool, any_smooth: bool) {
@@ -190,7 +197,8 @@ impl Geometry {
         self.ranges.push(ObjectRange::Triangles(range));
     }
 
-    fn build_trees(&mut self) {
+    /// The bounding sphere, where there are primitives, is around `points` too.
+    fn build_trees(&mut self, points: &[Vec3]) {
         let corners = |t: &[u32; 3]| t.map(|i| self.positions[i as usize]);
         let boxes: Vec<Bounds> = self.triangles.par_iter().map(|t| Bounds::of(corners(t))).collect();
         let (of_triangles, of_spheres) = self.object_of_primitive.split_at(self.triangles.len());
@@ -224,6 +232,7 @@ impl Geometry {
 
         let all = union(&of_chunks).union(union(&sphere_boxes));
         self.bounds = (!all.is_empty()).then(|| {
+            let all = points.iter().fold(all, |all, &point| all.union(Bounds::of([point; 3])));
             let (min, max) = (all.min.as_dvec3(), all.max.as_dvec3());
             Sphere { center: (min + max) / 2.0, radius: (max - min).length() / 2.0 }
         });
@@ -352,7 +361,7 @@ impl Geometry {
         &self.spheres
     }
 
-    /// A sphere around everything; `None` for an empty scene.
+    /// A sphere around everything; `None` where there are no primitives.
     #[inline]
     pub fn bounding_sphere(&self) -> Option<&Sphere> {
         self.bounds.as_ref()

@@ -16,4 +16,6 @@ pub enum Part {
         center: DVec3,
         radius: f64,
     },
+    /// Nothing to be met, at a place that the scene reaches to.
+    Point(DVec3),
 }

@@ -178,7 +178,7 @@ impl Poll {
 
 /// The refractors, other than `except`, that contain `point` (local coordinates). Directions follow from the point alone.
 pub fn containment(scene: &Scene, point: DVec3, except: Option<ObjectId>) -> Containment {
-    let votes = poll(scene, point, |random| Ray::new(point, random.direction()), |_| false);
+    let votes = votes_at(scene, point);
     let nowhere = SurfacePoint { position: point, normal: DVec3::ZERO, primitive: NO_PRIMITIVE };
     settle(scene, &nowhere, votes, except)
 }
@@ -358,6 +358,11 @@ pub fn medium_of(scene: &Scene, refractor: Option<ObjectId>) -> MediumId {
         Some(Surface::Refractor { medium, .. }) => *medium,
         _ => MediumId::WORLD,
     }
+}
+
+/// The votes about what contains a point (local coordinates), as [`containment`] counts them.
+pub(super) fn votes_at(scene: &Scene, point: DVec3) -> Vec<Vote> {
+    poll(scene, point, |random| Ray::new(point, random.direction()), |_| false)
 }
 
 /// The medium at a point in space (local coordinates), and whether the answer is ambiguous.

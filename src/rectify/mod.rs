@@ -9,6 +9,7 @@
 //! containment                           which refractors contain a point: rays vote
 //! pretrace, nest                        votes about every piece; in deep nests containers are inherited
 //! surroundings, table, patch            votes, priorities and media come to two media for every place
+//! placed                                the media in which lights without a surface stand
 //! flat                                  the arrays that are looked up at a crossing, on the CPU and on the GPU
 //! containers                            what most of an object's surface lies in, for a tree of objects
 //! object_table                          one exterior for each object, the source's method, to compare with
@@ -28,6 +29,7 @@ pub mod layout;
 mod nest;
 pub mod object_table;
 pub mod patch;
+mod placed;
 pub mod planes;
 pub mod pretrace;
 pub mod progress;

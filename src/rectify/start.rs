@@ -60,6 +60,15 @@ impl StartRegion {
         self.whole
     }
 
+    /// The refractors whose surfaces reach into the region, in ascending order.
+    pub fn refractors(&self, scene: &Scene) -> Vec<ObjectId> {
+        let mut refractors: Vec<ObjectId> =
+            self.near.iter().map(|&primitive| ObjectId(scene.geometry.object_of(primitive))).collect();
+        refractors.sort_unstable();
+        refractors.dedup();
+        refractors
+    }
+
     /// How a ray (local coordinates) starts whose origin lies in the region.
     #[inline]
     pub fn start_by_asking(&self, scene: &Scene, ray: Ray, ask: Ask<'_>) -> Start {
@@ -127,10 +136,18 @@ pub fn start_by_asking(scene: &Scene, ray: Ray, ask: Ask<'_>) -> Start {
 
 /// How a ray that a light emits (local coordinates) starts: in the medium that rectification found around the light there.
 pub fn start_from_light(scene: &Scene, table: &InterfaceTable, emitted: &EmittedRay) -> Start {
-    let patch = emitted.start.and_then(|point| table.patch_of(&scene.geometry, point.primitive));
-    match patch.and_then(|patch| patch.outside) {
+    let known = match (emitted.start, emitted.light) {
+        (Some(point), _) if emitted.is_front => {
+            table.patch_of(&scene.geometry, point.primitive).and_then(|patch| patch.outside)
+        }
+        (Some(_), _) => None,
+        (None, Some(light)) => table.place_of(light).and_then(|patch| patch.outside),
+        // All objects lie in the sphere that it comes into.
+        (None, None) => Some(MediumId::WORLD),
+    };
+    match known {
         Some(medium) => Start { ray: emitted.ray, medium, is_ambiguous: false },
-        // From afar, or where the surroundings of the light's face differ from place to place.
+        // Where the surroundings of the light differ from place to place, and behind a light with two sides.
         None => start(scene, emitted.ray),
     }
 }
@@ -138,7 +155,6 @@ pub fn start_from_light(scene: &Scene, table: &InterfaceTable, emitted: &Emitted
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::lights::Light;
 
     /// A lamp in ice starts its light in ice, and the environment in air.
     #[test]
@@ -146,7 +162,7 @@ mod tests {
         let scene = crate::scene::compile::compile(&crate::formats::open("lamp-in-ice").unwrap(), None).unwrap();
         let table = InterfaceTable::new(&scene);
         let (lamp, _) = scene.emitters.iter().next().unwrap();
-        for (light, expected) in [(Light::Area(lamp), "ice"), (scene.environment_light(), "world")] {
+        for (light, expected) in [(lamp, "ice"), (scene.environment_light(), "world")] {
             for index in 0..50 {
                 let at = |step: f64| (f64::from(index) * step + 0.5).fract();
                 let (start, direction) = ([at(0.883_2), at(0.796_7), at(0.718_7)], [at(0.648_3), at(0.584_8)]);

@@ -12,6 +12,7 @@ use super::layout::{Earlier, Layout, lay_out};
 use super::nest;
 use super::object_table::ObjectTable;
 use super::patch::{self, Patch};
+use super::placed;
 use super::pretrace;
 use super::progress::{Cancelled, Progress, RectifySeconds};
 use super::site::{Faces, SiteVotes};
@@ -31,8 +32,11 @@ pub struct InterfaceTable {
     flat: FlatTable,
     /// Sorted by refractor; within one, patches proper first, then mixed ones.
     pub patches: Vec<Patch>,
-    /// The same for lights, whose inner side is not asked.
+    /// The same for lights, whose inner side is not asked; behind those with a surface one without faces for each light that has none: what it stands
+    /// in is outside of it.
     pub lights: Vec<Patch>,
+    /// How many of `lights` are of lights with a surface.
+    with_surface: usize,
     /// Where the patches of sites and of groups of divided faces stand in `patches` or `lights`.
     patch_of_site: Vec<u32>,
     patch_of_group: Vec<u32>,
@@ -141,12 +145,15 @@ impl InterfaceTable {
                 Faces::Some { faces, .. } => faces.iter().for_each(|&face| mask.insert(face)),
             }
         }
-        let patches = patch::list(scene, &layout, &votes, &fillers);
+        let mut patches = patch::list(scene, &layout, &votes, &fillers);
+        let with_surface = patches.lights.len();
+        patches.lights.extend(placed::list(scene));
         let resolve = start.elapsed().as_secs_f64();
         Self {
             flat: FlatTable { layout: Arc::clone(&layout.flat), answers },
             patches: patches.refractors,
             lights: patches.lights,
+            with_surface,
             patch_of_site: patches.of_site,
             patch_of_group: patches.of_group,
             mask,
@@ -233,6 +240,12 @@ impl InterfaceTable {
             None => self.patches.get(number as usize),
             Some(light) => self.lights.get(light),
         }
+    }
+
+    /// What a light without a surface stands in.
+    pub fn place_of(&self, light: ObjectId) -> Option<&Patch> {
+        let placed = &self.lights[self.with_surface..];
+        placed.binary_search_by_key(&light, |patch| patch.refractor).ok().map(|index| &placed[index])
     }
 
     pub fn patches_of(&self, refractor: ObjectId) -> &[Patch] {

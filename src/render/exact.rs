@@ -1,14 +1,14 @@
 //! Sums of samples that do not depend on the order in which they are added, nor on how they are divided among machines.
 //!
 //! Sums of floating-point numbers depend on both, by rounding. Here each sample is rounded once, to a multiple of a unit that the scene
-//! decides, and multiples are added as integers of 128 bits: addition is exact, so it is associative. The unit is 2⁻⁶⁴ of the brightest
+//! decides, and multiples are added as integers of 128 bits: addition is exact, so it is associative. The unit is 2⁻⁶⁴ of about the brightest
 //! radiance that the scene emits, some 5e-20 of it, far below what f64 holds of it; above are 2³¹ times that radiance for
 //! each of 2³² samples, more than any path carries. A sample beyond that is counted as not finite.
 
 use glam::DVec3;
 
 use crate::scene::Description;
-use crate::scene::description::{Environment, Object};
+use crate::scene::description::{Environment, Light, MAX_RADIANCE, Object, Quantity, Shape};
 
 /// The unit stands so many powers of two below the brightest radiance.
 const BELOW_BRIGHTEST: i32 = 64;
@@ -37,11 +37,46 @@ pub fn unit_exponent(description: &Description) -> i32 {
             image.pixels.iter().for_each(|pixel| see(pixel.map(|component| f64::from(component) * scale)));
         }
     }
-    description.objects.iter().filter_map(Object::light).for_each(|light| see(light.radiance));
+    let lights = || description.objects.iter().filter_map(|object| Some((object, object.light()?)));
+    let is_plain = |light: &Light| light.emission.quantity == Quantity::Radiance;
+    // What a light at a point makes of the nearest things can only be guessed at: they may be as near to it as the smallest object is large.
+    let nearest = if lights().all(|(_, light)| is_plain(light)) { 1.0 } else { smallest(description) };
+    for (object, light) in lights() {
+        let factor = per_radiance(object, light.emission.quantity, nearest);
+        see(light.emission.rgb.map(|x| (x * factor).min(MAX_RADIANCE)));
+    }
     // The exponent field of an f64, which is exact where a logarithm rounds.
     let exponent = ((brightest.to_bits() >> 52) & 0x7FF) as i32 - 1023;
     let exponent = if brightest == 0.0 { 0 } else { exponent };
     exponent.clamp(DIMMEST, 1023) - BELOW_BRIGHTEST
+}
+
+/// By what to multiply what a light is measured by to have about the radiance that it makes. By multiplications and divisions alone, which round alike
+/// everywhere.
+fn per_radiance(object: &Object, quantity: Quantity, nearest: f64) -> f64 {
+    let half_angle = |degrees: f64| degrees * (std::f64::consts::PI / 180.0);
+    let squared = |x: f64| x * x;
+    match (quantity, &object.shape) {
+        (Quantity::Irradiance, Shape::Directional { angle, .. }) if *angle > 0.0 => 1.0 / squared(half_angle(0.5 * angle)),
+        (Quantity::Intensity, _) => 1.0 / squared(nearest),
+        (Quantity::Power, Shape::Spot { outer_angle, .. }) => 1.0 / squared(half_angle(*outer_angle) * nearest),
+        (Quantity::Power, Shape::Point { .. }) => 1.0 / squared(nearest),
+        (Quantity::Power, _) => 1.0 / squared(size(object)),
+        (Quantity::Radiance | Quantity::Irradiance, _) => 1.0,
+    }
+}
+
+/// The longest side of an object's box before it is turned; some length where it has none.
+fn size(object: &Object) -> f64 {
+    let (min, max) = object.shape.bounds();
+    let size = (max - min).abs().max_element() * object.transform.scale.abs().max_element();
+    if size > 0.0 && size.is_finite() { size } else { 1.0 }
+}
+
+/// The least size of an object that can be met.
+fn smallest(description: &Description) -> f64 {
+    let solid = description.objects.iter().filter(|object| object.visible && object.shape.has_surface());
+    solid.map(size).reduce(f64::min).unwrap_or(1.0)
 }
 
 /// 2 to that power, from −1022 to 1023, by its bits: library functions may round.

@@ -7,7 +7,8 @@ use std::time::Instant;
 use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 
-use super::description::{self, Description, Environment, MAX_RADIANCE, Role, Shape, Transform};
+use super::description::{self, Description, Emission, Environment, MAX_RADIANCE, Quantity, Role, Shape, Transform};
+use super::emission;
 use super::error::SceneError;
 use super::lights::{Emitters, EnvironmentLight};
 use super::needs::SceneNeeds;
@@ -53,7 +54,7 @@ pub fn compile(description: &Description, previous: Option<(&Description, &Scene
         }
     };
     require_distinct_spheres(description, &geometry)?;
-    let objects = objects(description, geometry.origin, bodies)?;
+    let objects = objects(description, &geometry, bodies)?;
     let environment = match previous {
         // An image's sampling tables are worth keeping.
         Some((before, scene)) if is_same_environment(&before.environment, &description.environment) => {
@@ -61,13 +62,7 @@ pub fn compile(description: &Description, previous: Option<(&Description, &Scene
         }
         _ => EnvironmentLight::new(&description.environment),
     };
-    let emitters = Emitters::new(
-        &geometry,
-        objects.iter().enumerate().filter_map(|(index, object)| match object.surface {
-            Surface::Light { radiance } => Some((ObjectId(index as u32), radiance)),
-            _ => None,
-        }),
-    );
+    let emitters = Emitters::new(&geometry, emission::emitters(description, &geometry, &objects));
     let needs = SceneNeeds::of(&geometry, &objects, &media, &emitters, &environment);
     let world_is_vacuum = media[0].ior_minus_one == 0.0 && media[0].absorption.is_black();
     let refractors_that = |enclosure: Enclosure| {
@@ -94,15 +89,16 @@ pub fn compile(description: &Description, previous: Option<(&Description, &Scene
 
 /// Refuses radiance that sums and squares could not hold.
 fn require_radiances(description: &Description) -> Result<(), SceneError> {
-    let require = |what: &dyn Fn() -> String, rgb: [f64; 3]| {
+    let require_of = |what: &dyn Fn() -> String, quantity: Quantity, rgb: [f64; 3]| {
         if rgb.iter().all(|x| (0.0..=MAX_RADIANCE).contains(x)) {
             return Ok(());
         }
-        let ([r, g, b], what) = (rgb, what());
+        let ([r, g, b], what, quantity) = (rgb, what(), quantity.name());
         Err(SceneError::new(format!(
-            "{what} has the radiance [{r:e}, {g:e}, {b:e}], each must be 0 or more and at most {MAX_RADIANCE:e}"
+            "{what} has the {quantity} [{r:e}, {g:e}, {b:e}], each must be 0 or more and at most {MAX_RADIANCE:e}"
         )))
     };
+    let require = |what: &dyn Fn() -> String, rgb: [f64; 3]| require_of(what, Quantity::Radiance, rgb);
     let environment = || "the environment".to_owned();
     match &description.environment {
         Environment::Color(color) => require(&environment, *color)?,
@@ -112,7 +108,13 @@ fn require_radiances(description: &Description) -> Result<(), SceneError> {
         Environment::Image { scale, .. } => require(&environment, [scale * f64::from(f32::MAX); 3])?,
     }
     (description.objects.iter()).try_for_each(|object| match &object.role {
-        Role::Light(light) => require(&|| format!("light `{}`", object.name), light.radiance),
+        Role::Light(light) => {
+            let Emission { quantity, rgb } = light.emission;
+            require_of(&|| format!("light `{}`", object.name), quantity, rgb)
+        }
+        Role::Refractor(_) | Role::Solid(_) if !object.shape.has_surface() => {
+            Err(SceneError::new(format!("`{}`: a {} needs a surface", object.name, object.kind().name())))
+        }
         Role::Refractor(_) | Role::Solid(_) => Ok(()),
     })
 }
@@ -208,6 +210,9 @@ fn parts(description: &Description, analyses: &[Analysis]) -> Result<Vec<Part>, 
                 return Ok(Part::Mesh { mesh: Mesh::default(), smooth: false });
             }
             let name = &object.name;
+            if !object.shape.has_surface() {
+                return bodiless(&object.shape, &object.transform).map_err(|error| of_object(name, error));
+            }
             let repaired = analysis.as_ref().and_then(|topology| topology.repaired.as_deref());
             let part = part(&object.shape, repaired, &object.transform, object.is_smooth())
                 .map_err(|error| of_object(name, error))?;
@@ -226,6 +231,20 @@ fn parts(description: &Description, analyses: &[Analysis]) -> Result<Vec<Part>, 
 
 fn of_object(name: &str, error: SceneError) -> SceneError {
     SceneError { message: format!("`{name}`: {}", error.message), ..error }
+}
+
+/// What a light without a surface adds to the geometry: the place that it stands at, which must be within reach.
+fn bodiless(shape: &Shape, transform: &Transform) -> Result<Part, SceneError> {
+    shapes::validate(shape).map_err(|fault| SceneError::new(fault.message))?;
+    let (Shape::Point { position } | Shape::Spot { position, .. }) = shape else {
+        return Ok(Part::Mesh { mesh: Mesh::default(), smooth: false });
+    };
+    let position = transform.matrix().transform_point3(*position);
+    if position.is_finite() && position.abs().max_element() <= 0.5 * f64::from(f32::MAX) {
+        Ok(Part::Point(position))
+    } else {
+        Err(SceneError::new("its position is not a finite number, or too large, after the transform"))
+    }
 }
 
 /// The surface of one object; `repaired` stands for the shape's own mesh.
@@ -319,6 +338,7 @@ impl Body {
             // A sphere, or an object whose inside nothing asks for.
             (None, Part::Sphere { radius, .. }) => 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3),
             (None, Part::Mesh { mesh, .. }) => mesh.signed_volume().abs(),
+            (None, Part::Point(_)) => 0.0,
         };
         let enclosure = topology.as_ref().map_or(Enclosure::Closed, |topology| topology.enclosure);
         Self { volume: if volume > 0.0 { volume } else { f64::INFINITY }, enclosure, topology, winding: None }
@@ -338,15 +358,15 @@ fn winding_tree(geometry: &Geometry, object: u32) -> WindingTree {
     WindingTree::build(&triangles)
 }
 
-fn objects(description: &Description, origin: DVec3, bodies: Vec<Body>) -> Result<Vec<Object>, SceneError> {
+fn objects(description: &Description, geometry: &Geometry, bodies: Vec<Body>) -> Result<Vec<Object>, SceneError> {
     // Of media of one name, which the loader refuses, the first.
     let mut media: HashMap<&str, u32> = HashMap::with_capacity(description.media.len());
     for (medium, index) in description.media.iter().zip(2..) {
         media.entry(&medium.name).or_insert(index);
     }
     // There is a body for each object.
-    (description.objects.iter().zip(bodies))
-        .map(|(object, Body { volume, enclosure, topology, winding })| {
+    (description.objects.iter().zip(bodies).zip(0..))
+        .map(|((object, Body { volume, enclosure, topology, winding }), index)| {
             let surface = match &object.role {
                 Role::Refractor(refractor) => {
                     let medium = *media.get(refractor.medium.as_str()).ok_or_else(|| {
@@ -362,11 +382,14 @@ fn objects(description: &Description, origin: DVec3, bodies: Vec<Body>) -> Resul
                     Surface::Refractor { medium: MediumId(medium), priority, smooth }
                 }
                 Role::Solid(solid) => {
-                    let albedo = albedo(&solid.paint, &object.shape, &object.transform, origin);
+                    let albedo = albedo(&solid.paint, &object.shape, &object.transform, geometry.origin);
                     let smooth = solid.smooth;
                     if solid.mirror { Surface::Mirror { albedo, smooth } } else { Surface::Diffuse { albedo, smooth } }
                 }
-                Role::Light(light) => Surface::Light { radiance: Spectrum::from_rgb(light.radiance) },
+                Role::Light(light) => Surface::Light {
+                    radiance: emission::surface_radiance(object, light, geometry.area(index))?,
+                    two_sided: light.two_sided,
+                },
             };
             Ok(Object { name: object.name.clone(), surface, volume, enclosure, topology, winding })
         })
@@ -401,7 +424,7 @@ fn albedo(paint: &description::Paint, shape: &Shape, transform: &Transform, loca
 pub fn changed_objects(a: &Description, b: &Description) -> Option<Vec<ObjectId>> {
     let is_same = |a: &description::Object, b: &description::Object| -> bool {
         (a.transform, a.is_smooth(), a.visible) == (b.transform, b.is_smooth(), b.visible)
-            && is_same_shape(&a.shape, &b.shape)
+            && has_same_part(&a.shape, &b.shape)
     };
     let has_same_kinds =
         a.objects.iter().map(description::Object::kind).eq(b.objects.iter().map(description::Object::kind));
@@ -420,7 +443,7 @@ pub fn looks_the_same(a: &Description, b: &Description) -> bool {
         && a.media == b.media
         && is_same_environment(&a.environment, &b.environment)
         && changed_objects(a, b).is_some_and(|changed| changed.is_empty())
-        && a.objects.iter().zip(&*b.objects).all(|(a, b)| a.role == b.role)
+        && a.objects.iter().zip(&*b.objects).all(|(a, b)| a.role == b.role && is_same_shape(&a.shape, &b.shape))
 }
 
 fn is_same_shape(a: &Shape, b: &Shape) -> bool {
@@ -428,6 +451,15 @@ fn is_same_shape(a: &Shape, b: &Shape) -> bool {
         // Meshes are large and shared: the same one, or taken to be different.
         (Shape::Mesh { mesh: a, .. }, Shape::Mesh { mesh: b, .. }) => Arc::ptr_eq(a, b),
         _ => a == b,
+    }
+}
+
+/// Whether shapes leave the same in the geometry: a light without a surface its place and no more.
+fn has_same_part(a: &Shape, b: &Shape) -> bool {
+    match (a, b) {
+        (Shape::Spot { position: a, .. }, Shape::Spot { position: b, .. }) => a == b,
+        (Shape::Directional { .. }, Shape::Directional { .. }) => true,
+        _ => is_same_shape(a, b),
     }
 }
 

@@ -11,12 +11,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-pub use self::objects::{Kind, Light, Object, Objects, Paint, Refractor, Role, Solid};
+pub use self::objects::{Emission, Kind, Light, Object, Objects, Paint, Quantity, Refractor, Role, Solid};
 pub use self::shape::{Shape, Transform};
 use super::environment::EnvironmentImage;
 use crate::optics::{Ior, Medium};
 
-/// The most radiance of lights and environments. What can be made of it, such as squares of sums over all samples, stays finite.
+/// The most radiance, intensity, irradiance and power of lights, and the most radiance of environments. What can be made of it, such as squares of sums over all samples, stays finite.
 pub const MAX_RADIANCE: f64 = 1e100;
 
 /// A whole scene. Lengths are in scene units, angles in degrees, radiance in linear RGB (Rec. 709); right-handed, y up.

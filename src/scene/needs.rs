@@ -39,8 +39,10 @@ needs! {
     /// Analytic spheres.
     spheres,
     triangles,
-    /// Objects that emit.
+    /// Lights other than the environment.
     emitters,
+    /// Directional lights that rays see which escape.
+    suns,
     /// An environment worth sampling: an image.
     image_environment,
 }

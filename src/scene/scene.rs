@@ -72,7 +72,11 @@ pub enum Surface {
     Refractor { medium: MediumId, priority: i32, smooth: bool },
     Diffuse { albedo: Albedo, smooth: bool },
     Mirror { albedo: Albedo, smooth: bool },
-    Light { radiance: Spectrum },
+    /// Black where the light has no surface.
+    Light {
+        radiance: Spectrum,
+        two_sided: bool,
+    },
 }
 
 /// Albedo by place.
@@ -192,6 +196,12 @@ impl Scene {
     #[inline]
     pub fn is_refractor(&self, id: ObjectId) -> bool {
         matches!(self.object(id).surface, Surface::Refractor { .. })
+    }
+
+    /// Whether a light emits from the side that `is_front` tells; other objects do not.
+    #[inline]
+    pub fn emits(&self, id: ObjectId, is_front: bool) -> bool {
+        matches!(self.object(id).surface, Surface::Light { two_sided, .. } if two_sided || is_front)
     }
 
     /// The priority of a refractor; the lowest of all for other objects.

@@ -47,6 +47,7 @@ impl SceneNeeds {
             spheres: geometry.sphere_count() > 0,
             triangles: geometry.triangle_count() > 0,
             emitters: !emitters.is_empty(),
+            suns: emitters.suns().next().is_some(),
             image_environment: environment.is_image(),
         }
     }
@@ -56,6 +57,7 @@ impl SceneNeeds {
         Self {
             image_environment: self.image_environment && scene.environment.is_image(),
             emitters: self.emitters && !scene.emitters.is_empty(),
+            suns: self.suns && scene.emitters.suns().next().is_some(),
             ..self
         }
     }

@@ -7,8 +7,8 @@ use glam::DVec3;
 
 use super::camera::Camera;
 use super::description::{
-    CameraDescription, Environment, Kind, Light, MAX_RADIANCE, Object, Paint, Refractor, Role, Shape, Solid, Transform,
-    WorldMedium,
+    CameraDescription, Environment, Kind, Light, MAX_RADIANCE, Object, Paint, Quantity, Refractor, Role, Shape, Solid,
+    Transform, WorldMedium,
 };
 use super::environment::EnvironmentImage;
 use super::error::Fault;
@@ -145,12 +145,13 @@ impl Object {
         let role: Role = match kind {
             Kind::Refractor => Refractor::of("").into(),
             Kind::Solid => Solid::of(Paint::Color(DEFAULT_ALBEDO)).into(),
-            Kind::Light => Light { radiance: [0.0; 3] }.into(),
+            Kind::Light => Light::of_radiance([0.0; 3]).into(),
         };
         Self::new("", Shape::blank("sphere"), role)
     }
 
     pub fn fields(&mut self, v: &mut dyn Visitor) {
+        let kind = self.kind();
         let Self { name, shape, transform, visible, role } = self;
         v.slot("name", Slot::Name(name));
         match role {
@@ -173,13 +174,61 @@ impl Object {
                 v.optional("mirror", mirror, false, ANY);
                 v.optional("smooth", smooth, false, ANY);
             }
-            Role::Light(Light { radiance }) => _ = v.need("radiance", radiance, RADIANCE),
+            Role::Light(light) => light.fields(shape, v),
         }
-        v.table("shape", |v| shape.fields(v));
+        match shape.light_form() {
+            "shape" => _ = v.table("shape", |v| shape.fields(v)),
+            form => {
+                v.table(form, |v| shape.form_fields(v));
+                v.check(&|| match kind {
+                    Kind::Light => Ok(()),
+                    _ => Fault::at("shape", format!("a {} needs a `shape`", kind.name())),
+                });
+            }
+        }
         v.optional("visible", visible, true, ANY);
         let is_default = Some(*transform == Transform::IDENTITY);
         let slot = Slot::Table(&mut |v| transform.fields(v, shape));
         v.field(Field { key: "transform", slot, is_default });
+    }
+}
+
+impl Light {
+    /// Of a light of that shape, whose form is found out here.
+    fn fields(&mut self, shape: &mut Shape, v: &mut dyn Visitor) {
+        let form = v.form(&Shape::LIGHT_FORMS, shape.light_form(), None);
+        let Self { emission, two_sided } = self;
+        if form != shape.light_form() {
+            *shape = Shape::blank(form);
+            emission.quantity = shape.quantity();
+        }
+        let own = shape.quantity();
+        for other in [Quantity::Radiance, Quantity::Intensity, Quantity::Irradiance].into_iter().filter(|q| *q != own) {
+            v.refuse(other.name(), &format!("`{}` is not what a `{form}` has; give its `{}`", other.name(), own.name()));
+        }
+        if form == "directional" {
+            v.refuse("power", "a `directional` light has no `power` of its own; give its `irradiance`");
+        }
+        let choice = [own.name(), Quantity::Power.name()];
+        let forms = if form == "directional" { &choice[..1] } else { &choice[..] };
+        emission.quantity = match v.form(forms, emission.quantity.name(), None) {
+            "power" => Quantity::Power,
+            _ if emission.quantity == Quantity::Power => own,
+            _ => emission.quantity,
+        };
+        let quantity = emission.quantity;
+        v.need(quantity.name(), &mut emission.rgb, RADIANCE);
+        v.check(&|| match forms.contains(&quantity.name()) {
+            true => Ok(()),
+            false => {
+                Fault::at(quantity.name(), format!("a `{form}` has no `{}`; give its `{}`", quantity.name(), own.name()))
+            }
+        });
+        if form == "shape" {
+            v.optional("two_sided", two_sided, false, ANY);
+        } else {
+            v.refuse("two_sided", &format!("`two_sided` belongs to a light with a `shape`, but this one is a `{form}`"));
+        }
     }
 }
 
@@ -245,8 +294,18 @@ impl Transform {
 impl Shape {
     const FORMS: [&str; 8] = ["sphere", "icosphere", "box", "cylinder", "torus", "lathe", "quad", "mesh"];
 
+    /// The keys of a light that say where it is.
+    const LIGHT_FORMS: [&str; 4] = ["shape", "point", "spot", "directional"];
+
+    fn light_form(&self) -> &'static str {
+        if self.has_surface() { "shape" } else { self.form() }
+    }
+
     fn form(&self) -> &'static str {
         match self {
+            Self::Point { .. } => "point",
+            Self::Spot { .. } => "spot",
+            Self::Directional { .. } => "directional",
             Self::Sphere { .. } => "sphere",
             Self::Icosphere { .. } => "icosphere",
             Self::Box { .. } => "box",
@@ -269,6 +328,9 @@ impl Shape {
             "lathe" => Self::Lathe { profile: Vec::new(), segments },
             "quad" => Self::Quad { center, edge_u: DVec3::X, edge_v: DVec3::Z },
             "mesh" => Self::Mesh { path: PathBuf::new(), mesh: Arc::default(), notes: Vec::new() },
+            "point" => Self::Point { position: center },
+            "spot" => Self::Spot { position: DVec3::Y, target: center, inner_angle: 20.0, outer_angle: 30.0 },
+            "directional" => Self::Directional { direction: DVec3::NEG_Y, angle: 0.0 },
             _ => Self::Sphere { center, radius },
         }
     }
@@ -282,13 +344,15 @@ impl Shape {
             v.slot("mesh", Slot::Mesh { path, mesh, notes });
             return v.check(&|| shapes::validate(self).map_err(|fault| Fault { key: "mesh", ..fault }));
         }
-        v.table(form, |v| {
-            self.number_fields(v);
-            v.check(&|| shapes::validate(self));
-        });
+        v.table(form, |v| self.form_fields(v));
     }
 
     /// Of a shape that is given by numbers.
+    fn form_fields(&mut self, v: &mut dyn Visitor) {
+        self.number_fields(v);
+        v.check(&|| shapes::validate(self));
+    }
+
     fn number_fields(&mut self, v: &mut dyn Visitor) {
         match self {
             Self::Sphere { center, radius } => v.need("center", center, ANY).need("radius", radius, ANY),
@@ -311,6 +375,14 @@ impl Shape {
                 v.need("center", center, ANY).need("edge_u", edge_u, ANY).need("edge_v", edge_v, ANY)
             }
             Self::Mesh { .. } => v,
+            Self::Point { position } => v.need("position", position, ANY),
+            Self::Spot { position, target, inner_angle, outer_angle } => {
+                v.need("position", position, ANY).need("target", target, ANY);
+                v.need("inner_angle", inner_angle, ANY).need("outer_angle", outer_angle, ANY)
+            }
+            Self::Directional { direction, angle } => {
+                v.need("direction", direction, ANY).optional("angle", angle, 0.0, ANY)
+            }
         };
     }
 }

@@ -8,7 +8,7 @@ use super::sampler::Sampler;
 use crate::geometry::SurfacePoint;
 use crate::scatter::Transport;
 use crate::scene::ObjectId;
-use crate::scene::lights::{DirectSample, Light, Target};
+use crate::scene::lights::{DirectSample, Target};
 use crate::spectrum::Spectrum;
 use crate::tracking::{Events, Tracker};
 
@@ -30,8 +30,14 @@ impl<T: Tracker> TrackedScene<'_, T> {
         // The environment and the emitters are each asked: a choice between them would waste half of the samples where only one is seen.
         if self.needs.image_environment {
             let u = sampler.get_2d(dimensions + dimension::ENVIRONMENT);
-            if let Some(sample) = scene.environment.sample(u) {
-                radiance += self.direct_from(&sample, vertex, wo, traveller, shadow);
+            if let Some((direction, pdf)) = scene.environment.sample_direction(u) {
+                // What is not seen is not looked up.
+                let (target, is_delta) = (Target::Environment, false);
+                let sample = DirectSample { direction, pdf, radiance: Spectrum::ONE, is_delta, target };
+                let share = self.direct_from(&sample, vertex, wo, traveller, shadow);
+                if !share.is_black() {
+                    radiance += scene.environment.radiance(direction) * share;
+                }
             }
         }
         if self.needs.emitters {
@@ -60,17 +66,11 @@ impl<T: Tracker> TrackedScene<'_, T> {
             return Spectrum::ZERO;
         }
         let Some(transmittance) = self.visibility(vertex, sample, traveller, shadow) else { return Spectrum::ZERO };
-        let radiance = self.light(sample.target).map_or(Spectrum::ZERO, |light| light.radiance(sample.direction));
-        let weight = power_heuristic(sample.pdf, scattering.pdf(normals, wo, sample.direction));
-        radiance * transmittance * scattered * (weight / sample.pdf)
-    }
-
-    #[inline]
-    fn light(&self, target: Target) -> Option<Light<'_>> {
-        match target {
-            Target::Environment => Some(self.scene.environment_light()),
-            Target::Object(object) => self.scene.emitters.find(object).map(|(light, _)| Light::Area(light)),
-        }
+        let weight = match sample.is_delta {
+            true => 1.0,
+            false => power_heuristic(sample.pdf, scattering.pdf(normals, wo, sample.direction)),
+        };
+        sample.radiance * transmittance * scattered * (weight / sample.pdf)
     }
 
     /// Transmittance from `vertex` to the light that was sampled, through surfaces that do not bend light and those that the mode skips; `None`
@@ -97,23 +97,36 @@ impl<T: Tracker> TrackedScene<'_, T> {
         }
         // Whether the ray may pass through a refractor unbent, and so must look at each one it meets.
         let can_pass = self.needs.index_matching || self.tracker.can_skip();
-        if sample.target == Target::Environment && !can_pass {
+        // How far nothing may be in the way; `None` to a surface, which is met itself.
+        let open_to = match sample.target {
+            Target::Environment => Some(f64::INFINITY),
+            Target::Point { distance } => Some(distance),
+            Target::Surface { .. } => None,
+        };
+        if let Some(distance) = open_to
+            && !can_pass
+        {
             let is_open = match self.tracker.mask() {
-                Some(mask) => !scene.geometry.is_occluded_but(&ray, f64::INFINITY, mask),
-                None => !scene.geometry.is_occluded(&ray, f64::INFINITY),
+                Some(mask) => !scene.geometry.is_occluded_but(&ray, distance, mask),
+                None => !scene.geometry.is_occluded(&ray, distance),
             };
-            return is_open.then(|| self.transmittance(medium, &ray, f64::INFINITY));
+            return is_open.then(|| self.transmittance(medium, &ray, distance));
         }
         let mut transmittance = Spectrum::ONE;
         loop {
-            let Some(hit) = self.closest(&ray) else {
-                let is_arrived = sample.target == Target::Environment;
-                return is_arrived.then(|| transmittance * self.transmittance(medium, &ray, f64::INFINITY));
-            };
+            let hit = self.closest(&ray);
+            if let Some(distance) = open_to
+                && hit.is_none_or(|hit| hit.t >= distance)
+            {
+                return Some(transmittance * self.transmittance(medium, &ray, distance));
+            }
+            let hit = hit?;
             transmittance *= self.transmittance(medium, &ray, hit.t);
             let object = ObjectId(scene.geometry.object_of(hit.primitive));
-            if sample.target == Target::Object(object) {
-                return hit.is_front.then_some(transmittance);
+            if let Target::Surface { object: target, primitive } = sample.target
+                && target == object
+            {
+                return (hit.primitive == primitive && scene.emits(object, hit.is_front)).then_some(transmittance);
             }
             if !can_pass || !scene.is_refractor(object) {
                 return None;
@@ -140,6 +153,17 @@ impl<T: Tracker> TrackedScene<'_, T> {
     #[inline]
     pub(super) fn environment_pdf(&self, direction: DVec3) -> f64 {
         if self.needs.image_environment { self.scene.environment.pdf(direction) } else { 0.0 }
+    }
+
+    /// Radiance of the suns, which a ray sees that escapes along `direction`. `scattered` is the density with which the path was scattered there, if
+    /// light sampling competes with that.
+    pub(super) fn suns(&self, direction: DVec3, scattered: Option<f64>) -> Spectrum {
+        let mut radiance = Spectrum::ZERO;
+        for (sun, probability) in self.scene.emitters.suns().filter(|(sun, _)| sun.is_seen(direction)) {
+            let sampled = if self.needs.emitters { probability * sun.pdf_direct(direction) } else { 0.0 };
+            radiance += sun.disc_radiance() * scattered.map_or(1.0, |pdf| power_heuristic(pdf, sampled));
+        }
+        radiance
     }
 
     /// Density per steradian with which emitters are sampled in the `direction` from `from` to `point` of `object`.

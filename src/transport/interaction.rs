@@ -44,9 +44,9 @@ pub struct Traveller<'a, S> {
 /// What a ray meets first.
 #[derive(Debug)]
 pub enum Interaction {
-    /// Nothing, and the ray leaves the scene: light of the environment.
+    /// Nothing, and the ray leaves the scene: light of the environment, to which that of [`TrackedScene::suns`] comes.
     Escapes { radiance: Spectrum },
-    /// A light, whose outward side is met if `hit` is in front; there the path ends.
+    /// A light, whose outward side is met if `hit` is in front; there the path ends. See [`Scene::emits`].
     Emits { light: ObjectId, radiance: Spectrum, hit: Hit },
     /// A refractor's surface that does not bend light, or that the tracker skips. `ray` goes on behind it.
     Passes { ray: Ray, crossing: Crossing, sides: Option<Sides> },
@@ -85,7 +85,7 @@ impl<T: Tracker> TrackedScene<'_, T> {
         };
         let object = ObjectId(scene.geometry.object_of(hit.primitive));
         let (scattering, point, smooth, crossing) = match scene.object(object).surface {
-            Surface::Light { radiance } => {
+            Surface::Light { radiance, .. } => {
                 return Interaction::Emits { light: object, radiance, hit: *hit };
             }
             Surface::Refractor { smooth, .. } => {

@@ -229,10 +229,14 @@ impl<T: Tracker> PathTracer<'_, T> {
             Interaction::Escapes { radiance } => {
                 let weight = path.last.map_or(1.0, |l| power_heuristic(l.pdf, tracked.environment_pdf(ray.direction)));
                 path.radiance += path.beta * radiance * (path.radiance_scale * weight);
+                if tracked.needs.suns {
+                    let suns = tracked.suns(ray.direction, path.last.map(|l| l.pdf));
+                    path.radiance += path.beta * suns * path.radiance_scale;
+                }
                 return None;
             }
             Interaction::Emits { light, radiance, hit } => {
-                if hit.is_front {
+                if tracked.scene.emits(light, hit.is_front) {
                     let weight = path.last.map_or(1.0, |l| {
                         let point = tracked.scene.geometry.surface(ray, &hit);
                         power_heuristic(l.pdf, tracked.emitter_pdf(l.position, ray.direction, light, &point))

@@ -119,7 +119,7 @@ fn solid(name: &str, shape: Shape) -> Object {
 }
 
 fn lamp(shape: Shape) -> Object {
-    Object::new("lamp", shape, Light { radiance: [9.0; 3] })
+    Object::new("lamp", shape, Light::of_radiance([9.0; 3]))
 }
 
 fn quad(center: [f64; 3], edge_u: [f64; 3], edge_v: [f64; 3]) -> Shape {

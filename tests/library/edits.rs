@@ -86,7 +86,7 @@ fn an_edit_that_adds_a_need_brings_its_work_back() {
         (
             "emitters",
             Box::new(|d| {
-                d.objects.push(Object::new("lamp", quad(3.0), Light { radiance: [9.0; 3] }));
+                d.objects.push(Object::new("lamp", quad(3.0), Light::of_radiance([9.0; 3])));
             }),
         ),
         ("image_environment", Box::new(|d| d.environment = picture.clone())),

@@ -140,7 +140,7 @@ fn f02_a_lamp_in_ice_in_water() {
     add(&mut description, icosphere(DVec3::new(0.2, -0.5, 0.1), 0.8), 1.31, 0.0);
     let (lamp, radius) = (DVec3::new(0.3, -0.4, 0.1), 0.2);
     description.environment = Environment::Color([0.0; 3]);
-    description.objects.push(Object::new("lamp", sphere(lamp, radius), Light { radiance: [1.0; 3] }));
+    description.objects.push(Object::new("lamp", sphere(lamp, radius), Light::of_radiance([1.0; 3])));
     let (prepared, truth) = check_as_written(description, 400);
     must_differ(&prepared, &truth, Mode::Stack, 400, 50);
     // The lamp's own patch says what it shines into.

@@ -21,6 +21,7 @@ mod geometry;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod layering;
+mod lights;
 mod loaders;
 mod measure;
 mod moved_scenes;

@@ -19,7 +19,7 @@ fn room() -> Description {
         Shape::Quad { center: DVec3::ZERO, edge_u: DVec3::Z * 6.0, edge_v: DVec3::X * 6.0 },
         Solid::of(Paint::Color([0.7; 3])),
     ));
-    description.objects.push(Object::new("lamp", sphere(DVec3::new(0.5, 2.5, 0.0), 0.2), Light { radiance: [5.0; 3] }));
+    description.objects.push(Object::new("lamp", sphere(DVec3::new(0.5, 2.5, 0.0), 0.2), Light::of_radiance([5.0; 3])));
     description.camera.position = DVec3::new(0.0, 9.0, 0.5);
     description.camera.vertical_fov = 20.0;
     description

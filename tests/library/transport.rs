@@ -35,7 +35,7 @@ fn floor() -> Description {
 }
 
 fn lamp(shape: Shape) -> Object {
-    Object::new("lamp", shape, Light { radiance: [5.0; 3] })
+    Object::new("lamp", shape, Light::of_radiance([5.0; 3]))
 }
 
 /// A lamp that looks down: half a unit by a unit, at a height of 1, straight above the point that is seen.

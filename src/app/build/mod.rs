@@ -126,7 +126,7 @@ impl Addition {
             Self::BallLight => {
                 let radius = rounded(0.2 * size, 0.1 * decade(size));
                 let shape = Shape::Sphere { center: DVec3::ZERO, radius };
-                let mut light = Object::new(self.name(), shape, Light { radiance: [20.0; 3] });
+                let mut light = Object::new(self.name(), shape, Light::of_radiance([20.0; 3]));
                 light.transform.translate = spot.above(0.9);
                 (light, "")
             }
@@ -134,7 +134,7 @@ impl Addition {
                 let side = rounded(1.5 * size, 0.1 * decade(size));
                 let (edge_u, edge_v) = (DVec3::X * side, DVec3::Z * side);
                 let shape = Shape::Quad { center: DVec3::ZERO, edge_u, edge_v };
-                let mut light = Object::new(self.name(), shape, Light { radiance: [5.0; 3] });
+                let mut light = Object::new(self.name(), shape, Light::of_radiance([5.0; 3]));
                 light.transform.translate = spot.above(2.5);
                 (light, "")
             }
@@ -279,7 +279,7 @@ pub fn empty_scene() -> Description {
             floor,
             Solid::of(Paint::Checker { a: [0.5, 0.44, 0.38], b: [0.42, 0.36, 0.3], size: 0.5 }),
         ),
-        Object::new("window", panel, Role::Light(Light { radiance: [7.0, 6.6, 6.0] })),
+        Object::new("window", panel, Role::Light(Light::of_radiance([7.0, 6.6, 6.0]))),
     ]
     .into_iter()
     .collect();

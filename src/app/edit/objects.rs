@@ -3,7 +3,7 @@
 use super::EditKey;
 use crate::app::objects::{Manipulation, replaced};
 use crate::optics::Medium;
-use crate::scene::description::{Object, Paint, Role, Shape, Transform};
+use crate::scene::description::{Emission, Object, Paint, Role, Shape, Transform};
 use crate::scene::tables::medium_fields;
 use crate::scene::{Description, Fault, validate};
 
@@ -26,7 +26,9 @@ pub enum ObjectEdit {
     /// Of a solid.
     Mirror(bool),
     /// Of a light.
-    Radiance([f64; 3]),
+    Emission(Emission),
+    /// Whether a light emits from its inward side too.
+    TwoSided(bool),
 }
 
 impl ObjectEdit {
@@ -40,7 +42,8 @@ impl ObjectEdit {
             Self::Smooth(_) => format!("smoothing of {name}"),
             Self::Paint(_) => format!("colour of {name}"),
             Self::Mirror(_) => format!("mirror of {name}"),
-            Self::Radiance(_) => format!("light of {name}"),
+            Self::Emission(_) => format!("light of {name}"),
+            Self::TwoSided(_) => format!("sides of {name}"),
         })
     }
 
@@ -70,8 +73,11 @@ impl ObjectEdit {
             },
             Self::Paint(paint) => object.solid_mut().is_some_and(|solid| replaced(&mut solid.paint, *paint)),
             Self::Mirror(mirror) => object.solid_mut().is_some_and(|solid| replaced(&mut solid.mirror, *mirror)),
-            Self::Radiance(radiance) => {
-                object.light_mut().is_some_and(|light| replaced(&mut light.radiance, *radiance))
+            Self::Emission(emission) => {
+                object.light_mut().is_some_and(|light| replaced(&mut light.emission, *emission))
+            }
+            Self::TwoSided(two_sided) => {
+                object.light_mut().is_some_and(|light| replaced(&mut light.two_sided, *two_sided))
             }
         }
     }

@@ -9,6 +9,7 @@ mod environment;
 mod gallery;
 mod histogram;
 mod inspector;
+mod light;
 mod measure;
 mod medium;
 mod menu_bar;

@@ -46,18 +46,23 @@ fn transform_ui(ui: &mut Ui, object: &Object, commands: &mut Vec<Command>) {
     let transform = *transform;
     let pivot = objects::pivot(shape);
     let (min, max) = objects::bounds(shape);
-    let size = ((max - min) * transform.scale).length();
+    // A light without a surface has no size; one from afar has no place either.
+    let has_surface = shape.has_surface();
+    let place = transform.matrix().transform_point3(pivot);
+    let size = if has_surface { ((max - min) * transform.scale).length() } else { place.length().max(1.0) };
     let mut set = |manipulation, transform: Transform| {
         commands.push(Command::object(name.to_owned(), ObjectEdit::Transform(manipulation, transform)));
     };
     let about = "Translation in scene units; it comes after scale and rotation.";
     let label = format!("Move {name} along");
     let triple = Triple { speeds: [0.004 * size.max(1e-9); 3], ..Triple::new(XYZ, &label, about) };
-    row_ui(ui, "Move", about, |ui| {
-        if let Some(translate) = vector_ui(ui, &triple, transform.translate) {
-            set(Manipulation::Move, Transform { translate, ..transform });
-        }
-    });
+    if !matches!(shape, Shape::Directional { .. }) {
+        row_ui(ui, "Move", about, |ui| {
+            if let Some(translate) = vector_ui(ui, &triple, transform.translate) {
+                set(Manipulation::Move, Transform { translate, ..transform });
+            }
+        });
+    }
     let about = "Degrees about the fixed axes x, y and z, in this order. The middle of the object stays where it is.";
     let label = format!("Rotate {name} along");
     let triple = Triple { speeds: [0.5; 3], suffix: "°", ..Triple::new(XYZ, &label, about) };
@@ -66,6 +71,9 @@ fn transform_ui(ui: &mut Ui, object: &Object, commands: &mut Vec<Command>) {
             set(Manipulation::Rotate, objects::rotated_to(&transform, rotate, pivot));
         }
     });
+    if !has_surface {
+        return;
+    }
     if matches!(shape, Shape::Sphere { .. }) {
         let about = "Factor of size, not 0. A sphere is analytic and keeps its shape: one factor for all axes. An icosphere can be stretched.";
         row_ui(ui, "Scale", about, |ui| {

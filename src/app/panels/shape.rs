@@ -26,7 +26,8 @@ const LIST_HEIGHT: f32 = 170.0;
 pub fn show(ui: &mut Ui, description: &Description, object: &Object, commands: &mut Vec<Command>) {
     let name = &object.name;
     let (min, max) = objects::bounds(&object.shape);
-    let rows = Rows { name, speed: 0.004 * (max - min).length().clamp(1e-9, 1e9) };
+    let size = if object.shape.has_surface() { (max - min).length() } else { max.length().max(1.0) };
+    let rows = Rows { name, speed: 0.004 * size.clamp(1e-9, 1e9) };
     let edited = match &object.shape {
         Shape::Sphere { center, radius } => {
             rows.ball(ui, *center, *radius).map(|(center, radius)| Shape::Sphere { center, radius })
@@ -78,6 +79,24 @@ pub fn show(ui: &mut Ui, description: &Description, object: &Object, commands: &
                 edge_v: rows.vector(ui, "Edge v", about, *edge_v).unwrap_or(*edge_v),
             };
             Some(new)
+        }
+        Shape::Point { position } => Some(Shape::Point { position: rows.position(ui, *position) }),
+        Shape::Spot { position, target, inner_angle, outer_angle } => {
+            let about = "The place that it shines at, in the object's own coordinates.";
+            let inner = "Angle to the axis within which it is brightest: half of the bright cone.";
+            let outer = "Angle to the axis beyond which it is dark: half of the whole cone.";
+            Some(Shape::Spot {
+                position: rows.position(ui, *position),
+                target: rows.vector(ui, "Target", about, *target).unwrap_or(*target),
+                inner_angle: rows.angle(ui, "Inner angle", inner, *inner_angle, *outer_angle),
+                outer_angle: rows.angle(ui, "Outer angle", outer, *outer_angle, 180.0).max(*inner_angle),
+            })
+        }
+        Shape::Directional { direction, angle } => {
+            let about = "The way that the light goes. Its length does not matter.";
+            let sun = "Full angle under which the light is seen, 0 or from 0.001°. The sun's is 0.53°; at 0 shadows are sharp and nothing sees it.";
+            let direction = rows.vector(ui, "Direction", about, *direction).unwrap_or(*direction);
+            Some(Shape::Directional { direction, angle: rows.angle(ui, "Angle", sun, *angle, 180.0) })
         }
         Shape::Mesh { path, mesh, .. } => {
             fact_ui(ui, "Mesh", format!("{} triangles", mesh.triangles.len()), &path.display().to_string());
@@ -163,6 +182,21 @@ impl Rows<'_> {
     fn center(&self, ui: &mut Ui, center: DVec3) -> DVec3 {
         self.vector(ui, "Centre", "In the object's own coordinates: before scale, rotation and move.", center)
             .unwrap_or(center)
+    }
+
+    fn position(&self, ui: &mut Ui, position: DVec3) -> DVec3 {
+        let about = "In the object's own coordinates: before scale, rotation and move.";
+        self.vector(ui, "Position", about, position).unwrap_or(position)
+    }
+
+    /// In degrees, from 0.
+    fn angle(&self, ui: &mut Ui, row: &str, about: &str, value: f64, most: f64) -> f64 {
+        let mut edited = value;
+        row_ui(ui, row, about, |ui| {
+            let drag = DragValue::new(&mut edited).speed(0.1).suffix("°").max_decimals(DECIMALS);
+            number_within_ui(ui, 84.0, 0.0..=most, drag, format!("{row} of {}", self.name), about);
+        });
+        edited
     }
 
     fn length(&self, ui: &mut Ui, row: &str, about: &str, value: f64) -> f64 {

@@ -264,4 +264,39 @@ colour = [0, 0, 0]
         }
         assert!(parse(HEAD, Path::new("s.toml"), &Memory::default()).is_ok(), "the twin");
     }
+
+    /// Each with one mistake, which is said once, where it is, and with what to do.
+    #[test]
+    fn impossible_lights_are_refused() {
+        let spot = "spot = { position = [0, 3, 0], target = [0, 0, 0], inner_angle = 20, outer_angle = 30 }";
+        let ball = "shape = { sphere = { center = [0, 0, 0], radius = 1 } }";
+        let sun = "directional = { direction = [1, -1, 0] }";
+        for (light, place, word) in [
+            ("intensity = [1, 1, 1]".to_owned(), "s.toml:4:1", "shape, point, spot, directional"),
+            (format!("{spot}\n{ball}\nintensity = [1, 1, 1]"), "s.toml:4:1", "shape, point, spot, directional"),
+            (format!("{spot}\nradiance = [1, 1, 1]"), "s.toml:7:12", "give its `intensity`"),
+            (format!("{ball}\nintensity = [1, 1, 1]"), "s.toml:7:13", "give its `radiance`"),
+            (format!("{ball}\nradiance = [1, 1, 1]\npower = [1, 1, 1]"), "s.toml:4:1", "exactly one of radiance, power"),
+            (ball.to_owned(), "s.toml:4:1", "exactly one of radiance, power"),
+            (spot.to_owned(), "s.toml:4:1", "exactly one of intensity, power"),
+            (sun.to_owned(), "s.toml:4:1", "exactly one of irradiance"),
+            (format!("{sun}\npower = [1, 1, 1]"), "s.toml:7:9", "give its `irradiance`"),
+            (format!("{sun}\nirradiance = [1, 1, 1]\ntwo_sided = true"), "s.toml:8:13", "belongs to a light with a `shape`"),
+            (format!("{sun}\nirradiance = [1, -1, 1]"), "s.toml:7", "0 or more"),
+            (format!("{spot}\npower = [1, 1, 1e101]"), "s.toml:7", "at most 1e100"),
+            (format!("{}\npower = [1, 1, 1]", spot.replace("30", "10")), "s.toml:6:92", "less than inner_angle"),
+            (format!("{}\npower = [1, 1, 1]", spot.replace("30", "190")), "s.toml:6:92", "from 0 to 180"),
+            (format!("{}\npower = [1, 1, 1]", spot.replace("[0, 3, 0]", "[0, 0, 0]")), "s.toml:6:47", "no direction"),
+            (format!("{}\npower = [1, 1, 1]", spot.replace(", outer_angle = 30", "")), "s.toml:6", "outer_angle"),
+            (format!("{}\nirradiance = [1, 1, 1]", sun.replace("[1, -1, 0]", "[0, 0, 0]")), "s.toml:6:31", "no length"),
+            (format!("{}\nirradiance = [1, 1, 1]", sun.replace(" }", ", angle = 200 }")), "s.toml:6:51", "or from 0.001 to 180"),
+            (format!("{}\nirradiance = [1, 1, 1]", sun.replace(" }", ", angel = 1 }")), "s.toml:6", "angel"),
+        ] {
+            let text = format!("{HEAD}[[light]]\nname = \"l\"\n{light}\n");
+            let found = errors(&text);
+            assert!(found.len() == 1 && found[0].starts_with(place) && found[0].contains(word), "{light}: {found:#?}");
+        }
+        let wrong = format!("{HEAD}[[solid]]\nname = \"l\"\n{sun}\n");
+        assert!(errors(&wrong)[0].contains("directional"), "{:?}", errors(&wrong));
+    }
 }

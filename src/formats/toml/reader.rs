@@ -119,13 +119,14 @@ pub(super) fn read_table(
         keys: Vec::new(),
         missing: Vec::new(),
         is_lost: false,
+        has_refused: false,
         has_bad_table: !is_checked,
     };
     fields(&mut reader);
-    let Reader { table, keys, missing, context, .. } = reader;
+    let Reader { table, keys, missing, has_refused, context, .. } = reader;
     let before = context.errors.len();
     context.errors.extend(table.unknown(&keys));
-    if context.errors.len() == before {
+    if context.errors.len() == before && !has_refused {
         context.errors.extend(missing);
     }
 }
@@ -165,6 +166,8 @@ struct Reader<'t, 'c, 'f> {
     missing: Vec<SceneError>,
     /// Whether it is not known which form the table has: what is said of its fields then would be wrong.
     is_lost: bool,
+    /// Whether there is a key that other forms have: it probably stands for one that is missing.
+    has_refused: bool,
     /// Whether a table that others look at has errors.
     has_bad_table: bool,
 }
@@ -273,6 +276,7 @@ impl Visitor for Reader<'_, '_, '_> {
         self.allow(key);
         if let Some(node) = self.table.get(key).filter(|_| !self.is_lost) {
             self.context.errors.push(node.error(why));
+            self.has_refused = true;
         }
     }
 

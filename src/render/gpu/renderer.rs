@@ -17,6 +17,7 @@ use crate::rectify::start::StartRegion;
 use crate::render::film::Film;
 use crate::render::renderer::{RenderTask, Renderer, Unsupported};
 use crate::render::settings::{Backend, Estimator};
+use crate::scene::lights::Light;
 use crate::scene::needs::SceneNeeds;
 use crate::scene::{MediumId, Surface};
 use crate::tracking::{Events, Mode};
@@ -261,6 +262,15 @@ impl Renderer for Gpu {
                 let what = format!("a place on {where_} at which too many refractors meet");
                 return Err(unsupported(&what, "use the CPU"));
             }
+        }
+        for (light, _) in scene.emitters.iter() {
+            let name = |id: Option<crate::scene::ObjectId>| id.map_or_else(String::new, |id| scene.object(id).name.clone());
+            let what = match light {
+                Light::Area(area) if area.two_sided => "a light with two sides",
+                Light::Area(_) | Light::Environment(_) => continue,
+                Light::Point(_) | Light::Spot(_) | Light::Directional(_) => "a light without a surface",
+            };
+            return Err(unsupported(&format!("{what}, {},", name(light.object())), "use the CPU"));
         }
         let position = camera.position - scene.geometry.origin;
         if starts(task, position).whole().is_none() {

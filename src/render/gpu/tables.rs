@@ -192,7 +192,7 @@ pub struct LightTables {
 impl LightTables {
     pub fn new(scene: &Scene, slots: &[u32]) -> Self {
         let mut tables = Self { rotation: [0.0, 1.0], image_size: [1, 1], ..Self::default() };
-        for (light, _) in scene.emitters.iter() {
+        for (light, _) in scene.emitters.areas() {
             tables.areas.push(tables.words.len() as u32);
             if let ObjectRange::Triangles(range) = scene.geometry.range(light.object.0) {
                 let mut sum = 0.0;
@@ -265,7 +265,7 @@ impl AnswerTables {
         let mut emitter_of = vec![NOTHING; scene.objects.len()];
         let mut cumulative = 0.0;
         let mut emitters = Vec::new();
-        for (index, (light, probability)) in scene.emitters.iter().enumerate() {
+        for (index, (light, probability)) in scene.emitters.areas().enumerate() {
             emitter_of[light.object.0 as usize] = index as u32;
             cumulative += probability;
             emitters.push(layout::Emitter {
@@ -346,7 +346,7 @@ fn object(scene: &Scene, id: ObjectId, emitter: u32, outside: u32, scale: f64) -
             paint(albedo);
             (object.kind, object.is_smooth) = (2, u32::from(*smooth));
         }
-        Surface::Light { radiance } => (object.kind, object.color) = (3, rgb(*radiance)),
+        Surface::Light { radiance, .. } => (object.kind, object.color) = (3, rgb(*radiance)),
     }
     object
 }

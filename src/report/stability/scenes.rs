@@ -112,7 +112,7 @@ pub fn onto_block(c: f64) -> Ray {
 pub fn level_lamp(height: f64) -> Object {
     let (edge_u, edge_v) = (DVec3::Z * 4e5, DVec3::X * 4e5 * -height.signum());
     let shape = Shape::Quad { center: DVec3::Y * height, edge_u, edge_v };
-    Object::new("lamp", shape, Light { radiance: [1.0; 3] })
+    Object::new("lamp", shape, Light::of_radiance([1.0; 3]))
 }
 
 /// # Errors

@@ -44,10 +44,34 @@ pub struct Solid {
     pub smooth: bool,
 }
 
-/// Emitting, black and opaque; emits from its outward side.
-#[derive(Debug, Clone, PartialEq)]
+/// Emitting: a surface, which is black and opaque, from its outward side, or a shape without a surface, which nothing meets.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {
-    pub radiance: [f64; 3],
+    pub emission: Emission,
+    /// Whether a surface emits from its inward side too.
+    pub two_sided: bool,
+}
+
+/// How much a light emits, in the words of its author: in linear RGB, and in the medium that surrounds it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Emission {
+    pub quantity: Quantity,
+    pub rgb: [f64; 3],
+}
+
+named! {
+    /// What a light's numbers measure. Their names stand in scene files too.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum Quantity {
+        /// Of a surface, equal in all directions: W/(sr·m²) where the scene's unit of length is the metre.
+        Radiance = "radiance",
+        /// Of a point in all directions, or of a spot along its axis, in W/sr.
+        Intensity = "intensity",
+        /// Of a directional light, across its direction: W/m² likewise.
+        Irradiance = "irradiance",
+        /// All that a surface, a point or a spot emits, in W.
+        Power = "power",
+    }
 }
 
 /// Albedo of a solid, each component in [0, 1].
@@ -130,6 +154,23 @@ impl Refractor {
     /// Of priority 0 and with flat faces.
     pub fn of(medium: impl Into<String>) -> Self {
         Self { medium: medium.into(), priority: 0, smooth: false }
+    }
+}
+
+impl Light {
+    /// One-sided.
+    pub fn of(quantity: Quantity, rgb: [f64; 3]) -> Self {
+        Self { emission: Emission { quantity, rgb }, two_sided: false }
+    }
+
+    /// One-sided, of that radiance.
+    pub fn of_radiance(rgb: [f64; 3]) -> Self {
+        Self::of(Quantity::Radiance, rgb)
+    }
+
+    /// Whether it emits nothing.
+    pub fn is_black(&self) -> bool {
+        self.emission.rgb == [0.0; 3]
     }
 }
 
@@ -242,7 +283,7 @@ mod tests {
     #[test]
     fn objects_stand_by_role_and_in_their_order() {
         let shape = Shape::Sphere { center: DVec3::ZERO, radius: 1.0 };
-        let light = |name: &str| Object::new(name, shape.clone(), Light { radiance: [1.0; 3] });
+        let light = |name: &str| Object::new(name, shape.clone(), Light::of_radiance([1.0; 3]));
         let solid = |name: &str| Object::new(name, shape.clone(), Solid::of(Paint::Color([0.5; 3])));
         let refractor = |name: &str| Object::new(name, shape.clone(), Refractor::of("glass"));
         let names = |objects: &[Object]| objects.iter().map(|o| o.name.clone()).collect::<Vec<_>>().join(" ");

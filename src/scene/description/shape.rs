@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::objects::Quantity;
 use crate::geometry::Mesh;
 use crate::scene::note::LoadNote;
 
@@ -30,7 +31,7 @@ impl Transform {
     }
 }
 
-/// The surface of an object, in object space.
+/// The surface of an object, in object space; of lights alone, also where one stands that has no surface.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// Analytic.
@@ -81,10 +82,46 @@ pub enum Shape {
         /// What of the file was passed over.
         notes: Vec<LoadNote>,
     },
+    /// A light that shines equally in all directions.
+    Point {
+        position: DVec3,
+    },
+    /// A light that shines in a cone about the way to `target`. With t the angle to that way its intensity is that along it, times
+    /// clamp((cos t − cos outer)/(cos inner − cos outer), 0, 1)².
+    Spot {
+        position: DVec3,
+        target: DVec3,
+        /// Half angle within which it is brightest, in degrees.
+        inner_angle: f64,
+        /// Half angle beyond which it is dark, in degrees.
+        outer_angle: f64,
+    },
+    /// A light from afar.
+    Directional {
+        /// The way that its light goes.
+        direction: DVec3,
+        /// Full angle under which it is seen, in degrees; that of the sun is 0.53. At 0 nothing sees it.
+        angle: f64,
+    },
 }
 
 impl Shape {
-    /// Lowest and highest coordinates in object space; a round shape's facets may stay inside by a little.
+    /// Whether there is something to be met.
+    pub fn has_surface(&self) -> bool {
+        !matches!(self, Self::Point { .. } | Self::Spot { .. } | Self::Directional { .. })
+    }
+
+    /// What a light of this shape is measured by where it is not by its power.
+    pub fn quantity(&self) -> Quantity {
+        match self {
+            Self::Point { .. } | Self::Spot { .. } => Quantity::Intensity,
+            Self::Directional { .. } => Quantity::Irradiance,
+            _ => Quantity::Radiance,
+        }
+    }
+
+    /// Lowest and highest coordinates in object space; a round shape's facets may stay inside by a little. A light from afar has no place: both
+    /// are the origin.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let around = |center: DVec3, half: DVec3| (center - half, center + half);
         match self {
@@ -105,6 +142,8 @@ impl Shape {
                 (DVec3::new(-radius, low, -radius), DVec3::new(radius, high, radius))
             }
             Self::Quad { center, edge_u, edge_v } => around(*center, (edge_u.abs() + edge_v.abs()) / 2.0),
+            Self::Point { position } | Self::Spot { position, .. } => (*position, *position),
+            Self::Directional { .. } => (DVec3::ZERO, DVec3::ZERO),
             Self::Mesh { mesh, .. } => (mesh.positions.iter())
                 .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), p| (min.min(*p), max.max(*p))),
         }

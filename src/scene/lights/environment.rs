@@ -6,10 +6,10 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::directional::coming_in;
 use super::sample::{DirectSample, EmittedRay, Target};
 use crate::geometry::sphere::Sphere;
-use crate::geometry::{Ray, uniform_direction};
-use crate::scatter::frame;
+use crate::geometry::uniform_direction;
 use crate::scene::description::Environment;
 use crate::scene::environment::EnvironmentImage;
 use crate::spectrum::Spectrum;
@@ -34,6 +34,8 @@ pub struct ImageLight {
     guide: Guide,
     /// Running sums of the rows' weights, from 0 to 1.
     rows: Vec<f64>,
+    /// ∫ of the radiance over all directions, summed over the bands.
+    total: f64,
 }
 
 /// Where in a row the search for a column begins: one cut for some columns each, so that a search touches few of the row's numbers (Chen and
@@ -124,30 +126,48 @@ impl EnvironmentLight {
     /// A direction for `u` uniform in [0, 1)²; `None` where there is no image.
     #[inline]
     pub fn sample(&self, u: [f64; 2]) -> Option<DirectSample> {
+        let (direction, pdf) = self.sample_direction(u)?;
+        let radiance = self.radiance(direction);
+        Some(DirectSample { direction, pdf, radiance, is_delta: false, target: Target::Environment })
+    }
+
+    /// The same without the radiance: the direction and its density per steradian.
+    #[inline]
+    pub fn sample_direction(&self, u: [f64; 2]) -> Option<(DVec3, f64)> {
         match self {
             Self::Image(light) => light.sample(u),
             _ => None,
         }
     }
 
+    /// What falls into the sphere around the scene, summed over the bands.
+    pub fn power(&self, bounds: &Sphere) -> f64 {
+        let over_directions = match self {
+            Self::Constant(color) => 4.0 * PI * color.sum(),
+            // Each half is linear in y, and so has the mean of its ends.
+            Self::Gradient { zenith, horizon, nadir } => PI * (zenith.sum() + 2.0 * horizon.sum() + nadir.sum()),
+            Self::Image(light) => light.total,
+        };
+        over_directions * PI * bounds.radius * bounds.radius
+    }
+
     /// A ray that comes in from afar and meets the scene's bounding sphere: its direction as an image is sampled, else uniform; its start
     /// uniform on a disc across it that covers the sphere.
     pub fn sample_ray(&self, bounds: &Sphere, start: [f64; 2], direction: [f64; 2]) -> Option<EmittedRay> {
         let to_light = match self {
-            Self::Image(light) => light.sample(direction)?.direction,
+            Self::Image(light) => light.sample(direction)?.0,
             _ => uniform_direction(direction),
         };
         let [pdf_position, pdf_direction] = self.pdf_ray(bounds, -to_light);
-        let (tangent, bitangent) = frame(to_light);
-        let (sin, cos) = (TAU * start[1]).sin_cos();
-        let across = (tangent * cos + bitangent * sin) * (start[0].sqrt() * bounds.radius);
         Some(EmittedRay {
-            ray: Ray::new(bounds.center + to_light * bounds.radius + across, -to_light),
+            ray: coming_in(bounds, start, to_light),
             radiance: self.radiance(to_light),
             cosine: 1.0,
             pdf_position,
             pdf_direction,
             start: None,
+            is_front: true,
+            light: None,
         })
     }
 
@@ -211,16 +231,21 @@ impl ImageLight {
             .collect();
         let mut rows = Vec::with_capacity(height);
         let mut total = 0.0;
+        let sine = |row: usize| (PI * (row as f64 + 0.5) / height as f64).sin();
         for (row, weight) in weights.into_iter().enumerate() {
-            total += weight * (PI * (row as f64 + 0.5) / height as f64).sin();
+            total += weight * sine(row);
             rows.push(total);
         }
+        let of_rows: Vec<f64> = (image.pixels.par_chunks(width).enumerate())
+            .map(|(row, pixels)| sine(row) * pixels.iter().flatten().map(|x| f64::from(*x)).sum::<f64>())
+            .collect();
+        let all = scale * of_rows.iter().sum::<f64>() * 2.0 * PI * PI / (width * height) as f64;
         if total.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) || scale == 0.0 {
             return None;
         }
         rows.iter_mut().for_each(|r| *r /= total);
         let guide = Guide::new(&columns, width);
-        Some(Self { image, rotation: rotation.sin_cos(), scale, columns, guide, rows })
+        Some(Self { image, rotation: rotation.sin_cos(), scale, columns, guide, rows, total: all })
     }
 
     /// (u, v) of a direction in scene coordinates.
@@ -272,7 +297,7 @@ impl ImageLight {
     }
 
     #[inline]
-    fn sample(&self, u: [f64; 2]) -> Option<DirectSample> {
+    fn sample(&self, u: [f64; 2]) -> Option<(DVec3, f64)> {
         let (width, height) = (self.image.width, self.image.height);
         let row = self.rows.partition_point(|&sum| sum <= u[1]).min(height - 1);
         let row_before = if row > 0 { self.rows[row - 1] } else { 0.0 };
@@ -289,7 +314,7 @@ impl ImageLight {
         let direction = DVec3::new(x * cos + z * sin, theta.cos(), z * cos - x * sin);
         let sine = theta.sin();
         let pdf = self.texel_probability(row, column) * (width * height) as f64 / (2.0 * PI * PI * sine);
-        (pdf > 0.0 && pdf.is_finite()).then_some(DirectSample { direction, pdf, target: Target::Environment })
+        (pdf > 0.0 && pdf.is_finite()).then_some((direction, pdf))
     }
 }
 
@@ -374,8 +399,8 @@ mod tests {
         for i in 0..count {
             for j in 0..count {
                 let u = [(i as f64 + 0.5) / count as f64, (j as f64 + 0.5) / count as f64];
-                let s = light.sample(u).unwrap();
-                assert!((light.pdf(s.direction) / s.pdf - 1.0).abs() < 1e-6, "{s:?}");
+                let (direction, pdf) = light.sample(u).unwrap();
+                assert!((light.pdf(direction) / pdf - 1.0).abs() < 1e-6, "{direction} {pdf}");
                 // ∫ pdf over the sphere, by uniform directions.
                 let z = 1.0 - 2.0 * u[0];
                 let r = (1.0 - z * z).sqrt();

@@ -30,6 +30,7 @@ fn area_lights(geometry: &Geometry) -> [AreaLight; 2] {
         object: ObjectId(object),
         radiance: Spectrum::from_rgb(RADIANCE),
         area: geometry.area(object),
+        two_sided: false,
     })
 }
 
@@ -44,6 +45,21 @@ fn environments() -> Vec<EnvironmentLight> {
     .iter()
     .map(EnvironmentLight::new)
     .collect()
+}
+
+/// Where lights at a point stand.
+const PLACE: DVec3 = DVec3::new(0.5, 0.25, -1.0);
+
+/// Two lights at a point, and two from afar.
+fn bodiless() -> [Emitter; 4] {
+    let rgb = Spectrum::from_rgb(RADIANCE);
+    let axis = DVec3::new(0.6, -0.8, 0.0);
+    [
+        Emitter::Point(PointLight { object: ObjectId(2), position: PLACE, intensity: rgb }),
+        Emitter::Spot(SpotLight::new(ObjectId(3), PLACE, axis, rgb, [20.0, 50.0])),
+        Emitter::Directional(DirectionalLight::new(ObjectId(4), -axis, rgb, 0.0)),
+        Emitter::Directional(DirectionalLight::new(ObjectId(5), -axis, rgb, 40.0)),
+    ]
 }
 
 /// Numbers that look random, in [0, 1)⁵.
@@ -69,7 +85,8 @@ fn directions_are_sampled_with_the_density_that_is_told() {
                 continue;
             };
             let point = geometry.surface(&Ray::new(from, sample.direction), &hit);
-            assert_eq!(sample.target, Target::Object(ObjectId(geometry.object_of(hit.primitive))));
+            let object = ObjectId(geometry.object_of(hit.primitive));
+            assert_eq!(sample.target, Target::Surface { object, primitive: hit.primitive });
             let told = light.pdf_direct(&geometry, from, sample.direction, Some(&point));
             assert!((sample.pdf / told - 1.0).abs() < 1e-9, "{} {told}", sample.pdf);
         }
@@ -98,12 +115,19 @@ fn rays_carry_the_power_of_their_light() {
                 let (start, direction) = numbers(index);
                 let emitted = light.sample_ray(&geometry, start, direction).unwrap();
                 let normal = emitted.start.map_or(DVec3::ZERO, |point| point.normal);
-                let told = light.pdf_ray(&geometry, normal, emitted.ray.direction);
+                let mut told = light.pdf_ray(&geometry, normal, emitted.ray.direction);
+                if light.is_delta_direction() {
+                    assert_eq!((told[1], emitted.pdf_direction), (0.0, 1.0));
+                    told[1] = 1.0;
+                }
+                assert_eq!(light.emitted(emitted.ray.direction), emitted.radiance);
+                assert_eq!(emitted.light, light.object());
                 assert!((emitted.pdf_position / told[0] - 1.0).abs() < 1e-9);
                 assert!((emitted.pdf_direction / told[1] - 1.0).abs() < 1e-6, "{emitted:?} {told:?}");
                 assert!((emitted.ray.direction.length() - 1.0).abs() < 1e-12 && emitted.cosine > 0.0);
                 match emitted.start {
                     Some(point) => assert_eq!(emitted.ray.origin, point.position),
+                    None if light.is_delta_position() => assert_eq!(emitted.ray.origin, PLACE),
                     // From outside of the scene, towards it.
                     None => {
                         let to_center = bounds.center - emitted.ray.origin;
@@ -118,8 +142,12 @@ fn rays_carry_the_power_of_their_light() {
             .sum::<f64>()
             / f64::from(count)
     };
-    for light in &area_lights(&geometry) {
-        let (measured, expected) = (power(&Light::Area(light)), light.power());
+    let two_sided = area_lights(&geometry).map(|light| AreaLight { two_sided: true, ..light });
+    for light in area_lights(&geometry).iter().chain(&two_sided) {
+        let sides = if light.two_sided { 2.0 } else { 1.0 };
+        let expected = PI * light.area * RADIANCE.iter().sum::<f64>() * sides;
+        assert!((light.power() / expected - 1.0).abs() < 1e-12);
+        let measured = power(&Light::Area(light));
         assert!((measured / expected - 1.0).abs() < 2e-3, "{measured} {expected}");
     }
     for light in &environments() {
@@ -127,24 +155,158 @@ fn rays_carry_the_power_of_their_light() {
         let over_directions: f64 = (0..count)
             .map(|index| light.radiance(uniform_direction(numbers(index).1)).sum() * 4.0 * PI / f64::from(count))
             .sum();
-        let (measured, expected) = (power(&Light::Environment(light)), over_directions * PI * bounds.radius.powi(2));
+        let (light, expected) = (Light::Environment(light), over_directions * PI * bounds.radius.powi(2));
+        let (measured, told) = (power(&light), light.power(&geometry));
         assert!((measured / expected - 1.0).abs() < 1e-2, "{light:?}: {measured} {expected}");
+        assert!((told / expected - 1.0).abs() < 2e-2, "{light:?}: {told} {expected}");
+    }
+    for emitter in bodiless() {
+        let light = emitter.light();
+        let (measured, told) = (power(&light), light.power(&geometry));
+        assert!((measured / told - 1.0).abs() < 2e-3, "{light:?}: {measured} {told}");
     }
 }
 
 #[test]
 fn emitters_are_chosen_by_their_power() {
     let geometry = geometry();
-    let emitters = Emitters::new(
-        &geometry,
-        [(ObjectId(0), Spectrum::from_rgb([1.0; 3])), (ObjectId(1), Spectrum::from_rgb([9.0; 3]))],
-    );
-    let powers: Vec<f64> = emitters.iter().map(|(light, _)| light.power()).collect();
+    let of_surfaces = area_lights(&geometry).map(Emitter::Area);
+    let emitters = Emitters::new(&geometry, of_surfaces.into_iter().chain(bodiless()));
+    let powers: Vec<f64> = emitters.iter().map(|(light, _)| light.power(&geometry)).collect();
+    let total = powers.iter().sum::<f64>();
+    assert_eq!(emitters.len(), 6);
     for (index, (light, probability)) in emitters.iter().enumerate() {
-        assert!((probability - powers[index] / powers.iter().sum::<f64>()).abs() < 1e-12);
-        assert_eq!(emitters.find(light.object).unwrap().1, probability);
+        assert!((probability - powers[index] / total).abs() < 1e-12);
+        assert_eq!(emitters.find(light.object().unwrap()).unwrap().1, probability);
+        let is_chosen = |i: &i32| emitters.choose(f64::from(*i) / 10_000.0).unwrap().0.object() == light.object();
+        let chosen = (0..10_000).filter(is_chosen).count();
+        assert!((chosen as f64 / 10_000.0 - powers[index] / total).abs() < 2e-4);
     }
-    let chosen = (0..10_000).filter(|&i| emitters.choose(f64::from(i) / 10_000.0).unwrap().0.object == ObjectId(0));
-    let expected = powers[0] / (powers[0] + powers[1]);
-    assert!((chosen.count() as f64 / 10_000.0 - expected).abs() < 2e-4);
+    // Of no power is no light.
+    let black = PointLight { object: ObjectId(7), position: DVec3::ZERO, intensity: Spectrum::ZERO };
+    assert!(Emitters::new(&geometry, [Emitter::Point(black)]).is_empty());
+}
+
+/// With I along the axis, I · cos / d² falls on a surface; in the edge of a spot less by the square of the share of the cosines.
+#[test]
+fn lights_at_a_point_fall_off_with_the_square_of_the_distance() {
+    let geometry = geometry();
+    let [point, spot, ..] = bodiless();
+    let along = |degrees: f64| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        // Turned by that angle about z.
+        DVec3::new(0.6 * cos + 0.8 * sin, -0.8 * cos + 0.6 * sin, 0.0)
+    };
+    let [cos_inner, cos_outer] = [20.0_f64, 50.0].map(|angle| angle.to_radians().cos());
+    for (degrees, falloff) in [
+        (0.0, 1.0),
+        (19.99, 1.0),
+        (35.0, ((35_f64.to_radians().cos() - cos_outer) / (cos_inner - cos_outer)).powi(2)),
+        (50.01, 0.0),
+        (180.0, 0.0),
+    ] {
+        for distance in [1e-3, 0.7, 40.0] {
+            let from = PLACE + along(degrees) * distance;
+            for (light, factor) in [(&point, 1.0), (&spot, falloff)] {
+                let sample = light.light().sample_direct(&geometry, from, [0.5; 3]);
+                let Some(sample) = sample else {
+                    assert_eq!(factor, 0.0, "{light:?} at {degrees}");
+                    continue;
+                };
+                let expected = RADIANCE.map(|x| x * factor / (distance * distance));
+                let error = (DVec3::from(sample.radiance.to_rgb()) / DVec3::from(expected) - 1.0).abs().max_element();
+                assert!(error < 1e-9, "{light:?} at {degrees}: {error}");
+                assert_eq!((sample.pdf, sample.is_delta), (1.0, true));
+                assert!((sample.direction + along(degrees)).length() < 1e-9);
+                let Target::Point { distance: told } = sample.target else { panic!("{:?}", sample.target) };
+                assert!((told / distance - 1.0).abs() < 1e-9);
+            }
+        }
+    }
+    assert!(point.light().sample_direct(&geometry, PLACE, [0.5; 3]).is_none());
+}
+
+/// Of every spot, and also of one with a sharp edge, and of one that shines all around.
+#[test]
+fn a_spots_density_integrates_to_one_and_its_power_is_the_integral_of_its_intensity() {
+    for [inner, outer] in [[0.0, 30.0], [20.0, 50.0], [40.0, 40.0], [0.0, 180.0], [180.0, 180.0], [1.0, 3.0]] {
+        let spot = SpotLight::new(ObjectId(0), PLACE, DVec3::Y, Spectrum::from_rgb(RADIANCE), [inner, outer]);
+        let count = 100_000;
+        let outer_cos = outer.to_radians().cos();
+        let solid_angle = 2.0 * PI * (1.0 - outer_cos);
+        let mean = |value: &dyn Fn(DVec3) -> f64| -> f64 {
+            let each = (0..count).map(|i| {
+                // A little beyond the edge counts for nothing.
+                let cos = 1.0 - (1.0 - outer_cos) * (f64::from(i) + 0.5) / f64::from(count);
+                let sin = (1.0 - cos * cos).sqrt();
+                value(DVec3::new(sin * 0.6, cos, sin * 0.8))
+            });
+            each.sum::<f64>() / f64::from(count) * solid_angle
+        };
+        let integral = mean(&|direction| spot.pdf_ray(direction));
+        assert!((integral - 1.0).abs() < 1e-4, "{inner} {outer}: {integral}");
+        let power = mean(&|direction| spot.falloff(direction)) * RADIANCE.iter().sum::<f64>();
+        assert!((power / spot.power() - 1.0).abs() < 1e-4, "{inner} {outer}: {power} {}", spot.power());
+    }
+}
+
+/// A sun's irradiance across its direction is what was given, whatever its angle, by radiance seen and by sampling alike.
+#[test]
+fn a_suns_irradiance_is_what_was_given() {
+    let axis = DVec3::new(0.48, 0.64, -0.6);
+    let geometry = geometry();
+    for angle in [0.0, 0.001, 0.53, 10.0, 180.0] {
+        let sun = DirectionalLight::new(ObjectId(0), axis, Spectrum::from_rgb(RADIANCE), angle);
+        let light = Light::Directional(&sun);
+        let count = 20_000;
+        let (mut irradiance, mut solid_angle) = (Spectrum::ZERO, 0.0);
+        for i in 0..count {
+            let sample = light.sample_direct(&geometry, PLACE, numbers(i).0).unwrap();
+            let cosine = sample.direction.dot(axis);
+            irradiance += sample.radiance * (cosine / sample.pdf / f64::from(count));
+            solid_angle += 1.0 / sample.pdf / f64::from(count);
+            assert_eq!(sample.target, Target::Environment);
+            assert_eq!(sample.is_delta, angle == 0.0);
+            let seen = if angle == 0.0 { Spectrum::ZERO } else { sample.radiance };
+            assert_eq!(light.radiance(sample.direction), seen);
+            let told = light.pdf_direct(&geometry, PLACE, sample.direction, None);
+            assert!(if angle == 0.0 { told == 0.0 } else { (told / sample.pdf - 1.0).abs() < 1e-12 });
+        }
+        let error = (DVec3::from(irradiance.to_rgb()) / DVec3::from(RADIANCE) - 1.0).abs().max_element();
+        assert!(error < 2e-3, "{angle}: {irradiance:?}");
+        let half = (0.5 * angle).to_radians();
+        let expected = if angle == 0.0 { 1.0 } else { 4.0 * PI * (0.5 * half).sin().powi(2) };
+        assert!((solid_angle / expected - 1.0).abs() < 1e-9, "{angle}: {solid_angle}");
+        // Just beyond the rim there is nothing.
+        let across = DVec3::new(0.8, -0.6, 0.0);
+        let rim = |share: f64| (axis * (share * half).cos() + across * (share * half).sin()).normalize();
+        assert_eq!(light.radiance(rim(0.99)).is_black(), angle == 0.0);
+        assert!(light.radiance(rim(1.01)).is_black());
+    }
+}
+
+/// Both sides of a triangle are seen as bright, by sampling and by asking.
+#[test]
+fn a_light_with_two_sides_is_sampled_from_both() {
+    let geometry = geometry();
+    let [_, triangle] = area_lights(&geometry);
+    let both = AreaLight { two_sided: true, ..triangle };
+    for (from, is_front) in [(DVec3::new(0.3, 0.1, 0.2), true), (DVec3::new(0.3, -4.1, 0.2), false)] {
+        for index in 0..1000 {
+            let sample = both.sample_direct(&geometry, from, numbers(index).0).unwrap();
+            let ray = Ray::new(from, sample.direction);
+            let Some(hit) = geometry.closest(&ray) else { continue };
+            assert_eq!(hit.is_front, is_front);
+            let told = both.pdf_direct(&geometry, from, sample.direction, &geometry.surface(&ray, &hit));
+            assert!((sample.pdf / told - 1.0).abs() < 1e-9);
+            assert_eq!(triangle.sample_direct(&geometry, from, numbers(index).0).is_some(), is_front);
+        }
+    }
+    let up = (0..1000).filter(|&i| {
+        let (start, direction) = numbers(i);
+        let emitted = both.sample_ray(&geometry, start, direction).unwrap();
+        assert_eq!(emitted.is_front, emitted.ray.direction.y > 0.0);
+        emitted.is_front
+    });
+    assert!((up.count() as f64 / 1000.0 - 0.5).abs() < 0.02);
 }

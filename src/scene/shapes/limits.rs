@@ -4,6 +4,8 @@
 pub const MAX_LENGTH: f64 = 1e18;
 /// Least length and scale: below it, products of three lengths are 0.
 pub const MIN_LENGTH: f64 = 1e-100;
+/// Angles under which directional lights are seen, in degrees, other than 0. Smaller ones would not be told from it in single precision.
+pub const SUN_ANGLES: std::ops::RangeInclusive<f64> = 0.001..=180.0;
 /// Most triangles that a shape may be tessellated into.
 pub const MAX_TRIANGLES: u64 = 4_000_000;
 /// Most segments of a shape of revolution, and most rings of a torus.

@@ -40,6 +40,7 @@ pub fn tessellate(shape: &Shape) -> Result<Option<Mesh>, SceneError> {
         Shape::Lathe { profile, segments } => revolve::revolve(&profile::from_points(profile), *segments),
         &Shape::Quad { center, edge_u, edge_v } => quad(center, edge_u, edge_v),
         Shape::Mesh { mesh, .. } => (**mesh).clone(),
+        Shape::Point { .. } | Shape::Spot { .. } | Shape::Directional { .. } => Mesh::default(),
     };
     if mesh.positions.iter().all(|p| p.is_finite()) {
         Ok(Some(mesh))

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::limits::{MAX_LENGTH, MAX_SEGMENTS, MAX_SUBDIVISIONS, MAX_TRIANGLES, MIN_LENGTH};
+use super::limits::{MAX_LENGTH, MAX_SEGMENTS, MAX_SUBDIVISIONS, MAX_TRIANGLES, MIN_LENGTH, SUN_ANGLES};
 use super::profile::{clean, from_points, pieces_cross};
 use crate::geometry::topology::MAX_FACES;
 use crate::scene::description::Shape;
@@ -87,6 +87,35 @@ pub fn validate(shape: &Shape) -> Checked {
                 Ok(())
             }
         }
+        Shape::Point { position } => place("position", *position),
+        Shape::Spot { position, target, inner_angle, outer_angle } => {
+            place("position", *position)?;
+            place("target", *target)?;
+            if (*target - *position).length() < MIN_LENGTH {
+                return Fault::at("target", "target and position are the same, so the light has no direction");
+            }
+            angle("inner_angle", *inner_angle)?;
+            angle("outer_angle", *outer_angle)?;
+            if *outer_angle == 0.0 {
+                return Fault::at("outer_angle", "outer_angle is 0, must be greater: it is the cone's half angle");
+            }
+            if inner_angle > outer_angle {
+                let why = format!("is less than inner_angle ({inner_angle}): the light is dark beyond outer_angle");
+                return Fault::at("outer_angle", format!("outer_angle is {outer_angle}, which {why}"));
+            }
+            Ok(())
+        }
+        Shape::Directional { direction, angle } => {
+            place("direction", *direction)?;
+            if direction.length() < MIN_LENGTH {
+                return Fault::at("direction", "direction has no length");
+            }
+            if *angle == 0.0 || SUN_ANGLES.contains(angle) {
+                return Ok(());
+            }
+            let (least, most) = (SUN_ANGLES.start(), SUN_ANGLES.end());
+            Fault::at("angle", format!("angle is {angle}, must be 0, or from {least} to {most} degrees"))
+        }
     }
 }
 
@@ -99,6 +128,14 @@ fn place(key: &'static str, p: DVec3) -> Checked {
         return bad(&format!("too large: use a scale with numbers below {MAX_LENGTH:e}"));
     }
     Ok(())
+}
+
+/// A cone's half angle.
+fn angle(key: &'static str, value: f64) -> Checked {
+    if (0.0..=180.0).contains(&value) {
+        return Ok(());
+    }
+    Fault::at(key, format!("{key} is {value}, must be from 0 to 180 degrees"))
 }
 
 fn length(key: &'static str, value: f64) -> Checked {
@@ -179,6 +216,24 @@ mod tests {
         Shape::Lathe { profile: profile.to_vec(), segments: 16 }
     }
 
+    fn spot(position: DVec3, target: DVec3, inner_angle: f64, outer_angle: f64) -> Shape {
+        Shape::Spot { position, target, inner_angle, outer_angle }
+    }
+
+    #[test]
+    fn lights_without_a_surface() {
+        for shape in [
+            Shape::Point { position: DVec3::ONE },
+            spot(DVec3::ONE, DVec3::ZERO, 0.0, 180.0),
+            spot(DVec3::ONE, DVec3::ZERO, 30.0, 30.0),
+            Shape::Directional { direction: DVec3::X * 1e-9, angle: 0.0 },
+            Shape::Directional { direction: DVec3::X, angle: 0.53 },
+            Shape::Directional { direction: DVec3::X, angle: 180.0 },
+        ] {
+            assert_eq!(validate(&shape), Ok(()), "{shape:?}");
+        }
+    }
+
     #[test]
     fn each_impossible_number_is_named() {
         let o = DVec3::ZERO;
@@ -195,6 +250,19 @@ mod tests {
             (Shape::Quad { center: o, edge_u: DVec3::X, edge_v: DVec3::X * 3.0 }, "edge_v"),
             (Shape::Quad { center: o, edge_u: o, edge_v: DVec3::X }, "edge_u"),
             (Shape::Mesh { path: PathBuf::new(), mesh: Arc::new(Mesh::default()), notes: Vec::new() }, ""),
+            (Shape::Point { position: nan }, "position"),
+            (spot(o, o, 10.0, 20.0), "target"),
+            (spot(o, nan, 10.0, 20.0), "target"),
+            (spot(o, DVec3::X, 20.0, 10.0), "outer_angle"),
+            (spot(o, DVec3::X, -1.0, 10.0), "inner_angle"),
+            (spot(o, DVec3::X, 10.0, 181.0), "outer_angle"),
+            (spot(o, DVec3::X, 0.0, 0.0), "outer_angle"),
+            (spot(o, DVec3::X, 0.0, f64::NAN), "outer_angle"),
+            (Shape::Directional { direction: o, angle: 0.0 }, "direction"),
+            (Shape::Directional { direction: DVec3::X, angle: -1.0 }, "angle"),
+            (Shape::Directional { direction: DVec3::X, angle: 181.0 }, "angle"),
+            (Shape::Directional { direction: DVec3::X, angle: 1e-9 }, "angle"),
+            (Shape::Directional { direction: DVec3::X, angle: f64::NAN }, "angle"),
         ] {
             assert_eq!(validate(&shape).unwrap_err().key, key, "{shape:?}");
         }

@@ -163,7 +163,7 @@ pub fn description() -> impl Strategy<Value = Description> {
                         },
                     ))
                     .chain((named("l", lights).into_iter()).map(|(name, (shape, radiance, visible, transform))| {
-                        Object { name, shape, transform, visible, role: Light { radiance }.into() }
+                        Object { name, shape, transform, visible, role: Light::of_radiance(radiance).into() }
                     }))
                     .collect(),
                 media,

@@ -288,7 +288,7 @@ fn lights_are_the_same() {
         match scene.emitters.sample_direct(&scene.geometry, *position, u[0], [u[1], u[2]]) {
             None => others += u32::from(found[11] != 0.0),
             Some(lamp) => {
-                let Target::Object(object) = lamp.target else { panic!("an emitter is an object") };
+                let Target::Surface { object, .. } = lamp.target else { panic!("an emitter is an object") };
                 lamps[usize::from(scene.geometry.sphere_of(object.0).is_some())] += 1;
                 let is_near = (DVec3::from_slice(&found[8..11]) - lamp.direction).length() < 1e-4
                     && near(found[11], lamp.pdf, 1e-3)

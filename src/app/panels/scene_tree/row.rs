@@ -220,8 +220,8 @@ fn color_of(role: &Role) -> [f64; 3] {
         Role::Solid(Solid { paint: Paint::Color(color), .. }) => *color,
         Role::Solid(Solid { paint: Paint::Checker { a, b, .. }, .. }) => std::array::from_fn(|i| 0.5 * (a[i] + b[i])),
         Role::Light(light) => {
-            let most = light.radiance.iter().copied().fold(1e-9, f64::max);
-            light.radiance.map(|x| x / most)
+            let most = light.emission.rgb.iter().copied().fold(1e-9, f64::max);
+            light.emission.rgb.map(|x| x / most)
         }
         Role::Refractor(_) => [1.0; 3],
     }
@@ -238,6 +238,10 @@ fn shape_name(shape: &Shape) -> String {
         Shape::Torus { major, minor, .. } => format!("torus, radii {major} and {minor}"),
         Shape::Lathe { segments, .. } => format!("lathe, {segments} segments"),
         Shape::Quad { .. } => "quad".to_owned(),
+        Shape::Point { .. } => "point".to_owned(),
+        Shape::Spot { outer_angle, .. } => format!("spot, {outer_angle}° from its axis"),
+        Shape::Directional { angle: 0.0, .. } => "directional".to_owned(),
+        Shape::Directional { angle, .. } => format!("directional, {angle}° across"),
         Shape::Mesh { path, mesh, .. } => format!("{} ({} triangles)", path.display(), mesh.triangles.len()),
     }
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::formats::{self, builtin};
 use crate::optics::{Ior, Medium};
 use crate::scene::description::{
-    Environment, Kind, Light, Object, Paint, Refractor, Shape, Source, Transform, WorldMedium,
+    Environment, Kind, Light, Object, Paint, Quantity, Refractor, Shape, Source, Transform, WorldMedium,
 };
 
 const TEXT: &str = r#"# A scene with remarks.
@@ -92,7 +92,7 @@ fn every_kind_of_edit_is_read_back() {
     scene.objects.push(Object {
         visible: false,
         transform: Transform { scale: DVec3::new(1.0, -2.0, 3.0), ..Transform::IDENTITY },
-        ..Object::new("lamp", shape, Light { radiance: [3.0, 2.0, 1.0] })
+        ..Object::new("lamp", shape, Light::of_radiance([3.0, 2.0, 1.0]))
     });
     let text = assert_faithful(&scene);
     assert!(text.contains("# The thing itself.") && text.contains("# called so"), "{text}");
@@ -303,7 +303,7 @@ fn an_edit_of_an_odd_notation_changes_its_line_only() {
         (0, |s| s.objects[0].transform.translate.y = 2.0, "[ 0 , 1e0, 0]  # up", "[ 0 , 2.0, 0]  # up"),
         (0, |s| s.objects[0].transform.scale = DVec3::splat(3.0), "scale = 2", "scale = 3.0"),
         (0, |s| s.objects[0].shape = HALF, "radius = 1", "radius = 0.5"),
-        (1, |s| s.objects[2].light_mut().unwrap().radiance[1] = 7.0, "  2,", "  7.0,"),
+        (1, |s| s.objects[2].light_mut().unwrap().emission.rgb[1] = 7.0, "  2,", "  7.0,"),
         (1, |s| s.objects[0].transform.scale = DVec3::splat(2.0), "scale = 1", "scale = 2.0"),
         (1, |s| s.objects[1].visible = false, "visible = true", "visible = false"),
         (2, |s| s.camera.position.x = 1.0, "[0,0,1]", "[1.0,0,1]"),
@@ -369,4 +369,95 @@ fn many_media_are_saved_in_time_that_grows_with_their_number() {
     let least = |count| (0..3).map(|_| seconds(count)).fold(f64::INFINITY, f64::min);
     let (few, many) = (least(1000), least(16_000));
     assert!(many < 64.0 * few, "16 times the media take {:.1} times as long", many / few);
+}
+
+const LIGHTS: &str = r#"[camera]
+position = [0, 1, 4]
+target = [0, 0, 0]
+
+[[light]]
+name = "bulb"
+point = { position = [0, 3, 0] }   # above the table
+power = [60, 50, 40]
+
+[[light]]
+name = "spot"
+spot = { position = [0, 3, 0], target = [0, 0, 0], inner_angle = 20, outer_angle = 30.5 }
+intensity = [10, 10, 10]
+transform = { translate = [1, 0, 0] }
+
+[[light]]
+name = "sun"
+directional = { direction = [1, -1, 0], angle = 0.53 }
+irradiance = [3, 3, 2.5]
+
+[[light]]
+name = "moon"
+irradiance = [0.1, 0.1, 0.2]
+[light.directional]
+direction = [-1, -1, 0]
+
+[[light]]
+name = "panel"
+shape = { quad = { center = [0, 2, 0], edge_u = [1, 0, 0], edge_v = [0, 0, 1] } }
+power = [5, 5, 5]
+two_sided = true
+"#;
+
+#[test]
+fn lights_of_every_kind_are_read_and_written() {
+    let scene = read(LIGHTS);
+    assert_eq!(assert_faithful(&scene), LIGHTS);
+    let lights: Vec<(Shape, Light)> =
+        scene.objects.lights().iter().map(|object| (object.shape.clone(), *object.light().unwrap())).collect();
+    let at = DVec3::Y * 3.0;
+    let sun = Shape::Directional { direction: DVec3::new(1.0, -1.0, 0.0), angle: 0.53 };
+    let expected = [
+        (Shape::Point { position: at }, Light::of(Quantity::Power, [60.0, 50.0, 40.0])),
+        (
+            Shape::Spot { position: at, target: DVec3::ZERO, inner_angle: 20.0, outer_angle: 30.5 },
+            Light::of(Quantity::Intensity, [10.0; 3]),
+        ),
+        (sun, Light::of(Quantity::Irradiance, [3.0, 3.0, 2.5])),
+        (
+            Shape::Directional { direction: DVec3::new(-1.0, -1.0, 0.0), angle: 0.0 },
+            Light::of(Quantity::Irradiance, [0.1, 0.1, 0.2]),
+        ),
+        (
+            Shape::Quad { center: DVec3::Y * 2.0, edge_u: DVec3::X, edge_v: DVec3::Z },
+            Light { two_sided: true, ..Light::of(Quantity::Power, [5.0; 3]) },
+        ),
+    ];
+    assert_eq!(lights, expected);
+    // Written from nothing.
+    let again = assert_faithful(&Description { source: None, ..scene.clone() });
+    assert!(again.contains("irradiance") && !again.contains("angle = 0.0\n"), "{again}");
+
+    // Each edit changes its line.
+    fn light(scene: &mut Description, name: &str) -> &mut Object {
+        scene.objects.find_mut(name).unwrap()
+    }
+    type Edit = fn(&mut Description);
+    let edits: [(Edit, &str, &str); 6] = [
+        (|s| light(s, "bulb").light_mut().unwrap().emission.rgb[0] = 61.0, "[60, 50", "[61.0, 50"),
+        (|s| light(s, "bulb").shape = Shape::Point { position: DVec3::Y }, "[0, 3, 0] }   #", "[0, 1.0, 0] }   #"),
+        (|s| light(s, "panel").light_mut().unwrap().two_sided = false, "two_sided = true\n", ""),
+        (|s| light(s, "panel").light_mut().unwrap().emission.quantity = Quantity::Radiance, "power = [5, 5, 5]\ntwo_sided = true\n", "two_sided = true\nradiance = [5.0, 5.0, 5.0]\n"),
+        (|s| light(s, "spot").transform.translate.x = 2.0, "[1, 0, 0] }\n\n", "[2.0, 0, 0] }\n\n"),
+        (
+            |s| light(s, "sun").shape = Shape::Directional { direction: DVec3::new(1.0, -1.0, 0.0), angle: 1.0 },
+            "0.53",
+            "1.0",
+        ),
+    ];
+    for (edit, from, to) in edits {
+        let mut edited = scene.clone();
+        edit(&mut edited);
+        assert_eq!(assert_faithful(&edited), LIGHTS.replacen(from, to, 1), "{from}");
+    }
+    // Another kind in its place.
+    let mut other = scene;
+    light(&mut other, "bulb").shape = Shape::Sphere { center: at, radius: 0.25 };
+    let text = assert_faithful(&other);
+    assert!(text.contains("sphere") && !text.contains("point ="), "{text}");
 }
