@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::{Problem, names, samples};
 use crate::geometry::{Geometry, Ray};
+use crate::scene::lights::Light;
 use crate::scene::{ObjectId, Scene, Surface};
 use crate::tracking::Prepared;
 
@@ -36,7 +37,7 @@ pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
         holds_camera.entry(solid).or_insert_with(|| encloses_point(&scene.geometry, solid, camera));
     }
     let hidden: Vec<(ObjectId, ObjectId)> = (candidates.into_par_iter())
-        .filter(|(id, solid)| !holds_camera[solid] && encloses(&scene.geometry, *solid, *id, rays))
+        .filter(|(id, solid)| !holds_camera[solid] && encloses(scene, *solid, *id, rays))
         .collect();
     // One finding for each that hides something, refractors and lights apart.
     let mut hidden_in: BTreeMap<(ObjectId, bool), Vec<ObjectId>> = BTreeMap::new();
@@ -49,8 +50,7 @@ pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
 /// The first opaque object on a way out, if its bounds hold those of `id`: if anything hides it, this does.
 fn candidate(scene: &Scene, id: ObjectId) -> Option<ObjectId> {
     let geometry = &*scene.geometry;
-    let (point, direction) = samples::of_surface(geometry, id.0, 0..1).next()?;
-    let mut ray = Ray::leaving(point.position, direction, point.primitive);
+    let mut ray = rays_from(scene, id, 1).next()?;
     for _ in 0..MOST_SURFACES {
         let hit = geometry.closest(&ray)?;
         let met = ObjectId(geometry.object_of(hit.primitive));
@@ -64,11 +64,23 @@ fn candidate(scene: &Scene, id: ObjectId) -> Option<ObjectId> {
 }
 
 /// Whether no ray from `inner` gets past `outer`.
-fn encloses(geometry: &Geometry, outer: ObjectId, inner: ObjectId, rays: u32) -> bool {
-    samples::of_surface(geometry, inner.0, 0..rays).all(|(point, direction)| {
-        let ray = Ray::leaving(point.position, direction, point.primitive);
-        geometry.closest_of(&ray, outer.0).is_some()
-    })
+fn encloses(scene: &Scene, outer: ObjectId, inner: ObjectId, rays: u32) -> bool {
+    rays_from(scene, inner, rays).all(|ray| scene.geometry.closest_of(&ray, outer.0).is_some())
+}
+
+/// Rays that leave an object's surface, or the place of a light that has none.
+fn rays_from(scene: &Scene, id: ObjectId, count: u32) -> impl Iterator<Item = Ray> {
+    let place = match scene.emitters.find(id) {
+        Some((Light::Point(light), _)) => Some(light.position),
+        Some((Light::Spot(light), _)) => Some(light.position),
+        _ => None,
+    };
+    let from_place = place
+        .into_iter()
+        .flat_map(move |place| samples::directions(count).map(move |direction| Ray::new(place, direction)));
+    let on_surface = samples::of_surface(&scene.geometry, id.0, 0..count)
+        .map(|(point, direction)| Ray::leaving(point.position, direction, point.primitive));
+    from_place.chain(on_surface)
 }
 
 fn encloses_point(geometry: &Geometry, outer: ObjectId, point: DVec3) -> bool {

@@ -14,6 +14,7 @@ mod names;
 mod nested;
 mod notes;
 mod overlap;
+mod placed;
 mod rims;
 mod samples;
 pub mod verdict;
@@ -104,7 +105,7 @@ pub fn check_watched(prepared: &Prepared, progress: &Progress) -> Result<Vec<Pro
     let mut problems = mesh::problems(prepared, &rims, &mut doubts);
     progress.go_on()?;
     let encounters = prepared.table.encounters(&prepared.scene);
-    let parts: [&dyn Fn() -> Vec<Problem>; 12] = [
+    let parts: [&dyn Fn() -> Vec<Problem>; 13] = [
         &|| notes::problems(prepared),
         &|| overlap::problems(prepared, &encounters, &rims),
         &|| crowded::problems(prepared),
@@ -116,6 +117,7 @@ pub fn check_watched(prepared: &Prepared, progress: &Progress) -> Result<Vec<Pro
         &|| media::problems(prepared),
         &|| light(prepared),
         &|| lamp::problems(prepared),
+        &|| placed::problems(prepared),
         &|| camera::problems(prepared),
     ];
     for part in parts {

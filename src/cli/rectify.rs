@@ -194,6 +194,9 @@ fn summary(prepared: &Prepared, report: &Report<'_>) -> String {
         let name = short_name(light.refractor);
         text += &match light.outside {
             Some(_) => format!("\n  light {name} shines into {}", medium(light.outside)),
+            None if light.faces == 0 => {
+                format!("\n  light {name} stands on the surface of {}", listed(&light.crossed_by))
+            }
             None => format!("\n  light {name} is crossed by {}", listed(&light.crossed_by)),
         };
     }

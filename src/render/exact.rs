@@ -57,7 +57,9 @@ fn per_radiance(object: &Object, quantity: Quantity, nearest: f64) -> f64 {
     let half_angle = |degrees: f64| degrees * (std::f64::consts::PI / 180.0);
     let squared = |x: f64| x * x;
     match (quantity, &object.shape) {
-        (Quantity::Irradiance, Shape::Directional { angle, .. }) if *angle > 0.0 => 1.0 / squared(half_angle(0.5 * angle)),
+        (Quantity::Irradiance, Shape::Directional { angle, .. }) if *angle > 0.0 => {
+            1.0 / squared(half_angle(0.5 * angle))
+        }
         (Quantity::Intensity, _) => 1.0 / squared(nearest),
         (Quantity::Power, Shape::Spot { outer_angle, .. }) => 1.0 / squared(half_angle(*outer_angle) * nearest),
         (Quantity::Power, Shape::Point { .. }) => 1.0 / squared(nearest),

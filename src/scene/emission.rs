@@ -78,9 +78,7 @@ fn emitter(described: &description::Object, object: &Object, id: ObjectId, geome
     let matrix = described.transform.matrix();
     let local = |point: DVec3| matrix.transform_point3(point) - geometry.origin;
     Some(match described.shape {
-        Shape::Point { position } => {
-            Emitter::Point(PointLight { object: id, position: local(position), intensity })
-        }
+        Shape::Point { position } => Emitter::Point(PointLight { object: id, position: local(position), intensity }),
         Shape::Spot { position, target, inner_angle, outer_angle } => {
             let axis = matrix.transform_vector3(target - position).normalize_or(DVec3::NEG_Y);
             Emitter::Spot(SpotLight::new(id, local(position), axis, intensity, [inner_angle, outer_angle]))

@@ -3,8 +3,8 @@
 pub mod camera;
 pub mod compile;
 pub mod description;
-pub mod environment;
 pub mod emission;
+pub mod environment;
 mod error;
 pub mod fields;
 pub mod fingerprint;

@@ -69,9 +69,19 @@ impl Interfaces {
 /// What an object's surface does.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Surface {
-    Refractor { medium: MediumId, priority: i32, smooth: bool },
-    Diffuse { albedo: Albedo, smooth: bool },
-    Mirror { albedo: Albedo, smooth: bool },
+    Refractor {
+        medium: MediumId,
+        priority: i32,
+        smooth: bool,
+    },
+    Diffuse {
+        albedo: Albedo,
+        smooth: bool,
+    },
+    Mirror {
+        albedo: Albedo,
+        smooth: bool,
+    },
     /// Black where the light has no surface.
     Light {
         radiance: Spectrum,

@@ -204,14 +204,17 @@ impl Light {
         }
         let own = shape.quantity();
         for other in [Quantity::Radiance, Quantity::Intensity, Quantity::Irradiance].into_iter().filter(|q| *q != own) {
-            v.refuse(other.name(), &format!("`{}` is not what a `{form}` has; give its `{}`", other.name(), own.name()));
+            v.refuse(
+                other.name(),
+                &format!("`{}` is not what a `{form}` has; give its `{}`", other.name(), own.name()),
+            );
         }
         if form == "directional" {
             v.refuse("power", "a `directional` light has no `power` of its own; give its `irradiance`");
         }
         let choice = [own.name(), Quantity::Power.name()];
         let forms = if form == "directional" { &choice[..1] } else { &choice[..] };
-        emission.quantity = match v.form(forms, emission.quantity.name(), None) {
+        emission.quantity = match v.form(forms, emission.quantity.name(), Some(own.name())) {
             "power" => Quantity::Power,
             _ if emission.quantity == Quantity::Power => own,
             _ => emission.quantity,
@@ -220,14 +223,18 @@ impl Light {
         v.need(quantity.name(), &mut emission.rgb, RADIANCE);
         v.check(&|| match forms.contains(&quantity.name()) {
             true => Ok(()),
-            false => {
-                Fault::at(quantity.name(), format!("a `{form}` has no `{}`; give its `{}`", quantity.name(), own.name()))
-            }
+            false => Fault::at(
+                quantity.name(),
+                format!("a `{form}` has no `{}`; give its `{}`", quantity.name(), own.name()),
+            ),
         });
         if form == "shape" {
             v.optional("two_sided", two_sided, false, ANY);
         } else {
-            v.refuse("two_sided", &format!("`two_sided` belongs to a light with a `shape`, but this one is a `{form}`"));
+            v.refuse(
+                "two_sided",
+                &format!("`two_sided` belongs to a light with a `shape`, but this one is a `{form}`"),
+            );
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::app::document::Document;
 use crate::app::objects::Manipulation;
 use crate::formats::{Memory, mesh_from_bytes, parse, to_text};
 use crate::optics::{Ior, catalog};
-use crate::scene::description::{Emission, Quantity, Description, Environment, Kind, Paint, Shape, Transform};
+use crate::scene::description::{Description, Emission, Environment, Kind, Paint, Quantity, Shape, Transform};
 use crate::scene::{SceneError, validate};
 
 const OBJ: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
@@ -241,9 +241,15 @@ fn the_editor_refuses_what_the_reader_refuses_in_its_words() {
             d.objects.find_mut("floor").unwrap().solid_mut().unwrap().paint =
                 Paint::Checker { a: [0.0; 3], b: [1.0; 3], size: 0.0 };
         }),
-        (object("ball light", ObjectEdit::Emission(Emission { quantity: Quantity::Radiance, rgb: [1.0, 1.0, -2.0] })), |d| {
-            d.objects.find_mut("ball light").unwrap().light_mut().unwrap().emission.rgb = [1.0, 1.0, -2.0];
-        }),
+        (
+            object(
+                "ball light",
+                ObjectEdit::Emission(Emission { quantity: Quantity::Radiance, rgb: [1.0, 1.0, -2.0] }),
+            ),
+            |d| {
+                d.objects.find_mut("ball light").unwrap().light_mut().unwrap().emission.rgb = [1.0, 1.0, -2.0];
+            },
+        ),
         (Edit::Medium(glass(), MediumEdit::Ior(Ior::Constant(-1.0))), |d| d.media[0].ior = Ior::Constant(-1.0)),
         (Edit::Medium(glass(), MediumEdit::Ior(Ior::Cauchy([-3.0, 0.0, 0.0]))), |d| {
             d.media[0].ior = Ior::Cauchy([-3.0, 0.0, 0.0])

@@ -276,12 +276,20 @@ colour = [0, 0, 0]
             (format!("{spot}\n{ball}\nintensity = [1, 1, 1]"), "s.toml:4:1", "shape, point, spot, directional"),
             (format!("{spot}\nradiance = [1, 1, 1]"), "s.toml:7:12", "give its `intensity`"),
             (format!("{ball}\nintensity = [1, 1, 1]"), "s.toml:7:13", "give its `radiance`"),
-            (format!("{ball}\nradiance = [1, 1, 1]\npower = [1, 1, 1]"), "s.toml:4:1", "exactly one of radiance, power"),
-            (ball.to_owned(), "s.toml:4:1", "exactly one of radiance, power"),
-            (spot.to_owned(), "s.toml:4:1", "exactly one of intensity, power"),
-            (sun.to_owned(), "s.toml:4:1", "exactly one of irradiance"),
+            (
+                format!("{ball}\nradiance = [1, 1, 1]\npower = [1, 1, 1]"),
+                "s.toml:8:9",
+                "has both `radiance` and `power`",
+            ),
+            (ball.to_owned(), "s.toml:4:1", "radiance"),
+            (spot.to_owned(), "s.toml:4:1", "intensity"),
+            (sun.to_owned(), "s.toml:4:1", "irradiance"),
             (format!("{sun}\npower = [1, 1, 1]"), "s.toml:7:9", "give its `irradiance`"),
-            (format!("{sun}\nirradiance = [1, 1, 1]\ntwo_sided = true"), "s.toml:8:13", "belongs to a light with a `shape`"),
+            (
+                format!("{sun}\nirradiance = [1, 1, 1]\ntwo_sided = true"),
+                "s.toml:8:13",
+                "belongs to a light with a `shape`",
+            ),
             (format!("{sun}\nirradiance = [1, -1, 1]"), "s.toml:7", "0 or more"),
             (format!("{spot}\npower = [1, 1, 1e101]"), "s.toml:7", "at most 1e100"),
             (format!("{}\npower = [1, 1, 1]", spot.replace("30", "10")), "s.toml:6:92", "less than inner_angle"),
@@ -289,7 +297,11 @@ colour = [0, 0, 0]
             (format!("{}\npower = [1, 1, 1]", spot.replace("[0, 3, 0]", "[0, 0, 0]")), "s.toml:6:47", "no direction"),
             (format!("{}\npower = [1, 1, 1]", spot.replace(", outer_angle = 30", "")), "s.toml:6", "outer_angle"),
             (format!("{}\nirradiance = [1, 1, 1]", sun.replace("[1, -1, 0]", "[0, 0, 0]")), "s.toml:6:31", "no length"),
-            (format!("{}\nirradiance = [1, 1, 1]", sun.replace(" }", ", angle = 200 }")), "s.toml:6:51", "or from 0.001 to 180"),
+            (
+                format!("{}\nirradiance = [1, 1, 1]", sun.replace(" }", ", angle = 200 }")),
+                "s.toml:6:51",
+                "or from 0.001 to 180",
+            ),
             (format!("{}\nirradiance = [1, 1, 1]", sun.replace(" }", ", angel = 1 }")), "s.toml:6", "angel"),
         ] {
             let text = format!("{HEAD}[[light]]\nname = \"l\"\n{light}\n");

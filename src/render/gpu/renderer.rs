@@ -264,7 +264,8 @@ impl Renderer for Gpu {
             }
         }
         for (light, _) in scene.emitters.iter() {
-            let name = |id: Option<crate::scene::ObjectId>| id.map_or_else(String::new, |id| scene.object(id).name.clone());
+            let name =
+                |id: Option<crate::scene::ObjectId>| id.map_or_else(String::new, |id| scene.object(id).name.clone());
             let what = match light {
                 Light::Area(area) if area.two_sided => "a light with two sides",
                 Light::Area(_) | Light::Environment(_) => continue,

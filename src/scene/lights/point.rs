@@ -161,13 +161,7 @@ fn towards(from: DVec3, position: DVec3, intensity: impl Fn(DVec3) -> Spectrum) 
     (!radiance.is_black()).then_some(DirectSample { direction, pdf: 1.0, radiance, is_delta: true, target })
 }
 
-fn leaving(
-    light: ObjectId,
-    position: DVec3,
-    direction: DVec3,
-    intensity: Spectrum,
-    pdf_direction: f64,
-) -> EmittedRay {
+fn leaving(light: ObjectId, position: DVec3, direction: DVec3, intensity: Spectrum, pdf_direction: f64) -> EmittedRay {
     EmittedRay {
         ray: Ray::new(position, direction),
         radiance: intensity,

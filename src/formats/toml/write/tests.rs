@@ -442,7 +442,11 @@ fn lights_of_every_kind_are_read_and_written() {
         (|s| light(s, "bulb").light_mut().unwrap().emission.rgb[0] = 61.0, "[60, 50", "[61.0, 50"),
         (|s| light(s, "bulb").shape = Shape::Point { position: DVec3::Y }, "[0, 3, 0] }   #", "[0, 1.0, 0] }   #"),
         (|s| light(s, "panel").light_mut().unwrap().two_sided = false, "two_sided = true\n", ""),
-        (|s| light(s, "panel").light_mut().unwrap().emission.quantity = Quantity::Radiance, "power = [5, 5, 5]\ntwo_sided = true\n", "two_sided = true\nradiance = [5.0, 5.0, 5.0]\n"),
+        (
+            |s| light(s, "panel").light_mut().unwrap().emission.quantity = Quantity::Radiance,
+            "power = [5, 5, 5]\ntwo_sided = true\n",
+            "two_sided = true\nradiance = [5.0, 5.0, 5.0]\n",
+        ),
         (|s| light(s, "spot").transform.translate.x = 2.0, "[1, 0, 0] }\n\n", "[2.0, 0, 0] }\n\n"),
         (
             |s| light(s, "sun").shape = Shape::Directional { direction: DVec3::new(1.0, -1.0, 0.0), angle: 1.0 },
