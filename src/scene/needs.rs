@@ -41,8 +41,6 @@ needs! {
     triangles,
     /// Lights other than the environment.
     emitters,
-    /// Directional lights that rays see which escape.
-    suns,
     /// An environment worth sampling: an image.
     image_environment,
 }

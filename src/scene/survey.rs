@@ -47,7 +47,6 @@ impl SceneNeeds {
             spheres: geometry.sphere_count() > 0,
             triangles: geometry.triangle_count() > 0,
             emitters: !emitters.is_empty(),
-            suns: emitters.suns().next().is_some(),
             image_environment: environment.is_image(),
         }
     }
@@ -57,7 +56,6 @@ impl SceneNeeds {
         Self {
             image_environment: self.image_environment && scene.environment.is_image(),
             emitters: self.emitters && !scene.emitters.is_empty(),
-            suns: self.suns && scene.emitters.suns().next().is_some(),
             ..self
         }
     }

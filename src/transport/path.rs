@@ -229,7 +229,7 @@ impl<T: Tracker> PathTracer<'_, T> {
             Interaction::Escapes { radiance } => {
                 let weight = path.last.map_or(1.0, |l| power_heuristic(l.pdf, tracked.environment_pdf(ray.direction)));
                 path.radiance += path.beta * radiance * (path.radiance_scale * weight);
-                if tracked.needs.suns {
+                if tracked.scene.emitters.has_suns() {
                     let suns = tracked.suns(ray.direction, path.last.map(|l| l.pdf));
                     path.radiance += path.beta * suns * path.radiance_scale;
                 }

@@ -103,6 +103,11 @@ impl Emitters {
         })
     }
 
+    #[inline]
+    pub fn has_suns(&self) -> bool {
+        !self.suns.is_empty()
+    }
+
     /// The directional lights that rays see which escape, each with the probability that it is chosen.
     #[inline]
     pub fn suns(&self) -> impl Iterator<Item = (&DirectionalLight, f64)> {
