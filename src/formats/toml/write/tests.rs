@@ -434,7 +434,7 @@ fn lights_of_every_kind_are_read_and_written() {
     assert!(again.contains("irradiance") && !again.contains("angle = 0.0\n"), "{again}");
 
     // Each edit changes its line.
-    fn light(scene: &mut Description, name: &str) -> &mut Object {
+    fn light<'a>(scene: &'a mut Description, name: &str) -> &'a mut Object {
         scene.objects.find_mut(name).unwrap()
     }
     type Edit = fn(&mut Description);
