@@ -256,7 +256,7 @@ fn a_light_that_hides_parts_of_itself() {
 /// Each light is told the medium that it stands in, and one on a surface that there are several.
 #[test]
 fn the_medium_of_a_light_is_found() {
-    let mut description = nest(&[(1.0, 1.5), (2.0, 1.333)]);
+    let mut description = nest(1.0, &[(2.0, 1.333), (1.0, 1.5)]);
     for (name, x) in [("in glass", 0.5), ("in water", 1.5), ("outside", 3.0), ("on the glass", 1.0)] {
         let shape = Shape::Point { position: DVec3::X * x };
         description.objects.push(Object::new(name, shape, Light::of(Quantity::Power, [1.0; 3])));

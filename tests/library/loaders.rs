@@ -150,7 +150,7 @@ fn every_key_reaches_the_description() {
     assert!(matches!(scene.objects.solids()[2].shape, Shape::Lathe { segments: 192, .. }));
     assert!(matches!(scene.objects.lights()[0].shape, Shape::Cylinder { segments: 192, .. }));
     assert!(matches!(scene.objects.lights()[1].shape, Shape::Torus { segments: 32, rings: 16, .. }));
-    assert_eq!(scene.objects.lights()[1].light().unwrap().radiance, [1.0, 0.0, 0.0]);
+    assert_eq!(scene.objects.lights()[1].light().unwrap().emission.rgb, [1.0, 0.0, 0.0]);
 }
 
 #[test]

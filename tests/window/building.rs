@@ -129,7 +129,7 @@ fn shapes_and_lights_are_edited_by_typing() {
     apply(&mut harness, Command::Add(Addition::BallLight));
     type_into(&mut harness, Role::SpinButton, "Strength of ball light", "7");
     let radiance =
-        |harness: &Harness<'_, App>| scene(harness).objects.find("ball light").unwrap().light().unwrap().radiance;
+        |harness: &Harness<'_, App>| scene(harness).objects.find("ball light").unwrap().light().unwrap().emission.rgb;
     assert_eq!(radiance(&harness), [7.0; 3]);
 }
 
