@@ -475,7 +475,7 @@ fn backend(text: &str) -> Result<BackendChoice, String> {
 }
 
 fn estimator(text: &str) -> Result<Estimator, String> {
-    one_of(text, &[("path", Estimator::Path)], &["bidirectional"])
+    one_of(text, &[Estimator::Path, Estimator::Bidirectional, Estimator::Merging].map(|e| (e.name(), e)), &[])
 }
 
 fn sequence(text: &str) -> Result<Sequence, String> {

@@ -34,6 +34,10 @@ named! {
         /// Paths from the camera.
         #[default]
         Path = "path",
+        /// Paths from the camera and from lights, joined.
+        Bidirectional = "bidirectional",
+        /// These, and light that has come to places nearby.
+        Merging = "merging",
     }
 }
 

@@ -1,6 +1,6 @@
 //! The camera, ready to make rays.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_4, PI};
 
 use glam::{DVec2, DVec3};
 
@@ -138,6 +138,24 @@ impl Camera {
             importance: self.importance(direction, size),
             pdf: distance * distance / (cosine * self.lens_area()),
         })
+    }
+
+    /// A point of the unit disc, uniform by area (Shirley and Chiu 1997), for `u` uniform in [0, 1)², which a pinhole does not ask for.
+    #[inline]
+    pub fn lens_point(&self, u: impl FnOnce() -> [f64; 2]) -> DVec2 {
+        if self.aperture_radius == 0.0 {
+            return DVec2::ZERO;
+        }
+        let u = DVec2::from(u()) * 2.0 - 1.0;
+        if u == DVec2::ZERO {
+            return u;
+        }
+        let (r, angle) = if u.x.abs() > u.y.abs() {
+            (u.x, FRAC_PI_4 * u.y / u.x)
+        } else {
+            (u.y, 2.0 * FRAC_PI_4 - FRAC_PI_4 * u.x / u.y)
+        };
+        DVec2::from_angle(angle) * r
     }
 
     /// Of a pinhole 1.

@@ -12,12 +12,19 @@
 //! [`inspect`] tells one path vertex by vertex, [`parting`] where and why the paths of two modes part, and [`sampler`] has the random numbers
 //! of each.
 
+pub mod bidirectional;
+pub mod connection;
 mod direct;
+mod emission;
 pub mod inspect;
 pub mod interaction;
 pub mod parting;
 pub mod path;
+pub mod photon_map;
+mod roulette;
 pub mod sampler;
+mod walk;
+mod weights;
 
 /// Random dimensions of a path: the camera's, then a block for each segment.
 pub mod dimension {
@@ -31,6 +38,11 @@ pub mod dimension {
     pub const EMITTER: u32 = 3;
     pub const ENVIRONMENT: u32 = 4;
     pub const ROULETTE: u32 = 5;
+
+    /// Of subpaths from lights, whose numbers are others: instead of the camera's.
+    pub const LIGHT_START: u32 = 0;
+    pub const LIGHT_DIRECTION: u32 = 1;
+    pub const LIGHT_CHOICE: u32 = u32::MAX;
 
     /// The first of the block of a segment, counted from 1.
     #[inline]

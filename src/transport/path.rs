@@ -12,6 +12,7 @@ use glam::DVec3;
 use super::dimension;
 use super::direct::power_heuristic;
 use super::interaction::{Interaction, TrackedScene, Traveller, Vertex};
+use super::roulette::Roulette;
 use super::sampler::Sampler;
 use crate::geometry::{Hit, Ray};
 use crate::rectify::start::Start;
@@ -19,24 +20,6 @@ use crate::scatter::{Choice, ScatterSample, Transport};
 use crate::scene::MediumId;
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::tracking::{Events, Tracker};
-
-/// Segments after which Russian roulette looks at the throughput.
-const ROULETTE_FROM: u32 = 4;
-/// Share of the throughput at the first diffuse vertex below which paths are ended at random. What such a path still brings counts against
-/// what its pixel shows, so a dark surface seen directly is no reason to end it; at that share the noise of ending it is small.
-const ROULETTE_SHARE: f64 = 0.25;
-/// Segments after which every path may be ended whatever its throughput, or trapped lossless paths would never end.
-const LONG_PATH: u32 = 64;
-
-/// Probability of going on from a segment beyond [`LONG_PATH`]. It starts at 0.95 and rises, so that the chance of lasting k segments
-/// more falls as 1/k and the weight of those that do grows no faster than k. With a constant 0.95 that weight grows exponentially: the
-/// paths through hundreds of interfaces, which do arrive, would be too rare to find, and the few that are caught between facets for
-/// thousands of segments would come back as fireflies. From the ten thousandth on it is constant, which bounds the time of one path;
-/// a trapped path lasts some 140 segments more in the mean.
-#[inline]
-fn survival_of_long_path(segment: u32) -> f64 {
-    (1.0 - 1.0 / (f64::from(segment - LONG_PATH) + 19.0)).min(0.9999)
-}
 
 /// Least share of a path's light that is worth a path of its own: a branch of less is followed now and then, by chance.
 const SPLIT_SHARE: f64 = 0.03;
@@ -74,8 +57,8 @@ struct Path<S> {
     beta: Spectrum,
     radiance_scale: f64,
     last: Option<LastScatter>,
-    /// Throughput below which Russian roulette sets in. A branch's share counts as throughput: a small one is not followed for long.
-    roulette_below: f64,
+    /// A branch's share counts as throughput: a small one is not followed for long.
+    roulette: Roulette,
     has_scattered: bool,
     /// Product of the shares that it took where it split, in (0, 1].
     share: f64,
@@ -169,7 +152,7 @@ impl<S: Default> Path<S> {
             beta: Spectrum::ONE,
             radiance_scale: 1.0,
             last: None,
-            roulette_below: ROULETTE_SHARE,
+            roulette: Roulette::default(),
             has_scattered: false,
             share: 1.0,
             radiance: Spectrum::ZERO,
@@ -327,7 +310,7 @@ impl<S: Clone> Path<S> {
             self.medium = sides.to;
         }
         if !self.has_scattered && !vertex.scattering.is_delta() {
-            self.roulette_below = ROULETTE_SHARE * self.beta.max_component() / self.share;
+            self.roulette = Roulette::after_first_scatter(self.beta.max_component() / self.share);
             self.has_scattered = true;
         }
     }
@@ -339,23 +322,15 @@ impl<S: Clone> Path<S> {
         self.share *= share;
     }
 
-    /// Russian roulette, with the random numbers of the segment that begins at `dimensions`. A survivor's throughput is raised for those that
-    /// end.
+    /// Russian roulette, with the random numbers of the segment that begins at `dimensions`.
     #[inline]
     fn survives(&mut self, dimensions: u32) -> bool {
-        if self.segment <= ROULETTE_FROM {
-            return true;
-        }
-        let mut survival = (self.beta.max_component() / self.roulette_below).min(1.0);
-        if self.segment > LONG_PATH {
-            survival = survival.min(survival_of_long_path(self.segment));
-        }
-        if survival < 1.0 {
-            if self.sampler.get_1d(dimensions + dimension::ROULETTE) >= survival {
-                return false;
+        match self.roulette.survival(self.beta, self.segment, &self.sampler, dimensions) {
+            Some(survival) => {
+                self.beta /= survival;
+                true
             }
-            self.beta /= survival;
+            None => false,
         }
-        true
     }
 }

@@ -239,8 +239,8 @@ impl Renderer for Gpu {
     fn require(&self, task: &RenderTask<'_>) -> Result<(), Unsupported> {
         let RenderTask { prepared, camera, settings } = *task;
         let scene = &*prepared.scene;
-        match settings.estimator {
-            Estimator::Path => {}
+        if settings.estimator != Estimator::Path {
+            return Err(unsupported(&format!("estimator {}", settings.estimator.name()), "use the CPU"));
         }
         if !Variant::has_mode(settings.mode) {
             return Err(unsupported(&format!("mode {}", settings.mode), "the CPU renders it"));

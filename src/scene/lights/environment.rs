@@ -88,6 +88,16 @@ impl EnvironmentLight {
         }
     }
 
+    /// Whether no light comes from it.
+    pub fn is_black(&self) -> bool {
+        match self {
+            Self::Constant(color) => color.is_black(),
+            Self::Gradient { zenith, horizon, nadir } => [zenith, horizon, nadir].into_iter().all(|c| c.is_black()),
+            // An image that is black is a constant.
+            Self::Image(_) => false,
+        }
+    }
+
     /// Whether there is anything to gain from sampling it: an image that is not black.
     pub fn is_image(&self) -> bool {
         matches!(self, Self::Image(_))

@@ -1,0 +1,89 @@
+//! Where subpaths from lights begin.
+
+use glam::DVec3;
+
+use super::interaction::TrackedScene;
+use crate::geometry::SurfacePoint;
+use crate::scene::ObjectId;
+use crate::scene::lights::{EmittedRay, Light};
+use crate::tracking::Tracker;
+
+/// Probability of the environment where there are emitters too. Neither is known to bring more to what the camera sees.
+const ENVIRONMENT_SHARE: f64 = 0.5;
+
+/// A light of a scene, with the probabilities that it is chosen.
+#[derive(Debug, Clone, Copy)]
+pub struct ChosenLight<'a> {
+    pub light: Light<'a>,
+    /// For a subpath that begins there.
+    pub emission: f64,
+    /// For light that is looked for at a vertex of the camera's subpath; 0 if it never is.
+    pub direct: f64,
+}
+
+impl<T: Tracker> TrackedScene<'_, T> {
+    /// The probability that a subpath comes from the environment.
+    fn environment_share(&self) -> f64 {
+        let scene = self.scene;
+        let is_dark = scene.environment.is_black() || scene.geometry.bounding_sphere().is_none();
+        match (is_dark, scene.emitters.is_empty()) {
+            (true, _) => 0.0,
+            (false, true) => 1.0,
+            (false, false) => ENVIRONMENT_SHARE,
+        }
+    }
+
+    /// The light that `select`, uniform in [0, 1), chooses, and what is left of `select`, again uniform; `None` in a scene without light.
+    pub fn choose_light(&self, select: f64) -> Option<(ChosenLight<'_>, f64)> {
+        let share = self.environment_share();
+        if select < share {
+            return Some((self.environment_light(), select / share));
+        }
+        let (light, probability, rest) = self.scene.emitters.choose((select - share) / (1.0 - share))?;
+        let emission = (1.0 - share) * probability;
+        Some((ChosenLight { light: Light::Area(light), emission, direct: self.direct_probability(probability) }, rest))
+    }
+
+    /// The environment.
+    pub fn environment_light(&self) -> ChosenLight<'_> {
+        let direct = if self.needs.image_environment { 1.0 } else { 0.0 };
+        ChosenLight { light: self.scene.environment_light(), emission: self.environment_share(), direct }
+    }
+
+    /// The light that this object is; `None` of one that emits nothing.
+    pub fn object_light(&self, object: ObjectId) -> Option<ChosenLight<'_>> {
+        let (light, probability) = self.scene.emitters.find(object)?;
+        let emission = (1.0 - self.environment_share()) * probability;
+        Some(ChosenLight { light: Light::Area(light), emission, direct: self.direct_probability(probability) })
+    }
+
+    fn direct_probability(&self, probability: f64) -> f64 {
+        if self.needs.emitters { probability } else { 0.0 }
+    }
+
+    /// Density per steradian with which `light` is looked for from a place `from` in unit `direction`, where it is met at `point` (none of the
+    /// environment).
+    pub fn direct_pdf(&self, light: &ChosenLight<'_>, from: DVec3, direction: DVec3, point: Option<&SurfacePoint>) -> f64 {
+        if light.direct == 0.0 {
+            return 0.0;
+        }
+        light.direct * light.light.pdf_direct(&self.scene.geometry, from, direction, point)
+    }
+
+    /// Density with which subpaths begin at a light along unit `direction`, per area and steradian, over the cosine to the `normal` of the surface
+    /// that they start from; for the environment that is a disc across `direction`, whatever `normal` is.
+    pub fn emission_pdf(&self, light: &ChosenLight<'_>, normal: DVec3, direction: DVec3) -> f64 {
+        let [position, of_direction] = light.light.pdf_ray(&self.scene.geometry, normal, direction);
+        let cosine = match light.light {
+            Light::Area(_) => normal.dot(direction),
+            Light::Environment(_) => 1.0,
+        };
+        if cosine > 0.0 { light.emission * position * of_direction / cosine } else { 0.0 }
+    }
+
+    /// A ray that leaves a light, for numbers uniform in [0, 1).
+    pub fn emit(&self, light: &ChosenLight<'_>, start: [f64; 3], direction: [f64; 2]) -> Option<EmittedRay> {
+        let emitted = light.light.sample_ray(&self.scene.geometry, start, direction)?;
+        (emitted.cosine > 0.0 && emitted.pdf_position > 0.0 && emitted.pdf_direction > 0.0).then_some(emitted)
+    }
+}
