@@ -14,7 +14,7 @@ use super::snapshots::SnapshotId;
 use super::state::{PathOption, WorldPart};
 use crate::check::Spot;
 use crate::optics::Ior;
-use crate::render::{BackendChoice, ToneCurve};
+use crate::render::{BackendChoice, EstimatorChoice, ToneCurve};
 use crate::scene::description::CameraDescription;
 use crate::session::GroundTruthDemand;
 use crate::transport::inspect::Follow;
@@ -132,6 +132,7 @@ pub enum Command {
     SetNoiseTarget(Option<f64>),
     SetDenoise(bool),
     /// What renders.
+    SetEstimator(EstimatorChoice),
     SetBackend(BackendChoice),
     TogglePause,
     Restart,

@@ -13,7 +13,7 @@ use super::objects::Manipulation;
 use super::range::DifferenceRange;
 use crate::render::slice::SLICED_MODES;
 use crate::render::surfaces::SurfaceQuantity;
-use crate::render::{BackendChoice, Display};
+use crate::render::{BackendChoice, Display, EstimatorChoice};
 use crate::scene::Description;
 use crate::tracking::Mode;
 
@@ -92,6 +92,8 @@ pub struct Settings {
     pub sample_limit: Option<u32>,
     /// Mean relative error of a pixel at which rendering stops; `None`: only the limit of samples counts.
     pub noise_target: Option<f64>,
+    /// How light is transported.
+    pub estimator: EstimatorChoice,
     /// What renders.
     pub backend: BackendChoice,
     /// Whether noise is smoothed away in what is displayed.
@@ -134,6 +136,7 @@ impl Default for Settings {
             max_depth: None,
             sample_limit: Some(4096),
             noise_target: Some(DEFAULT_NOISE_TARGET),
+            estimator: EstimatorChoice::default(),
             backend: BackendChoice::default(),
             denoise: false,
             theme: Theme::Dark,

@@ -30,7 +30,7 @@ use super::slice::SliceView;
 use super::snapshots::Snapshots;
 use super::verdicts::Verdicts;
 use crate::check::Problem;
-use crate::render::ImageSettings;
+use crate::render::{Estimator, ImageSettings};
 use crate::scene::Description;
 use crate::scene::description::{CameraDescription, Object};
 use crate::session::{GraphicsStatus, Preparation, Request, SceneReport, Snapshot};
@@ -243,6 +243,11 @@ impl State {
         self.settings.noise_target.filter(|_| !self.measurement.is_on())
     }
 
+    /// What renders the films that are shown, as far as is known.
+    pub fn estimator(&self) -> Option<Estimator> {
+        self.films.values().max_by_key(|film| film.epoch).map(|film| film.estimator)
+    }
+
     /// A request for the worker, if anything has changed since the last one and there is room for an image.
     pub fn take_request(&mut self) -> Option<Request> {
         if !self.has_news || !self.has_scene || self.size.film.contains(&0) {
@@ -258,6 +263,7 @@ impl State {
             surfaces: self.settings.surfaces(),
             size: self.size.film,
             settings: ImageSettings { max_depth: self.settings.max_depth, ..ImageSettings::new(Mode::Rectified, 0) },
+            estimator: self.settings.estimator,
             backend: self.settings.backend,
             backend_choices: self.backend_choices,
             sample_limit: self.settings.sample_limit,

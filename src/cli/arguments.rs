@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 
-use crate::render::{BackendChoice, Estimator, ImageSettings, SampleRange, ToneCurve};
+use crate::render::{BackendChoice, Estimator, EstimatorChoice, ImageSettings, SampleRange, ToneCurve};
 use crate::report::make::Part;
 use crate::scene::shapes::MAX_LENGTH;
 use crate::tracking::Mode;
@@ -132,9 +132,10 @@ pub struct ImageArguments {
     /// is always computed by the CPU
     #[arg(long, value_name = "BACKEND", default_value = "auto", value_parser = backend)]
     pub backend: BackendChoice,
-    /// How light is transported: path (bidirectional is not yet supported)
-    #[arg(long, value_name = "ESTIMATOR", default_value = "path", value_parser = estimator)]
-    pub estimator: Estimator,
+    /// How light is transported: path (from the camera), bidirectional (from the lights too), merging (these, and light that has come to places
+    /// nearby: caustics seen through glass), or auto, which merges where caustics of small lights would be too noisy for paths
+    #[arg(long, value_name = "ESTIMATOR", default_value = "auto", value_parser = estimator)]
+    pub estimator: EstimatorChoice,
     /// Threads to render on [default: one per core]; the image does not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub threads: Option<u32>,
@@ -145,7 +146,7 @@ pub struct ImageArguments {
     #[arg(long, value_name = "CURVE", default_value = "soft")]
     pub curve: ToneCurve,
     /// Whether samples go where they lower the error most: on or off; `--spp` is then the mean over the pixels [default: on, but off with
-    /// --samples]
+    /// --samples and for estimators that begin at lights too]
     #[arg(long, value_name = "on|off", value_parser = on_or_off)]
     pub adaptive: Option<Switch>,
     /// Interfaces seen from the camera at which a path may split, so that both the reflected and the transmitted light are followed; 0: none,
@@ -173,17 +174,44 @@ pub struct ImageArguments {
 }
 
 impl ImageArguments {
-    /// How the image of one mode is rendered by the CPU.
-    pub fn settings(&self, mode: Mode) -> ImageSettings {
+    /// How the image of one mode is rendered by the CPU with an estimator.
+    pub fn settings(&self, mode: Mode, estimator: Estimator) -> ImageSettings {
         let usual = ImageSettings::new(mode, self.seed);
         ImageSettings {
-            estimator: self.estimator,
+            estimator,
             max_depth: self.max_depth.0,
             leave_out: self.leave_out.0,
-            splits: self.splits.unwrap_or(usual.splits),
+            splits: if estimator == Estimator::Path { self.splits.unwrap_or(usual.splits) } else { 0 },
             sampler: self.sampler,
             sample_environment: self.sample_environment.0,
             ..usual
+        }
+    }
+
+    /// The estimators to choose from: what only paths from the camera can do decides for those.
+    ///
+    /// # Errors
+    /// When another is asked for.
+    pub fn estimator(&self) -> Result<EstimatorChoice, String> {
+        let is_adaptive = self.adaptive == Some(Switch(true));
+        match self.estimator {
+            EstimatorChoice::Auto if is_adaptive || self.backend == BackendChoice::Gpu || self.splits.is_some() => {
+                Ok(EstimatorChoice::Path)
+            }
+            estimator @ (EstimatorChoice::Bidirectional | EstimatorChoice::Merging) if is_adaptive => Err(format!(
+                "estimator {} spreads its samples evenly, as light from lamps falls on any pixel; leave out `--adaptive on`, or use `--estimator \
+                 path`",
+                estimator.name()
+            )),
+            estimator @ (EstimatorChoice::Bidirectional | EstimatorChoice::Merging)
+                if self.splits.is_some_and(|splits| splits > 0) =>
+            {
+                Err(format!(
+                    "estimator {} does not split paths; leave out --splits, or use `--estimator path`",
+                    estimator.name()
+                ))
+            }
+            estimator => Ok(estimator),
         }
     }
 
@@ -474,8 +502,9 @@ fn backend(text: &str) -> Result<BackendChoice, String> {
     one_of(text, &all.map(|backend| (backend.name(), backend)), &[])
 }
 
-fn estimator(text: &str) -> Result<Estimator, String> {
-    one_of(text, &[Estimator::Path, Estimator::Bidirectional, Estimator::Merging].map(|e| (e.name(), e)), &[])
+fn estimator(text: &str) -> Result<EstimatorChoice, String> {
+    use EstimatorChoice::{Auto, Bidirectional, Merging, Path};
+    one_of(text, &[Auto, Path, Bidirectional, Merging].map(|estimator| (estimator.name(), estimator)), &[])
 }
 
 fn sequence(text: &str) -> Result<Sequence, String> {
@@ -561,11 +590,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_planned_is_told_from_what_is_unknown() {
+    fn what_is_unknown_is_told_what_is_valid() {
         assert_eq!(backend("auto"), Ok(BackendChoice::Auto));
         assert_eq!(backend("gpu"), Ok(BackendChoice::Gpu));
         assert!(backend("abacus").unwrap_err().contains("auto, cpu, gpu"));
-        assert!(estimator("bidirectional").unwrap_err().contains("not yet supported"));
+        assert_eq!(estimator("merging"), Ok(EstimatorChoice::Merging));
+        assert!(estimator("photons").unwrap_err().contains("auto, path, bidirectional, merging"));
         assert_eq!(granularity("patch"), Ok(Granularity::Patch));
         assert!(granularity("face").unwrap_err().contains("patch, object"));
     }

@@ -16,7 +16,8 @@ use crate::export::renderer;
 use crate::render::choice::{self, Work};
 use crate::render::exact::unit_exponent;
 use crate::render::{
-    Backend, BackendChoice, Chosen, Display, Film, ImageSettings, Recipe, RenderTask, SampleRange, choose,
+    Backend, BackendChoice, Chosen, Display, Estimator, Film, ImageSettings, Recipe, RenderTask, SampleRange, choose,
+    choose_estimator,
 };
 use crate::scene::camera::Camera;
 use crate::tracking::Mode;
@@ -136,6 +137,7 @@ pub struct Job<'a> {
     pub prepared: Prepared,
     camera: Camera,
     chosen: Chosen,
+    pub estimator: Estimator,
     load_secs: f64,
     compile_secs: f64,
     pool: rayon::ThreadPool,
@@ -150,7 +152,9 @@ impl<'a> Job<'a> {
         let camera = Camera::new(&description.camera)?;
         let pool = pool(arguments.threads)?;
         let prepared = pool.install(|| prepare_shown(Arc::new(description)))?;
-        let settings: Vec<ImageSettings> = modes.iter().map(|&mode| arguments.settings(mode)).collect();
+        let estimator = arguments.estimator().map_err(Failure::wrong)?;
+        let estimator = pool.install(|| choose_estimator(estimator, &prepared, &camera));
+        let settings: Vec<ImageSettings> = modes.iter().map(|&mode| arguments.settings(mode, estimator)).collect();
         for settings in &settings {
             let task = RenderTask { prepared: &prepared, camera: &camera, settings };
             task.require().map_err(|error| Failure::Wrong(error.into()))?;
@@ -172,12 +176,12 @@ impl<'a> Job<'a> {
             (Some(reason), _) => log::info!("rendering on the CPU: {reason}"),
             (None, _) => {}
         }
-        Ok(Self { arguments, prepared, camera, chosen, load_secs, compile_secs, pool })
+        Ok(Self { arguments, prepared, camera, chosen, estimator, load_secs, compile_secs, pool })
     }
 
     /// How the image of one mode is rendered.
     pub fn settings(&self, mode: Mode) -> ImageSettings {
-        self.chosen.settings(self.arguments.settings(mode))
+        self.chosen.settings(self.arguments.settings(mode, self.estimator))
     }
 
     /// The graphics processor that took samples of any of these images, if one did.
@@ -279,7 +283,7 @@ impl<'a> Job<'a> {
     }
 
     fn is_adaptive(&self) -> bool {
-        self.arguments.adaptive.is_none_or(|adaptive| adaptive.0)
+        self.estimator == Estimator::Path && self.arguments.adaptive.is_none_or(|adaptive| adaptive.0)
     }
 
     /// What there is to say about an image.

@@ -51,9 +51,10 @@ impl RenderTask<'_> {
     /// [`Self::pass`] without another backend that steps in.
     pub fn try_pass(&self, film: &mut Film, samples: u32, cancel: &AtomicBool) -> bool {
         let backend = self.backend();
+        let before = film.samples;
         let is_complete = renderer(backend).pass(self, film, samples, cancel);
         // Of a pass that failed, rows that were finished are kept.
-        if is_complete || film.ahead.iter().any(|ahead| *ahead > 0) {
+        if film.samples > before || film.ahead.iter().any(|ahead| *ahead > 0) {
             film.rendered_by(backend);
         }
         is_complete

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::progress::Progress;
 use crate::measure::statistics::median;
 use crate::optics::Ior;
-use crate::render::{Backend, BackendChoice, ImageSettings};
+use crate::render::{Backend, BackendChoice, EstimatorChoice, ImageSettings};
 use crate::scene::{Description, SceneError};
 use crate::session::{GroundTruthDemand, Request, Worker};
 use crate::spectrum::WAVELENGTH_D_UM;
@@ -140,6 +140,7 @@ fn first_request(description: &Arc<Description>, modes: Vec<Mode>, size: [u32; 2
         surfaces: Vec::new(),
         size,
         settings: ImageSettings::new(Mode::Rectified, 0),
+        estimator: EstimatorChoice::Path,
         backend: BackendChoice::Cpu,
         backend_choices: 0,
         sample_limit: Some(4096),

@@ -160,6 +160,7 @@ mod tests {
     use std::time::Instant;
 
     use super::*;
+    use crate::render::EstimatorChoice;
     use crate::scene::camera::Camera;
     use crate::session::{GroundTruthDemand, Request};
     use crate::tracking::{Mode, prepare};
@@ -179,6 +180,7 @@ mod tests {
                 surfaces: Vec::new(),
                 size: [8, 8],
                 settings: ImageSettings::new(Mode::Rectified, 0),
+                estimator: EstimatorChoice::Path,
                 backend,
                 backend_choices: 0,
                 sample_limit: None,

@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{GraphicsStatus, GroundTruth, Preparation};
 use crate::check::Problem;
-use crate::render::Backend;
 use crate::render::surfaces::{OFFSETS, Painting, SurfaceQuantity};
+use crate::render::{Backend, Estimator};
 use crate::scene::SceneError;
 use crate::tracking::Mode;
 use crate::tracking::{Events, Prepared};
@@ -31,6 +31,7 @@ pub struct Snapshot {
     pub events: Events,
     /// What has taken the samples.
     pub backend: Backend,
+    pub estimator: Estimator,
     /// Time spent rendering this film, in seconds.
     pub seconds: f64,
     /// Whether the limit of samples or of noise has been reached.
@@ -66,6 +67,7 @@ impl Snapshot {
             variances: None,
             events,
             backend: Backend::Cpu,
+            estimator: Estimator::Path,
             seconds: 1.0,
             is_done: false,
         })

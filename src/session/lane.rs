@@ -303,6 +303,7 @@ impl Snapshot {
             variances: variances(film, noise),
             events: film.events,
             backend: film.backend.unwrap_or(job.request.settings.backend),
+            estimator: job.request.settings.estimator,
             seconds: *seconds,
             is_done,
         }

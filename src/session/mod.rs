@@ -17,6 +17,7 @@
 
 mod backend;
 mod board;
+mod estimators;
 mod film_cache;
 pub mod first_modes;
 mod ground_truth;
@@ -50,7 +51,7 @@ use self::painter::run_painter;
 pub use self::preparation::Preparation;
 use self::preparer::{Lanes, prepare_scenes};
 use crate::render::surfaces::SurfaceQuantity;
-use crate::render::{BackendChoice, ImageSettings};
+use crate::render::{BackendChoice, EstimatorChoice, ImageSettings};
 use crate::scene::description::CameraDescription;
 use crate::scene::{Description, SceneError};
 use crate::tracking::Mode;
@@ -75,6 +76,8 @@ pub struct Request {
     pub size: [u32; 2],
     /// Of every film; `mode` is each of `modes` in turn.
     pub settings: ImageSettings,
+    /// How light is transported: it decides the estimator in `settings`.
+    pub estimator: EstimatorChoice,
     /// What renders; until a graphics processor is found and ready, the CPU.
     pub backend: BackendChoice,
     /// How often that was chosen: who chooses again wants a graphics processor that has failed to be tried again.

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::estimators::Estimators;
 use super::job::{Asked, Job, LaneMessage};
 use super::mailbox::{Mailbox, Taken};
 use super::preparation::watched;
-use super::{Board, GroundTruthDemand, News, Preparation, SceneReport, Wake, guarded};
+use super::{Board, GroundTruthDemand, News, Preparation, Request, SceneReport, Wake, guarded};
 use crate::check::{Problem, check_watched};
 use crate::rectify::Progress;
 use crate::scene::SceneError;
@@ -68,6 +69,7 @@ impl Leisure {
 pub(super) fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &Lanes, board: &Board, wake: &Wake) {
     let mut current: Option<Prepared> = None;
     let mut leisure: Option<Leisure> = None;
+    let mut estimators = Estimators::default();
     loop {
         let is_free = leisure.as_ref().is_some_and(|leisure| !leisure.is_over());
         let Asked { request, at: asked_at } = match requests.wait(is_free.then_some(QUIET)) {
@@ -118,6 +120,7 @@ pub(super) fn prepare_scenes(requests: &Mailbox<Asked>, lanes: &Lanes, board: &B
             board.lock().scene = Some(Arc::new(report));
             wake(News::Scene);
         }
+        let request = Request { settings: estimators.settings(&request, &prepared, &camera), ..request };
         let (reference, main): (Vec<Mode>, Vec<Mode>) =
             request.modes.iter().partition(|mode| **mode == Mode::Reference);
         let measures = request.ground_truth != GroundTruthDemand::Off;

@@ -9,7 +9,7 @@ use super::mailbox::Taken;
 use super::preparation::GRACE;
 use super::preparer::REPEATS;
 use super::*;
-use crate::render::{Film, RenderTask};
+use crate::render::{EstimatorChoice, Film, RenderTask};
 use crate::scene::camera::Camera;
 use crate::scene::description::Shape;
 use crate::tracking::prepare;
@@ -26,6 +26,7 @@ fn request(epoch: u64, modes: &[Mode]) -> Request {
         surfaces: Vec::new(),
         size: [96, 64],
         settings: ImageSettings { max_depth: Some(8), ..ImageSettings::new(Mode::Rectified, 0) },
+        estimator: EstimatorChoice::Path,
         backend: BackendChoice::Cpu,
         backend_choices: 0,
         sample_limit: Some(3),

@@ -19,14 +19,14 @@ use super::interaction::{TrackedScene, Traveller, Vertex};
 use super::photon_map::{MergeRadius, Photon, PhotonMap};
 use super::sampler::{Sampler, Sequence};
 use super::walk::{Met, Walk};
-use super::weights::{Weights, power};
+use super::weights::{Merges, Weights, power};
 use crate::geometry::{Ray, SurfacePoint};
-use crate::rectify::start::{Ask, Start, StartRegion, start_by_asking, start_from_light};
 use crate::rectify::InterfaceTable;
+use crate::rectify::start::{Ask, Start, StartRegion, start_by_asking, start_from_light};
 use crate::scatter::{Normals, Scattering, Transport};
+use crate::scene::MediumId;
 use crate::scene::camera::Camera;
 use crate::scene::lights::{DirectSample, EmittedRay, Target};
-use crate::scene::MediumId;
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::tracking::{Events, Tracker};
 
@@ -35,7 +35,7 @@ const LIGHT_SEED: u64 = 0x6C69_6768_7473;
 /// Iterations whose subpaths from lights are points of one sequence; those after them have others, as the sequence has no more than 2³² points.
 const ITERATIONS_OF_A_SEQUENCE: u32 = 1 << 12;
 /// Most subpaths from lights in one iteration. Their vertices take memory.
-pub const MOST_LIGHT_PATHS: u32 = 1 << 18;
+const MOST_LIGHT_PATHS: u32 = 1 << 18;
 
 /// Subpaths of different faces are merged if their normals have at least this cosine.
 const LEAST_COSINE_TO_MERGE: f64 = 0.5;
@@ -63,6 +63,13 @@ pub struct Bidirectional<'a, T> {
     pub seed: u64,
     pub sequence: Sequence,
     pub has_merging: bool,
+    /// Subpaths from lights in an iteration; see [`light_paths`].
+    pub light_paths: u32,
+}
+
+/// How many subpaths from lights an iteration should have for an image of this size: one for each pixel, but [`MOST_LIGHT_PATHS`] at the most.
+pub fn light_paths([width, height]: [u32; 2]) -> u32 {
+    width.saturating_mul(height).min(MOST_LIGHT_PATHS)
 }
 
 /// One sample of every pixel.
@@ -87,9 +94,16 @@ pub struct LightVertex {
     medium: MediumId,
     /// Segments up to here.
     segments: u32,
+    /// How many such subpaths are expected to be merged with one that comes here; 0 where this one must not be.
+    merges: f64,
 }
 
 impl LightVertex {
+    /// Whether it may be merged with others.
+    pub fn can_merge(&self) -> bool {
+        self.merges > 0.0
+    }
+
     pub fn photon(&self) -> Photon {
         Photon {
             position: self.point.position,
@@ -128,14 +142,6 @@ impl LightPaths {
 }
 
 impl<'a, T: Tracker> Bidirectional<'a, T> {
-    /// Subpaths from lights in an iteration: one for each pixel, but [`MOST_LIGHT_PATHS`] at the most; 0 in a scene without light.
-    pub fn light_paths(&self) -> u32 {
-        if self.tracked.choose_light(0.0).is_none() {
-            return 0;
-        }
-        self.size[0].saturating_mul(self.size[1]).min(MOST_LIGHT_PATHS)
-    }
-
     pub fn iteration(&self, number: u32) -> Iteration {
         let radius = self.has_merging.then(|| {
             let pixel = 2.0 * self.camera.tan_half_fov / f64::from(self.size[1]);
@@ -147,9 +153,10 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         Iteration { number, radius }
     }
 
-    /// The number of subpaths from lights that are expected to be merged at `point` if they come there: the area times their number.
+    /// The number of subpaths from lights that are expected to be merged at `point` if they come there: the area times their number. Only those
+    /// are merged that come from a mirror or an interface: others can be connected instead, which has no bias.
     fn merges(&self, iteration: &Iteration, point: DVec3) -> f64 {
-        iteration.radius.map_or(0.0, |radius| PI * radius.at(point).powi(2) * f64::from(self.light_paths()))
+        iteration.radius.map_or(0.0, |radius| PI * radius.at(point).powi(2) * f64::from(self.light_paths))
     }
 
     /// How a ray starts that a light emits. A mode that has a way of its own to find media is asked.
@@ -173,7 +180,7 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
     fn begin_light(&self, iteration: &Iteration, number: u32) -> Option<LightWalk<'_, T::State>> {
         let tracked = &self.tracked;
         let turn = iteration.number % ITERATIONS_OF_A_SEQUENCE;
-        let (pixel, sample) = (iteration.number / ITERATIONS_OF_A_SEQUENCE, turn * self.light_paths() + number);
+        let (pixel, sample) = (iteration.number / ITERATIONS_OF_A_SEQUENCE, turn * self.light_paths + number);
         let sampler = Sampler::of(self.sequence, self.seed ^ LIGHT_SEED, pixel, sample);
         let (light, rest) = tracked.choose_light(sampler.get_1d(dimension::LIGHT_CHOICE))?;
         let [u, v] = sampler.get_2d(dimension::LIGHT_START);
@@ -206,14 +213,16 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
             if walk.segment == 1 && !vertex.scattering.is_delta() {
                 // Instead of coming from the light, this vertex could have looked for it.
                 let direct = tracked.direct_pdf(&light, vertex.point.position, wo, emitted.start.as_ref());
-                walk.weights.arrive(0.0, cosine);
+                walk.weights.arrive(0.0, cosine, false);
                 walk.weights.connection = power(direct * emitted.cosine / (density * cosine));
             } else {
-                walk.weights.arrive(squared_length, cosine);
+                walk.weights.arrive(squared_length, cosine, vertex.scattering.is_delta());
             }
             if walk.segment >= self.max_depth {
                 return;
             }
+            let place = vertex.point.position;
+            let merges = if walk.comes_from_delta() { self.merges(iteration, place) } else { 0.0 };
             if !vertex.scattering.is_delta() {
                 let light_vertex = LightVertex {
                     point: vertex.point,
@@ -224,13 +233,13 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
                     weights: walk.weights,
                     medium: walk.medium,
                     segments: walk.segment,
+                    merges,
                 };
                 paths.vertices.push(light_vertex);
-                let splat = self.see(iteration, &walk, &vertex, light_vertex.flux, room, &mut paths.events);
+                let splat = self.see(&walk, &vertex, &light_vertex, room, &mut paths.events);
                 paths.splats.extend(splat);
             }
-            let merges = self.merges(iteration, vertex.point.position);
-            if !walk.leave(tracked.tracker, &vertex, merges) {
+            if !walk.leave(tracked.tracker, &vertex, Merges::Here(merges)) {
                 return;
             }
         }
@@ -239,10 +248,9 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
     /// What the camera sees of light that has come to `vertex`.
     fn see(
         &self,
-        iteration: &Iteration,
         walk: &Walk<T::State>,
         vertex: &Vertex,
-        flux: Spectrum,
+        light: &LightVertex,
         room: &mut T::State,
         events: &mut Events,
     ) -> Option<Splat> {
@@ -260,20 +268,18 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         let start = self.lens.start_by_asking(tracked.scene, Ray::new(sample.origin, -sample.direction), self.ask);
         let mut state = T::State::default();
         tracked.tracker.start(&mut state);
-        let traveller =
-            Traveller { state: &state, medium: start.medium, segment: 1, wavelengths: Wavelengths::Rgb };
+        let traveller = Traveller { state: &state, medium: start.medium, segment: 1, wavelengths: Wavelengths::Rgb };
         let arrival = tracked.connect(start.ray, End::Surface(vertex.point.primitive), &traveller, room)?;
         let is_consistent = tracked.scene.is_consistent(walk.medium, arrival.medium);
         events.inconsistent += u64::from(!is_consistent);
-        let per_path = size.x * size.y / f64::from(self.light_paths());
+        let per_path = size.x * size.y / f64::from(self.light_paths);
         let [_, of_direction] = self.camera.pdf_ray(-sample.direction, size);
         let cosine = sample.direction.dot(normals.face).abs();
         let by_camera = of_direction * per_path * cosine / (sample.distance * sample.distance);
-        let merges = self.merges(iteration, vertex.point.position);
         let reverse = scattering.pdf(normals, sample.direction, wo);
-        let others = power(by_camera) * walk.weights.before(reverse, merges);
+        let others = power(by_camera) * walk.weights.before(reverse, light.merges);
         let pixel = sample.pixel.floor().min(size - 1.0).as_uvec2();
-        let radiance = flux * scattered * arrival.transmittance * (sample.importance * per_path / sample.pdf);
+        let radiance = light.flux * scattered * arrival.transmittance * (sample.importance * per_path / sample.pdf);
         Some(Splat { pixel: pixel.y * self.size[0] + pixel.x, radiance: radiance / (1.0 + others) })
     }
 
@@ -292,7 +298,7 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         let mut walk = Walk::new(tracked.tracker, start, sampler, Transport::Radiance);
         let [_, of_direction] = self.camera.pdf_ray(start.ray.direction, size);
         // The ways of paths from lights that see the lens, to one path for each pixel.
-        walk.weights.connection = power(f64::from(self.light_paths()) / (size.x * size.y * of_direction));
+        walk.weights.connection = power(f64::from(self.light_paths) / (size.x * size.y * of_direction));
         let mut radiance = Spectrum::ZERO;
         loop {
             let vertex = match walk.meet(tracked, events) {
@@ -317,8 +323,8 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
             if cosine == 0.0 || squared_length == 0.0 {
                 return (radiance, walk.segment);
             }
-            walk.weights.arrive(squared_length, cosine);
             let is_delta = vertex.scattering.is_delta();
+            walk.weights.arrive(squared_length, cosine, is_delta);
             let merges = self.merges(iteration, vertex.point.position);
             if !is_delta && let Some(photons) = photons {
                 radiance += self.merge(&walk, &vertex, merges, photons);
@@ -327,24 +333,19 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
                 return (radiance, walk.segment);
             }
             if !is_delta {
-                radiance += self.look_for_light(&walk, &vertex, merges, room, events);
+                radiance += self.look_for_light(&walk, &vertex, room, events);
                 for end in light {
-                    radiance += self.connect(iteration, &walk, &vertex, merges, end, room, events);
+                    radiance += self.connect(&walk, &vertex, end, room, events);
                 }
             }
-            if !walk.leave(tracked.tracker, &vertex, merges) {
+            if !walk.leave(tracked.tracker, &vertex, Merges::IfDeltaFollows(merges)) {
                 return (radiance, walk.segment);
             }
         }
     }
 
     /// All other ways to make a path that ends at a light, over this one.
-    fn other_ways_to_light(
-        &self,
-        walk: &Walk<T::State>,
-        light: &ChosenLight<'_>,
-        point: Option<&SurfacePoint>,
-    ) -> f64 {
+    fn other_ways_to_light(&self, walk: &Walk<T::State>, light: &ChosenLight<'_>, point: Option<&SurfacePoint>) -> f64 {
         // Nothing else sees a light directly.
         if walk.segment == 1 {
             return 0.0;
@@ -361,7 +362,6 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         &self,
         walk: &Walk<T::State>,
         vertex: &Vertex,
-        merges: f64,
         room: &mut T::State,
         events: &mut Events,
     ) -> Spectrum {
@@ -371,13 +371,13 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         if tracked.needs.image_environment
             && let Some(sample) = scene.environment.sample(walk.sampler.get_2d(dimensions + dimension::ENVIRONMENT))
         {
-            radiance += self.look_at(&sample, walk, vertex, merges, room, events);
+            radiance += self.look_at(&sample, walk, vertex, room, events);
         }
         if tracked.needs.emitters {
             let select = walk.sampler.get_1d(dimensions + dimension::EMITTER_CHOICE);
             let u = walk.sampler.get_2d(dimensions + dimension::EMITTER);
             if let Some(sample) = scene.emitters.sample_direct(&scene.geometry, vertex.point.position, select, u) {
-                radiance += self.look_at(&sample, walk, vertex, merges, room, events);
+                radiance += self.look_at(&sample, walk, vertex, room, events);
             }
         }
         radiance
@@ -388,7 +388,6 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         sample: &DirectSample,
         walk: &Walk<T::State>,
         vertex: &Vertex,
-        merges: f64,
         room: &mut T::State,
         events: &mut Events,
     ) -> Spectrum {
@@ -408,26 +407,24 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
             return Spectrum::ZERO;
         };
         // The medium that rectification found around the light.
-        let around = arrival.point.and_then(|point| self.table.patch_of(&tracked.scene.geometry, point.primitive)?.outside);
+        let around =
+            arrival.point.and_then(|point| self.table.patch_of(&tracked.scene.geometry, point.primitive)?.outside);
         events.inconsistent += u64::from(around.is_some_and(|m| !tracked.scene.is_consistent(arrival.medium, m)));
         let emission = tracked.emission_pdf(&light, arrival.point.map_or(-wi, |point| point.normal), -wi);
         let cosine = wi.dot(normals.face).abs();
         let by_scattering = power(scattering.pdf(normals, wo, wi) / sample.pdf);
-        let from_light = power(emission * cosine / sample.pdf)
-            * walk.weights.before(scattering.pdf(normals, wi, wo), merges);
+        let from_light =
+            power(emission * cosine / sample.pdf) * walk.weights.before(scattering.pdf(normals, wi, wo), 0.0);
         let weight = 1.0 / (1.0 + by_scattering + from_light);
         let radiance = light.light.radiance(wi) * arrival.transmittance * scattered;
         walk.throughput * radiance * (walk.radiance_scale * weight / sample.pdf)
     }
 
     /// Light that `vertex` has from a vertex of a subpath from a light.
-    #[allow(clippy::too_many_arguments, reason = "both ends, what they share and where to count")]
     fn connect(
         &self,
-        iteration: &Iteration,
         walk: &Walk<T::State>,
         vertex: &Vertex,
-        merges: f64,
         end: &LightVertex,
         room: &mut T::State,
         events: &mut Events,
@@ -453,12 +450,9 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         let [cosine_here, cosine_there] =
             [&vertex.normals, &end.normals].map(|normals| wi.dot(normals.face).abs() / squared_distance);
         let from_camera = power(vertex.scattering.pdf(&vertex.normals, wo, wi) * cosine_there)
-            * end.weights.before(
-                end.scattering.pdf(&end.normals, -wi, end.wo),
-                self.merges(iteration, end.point.position),
-            );
+            * end.weights.before(end.scattering.pdf(&end.normals, -wi, end.wo), end.merges);
         let from_light = power(end.scattering.pdf(&end.normals, end.wo, -wi) * cosine_here)
-            * walk.weights.before(vertex.scattering.pdf(&vertex.normals, wi, wo), merges);
+            * walk.weights.before(vertex.scattering.pdf(&vertex.normals, wi, wo), 0.0);
         let weight = 1.0 / (1.0 + from_camera + from_light);
         let flux = end.flux * arrival.transmittance * here * there;
         walk.throughput * flux * (walk.radiance_scale * weight / squared_distance)

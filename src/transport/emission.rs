@@ -63,7 +63,13 @@ impl<T: Tracker> TrackedScene<'_, T> {
 
     /// Density per steradian with which `light` is looked for from a place `from` in unit `direction`, where it is met at `point` (none of the
     /// environment).
-    pub fn direct_pdf(&self, light: &ChosenLight<'_>, from: DVec3, direction: DVec3, point: Option<&SurfacePoint>) -> f64 {
+    pub fn direct_pdf(
+        &self,
+        light: &ChosenLight<'_>,
+        from: DVec3,
+        direction: DVec3,
+        point: Option<&SurfacePoint>,
+    ) -> f64 {
         if light.direct == 0.0 {
             return 0.0;
         }

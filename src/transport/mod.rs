@@ -13,6 +13,7 @@
 //! of each.
 
 pub mod bidirectional;
+pub mod caustics;
 pub mod connection;
 mod direct;
 mod emission;

@@ -6,7 +6,7 @@ use super::dimension;
 use super::interaction::{Interaction, TrackedScene, Traveller, Vertex};
 use super::roulette::Roulette;
 use super::sampler::Sampler;
-use super::weights::Weights;
+use super::weights::{Merges, Weights};
 use crate::geometry::{Hit, Ray};
 use crate::rectify::start::Start;
 use crate::scatter::{Choice, Scattering, Transport};
@@ -71,6 +71,11 @@ impl<S: Clone + Default> Walk<S> {
         Traveller { state: &self.state, medium: self.medium, segment: self.segment, wavelengths: Wavelengths::Rgb }
     }
 
+    /// Whether what it has left last was a mirror or an interface.
+    pub fn comes_from_delta(&self) -> bool {
+        self.segment > 1 && self.last.is_none()
+    }
+
     /// The random dimensions of its segment.
     pub fn dimensions(&self) -> u32 {
         dimension::of_segment(self.segment)
@@ -96,10 +101,11 @@ impl<S: Clone + Default> Walk<S> {
         }
     }
 
-    /// Goes on from `vertex`, at which `merges` subpaths are expected to be merged. `false` where it ends.
-    pub fn leave<T: Tracker<State = S>>(&mut self, tracker: &T, vertex: &Vertex, merges: f64) -> bool {
+    /// Goes on from `vertex`. `false` where it ends.
+    pub fn leave<T: Tracker<State = S>>(&mut self, tracker: &T, vertex: &Vertex, merges: Merges) -> bool {
         let dimensions = self.dimensions();
-        let Some(survival) = self.roulette.survival(self.throughput, self.segment + 1, &self.sampler, dimensions) else {
+        let Some(survival) = self.roulette.survival(self.throughput, self.segment + 1, &self.sampler, dimensions)
+        else {
             return false;
         };
         self.throughput /= survival;

@@ -24,22 +24,33 @@ pub struct Weights {
     /// The ways that part earlier on this subpath, over the density of coming the way that it came; without the factor of the next reverse
     /// density.
     pub earlier: f64,
+    /// The merges at the last vertex that scattered, in the same way; they count as [`Self::earlier`] if the path comes to a mirror or an
+    /// interface next.
+    pending: f64,
 }
 
 impl Weights {
     /// At the end of a segment of that squared length, on a surface at that cosine to its normal.
     #[inline]
-    pub fn arrive(&mut self, squared_length: f64, cosine: f64) {
+    pub fn arrive(&mut self, squared_length: f64, cosine: f64, is_delta: bool) {
+        if is_delta {
+            self.earlier += self.pending;
+        }
+        self.pending = 0.0;
         self.connection *= power(squared_length / cosine);
         self.earlier /= power(cosine);
     }
 
     /// Goes on from a surface along a direction of density `pdf` per steradian, at `cosine` to the normal, where `reverse_pdf` is the density
-    /// of going back where the path comes from, if it came from the new direction. `merges` is the number of subpaths that are expected to be
-    /// merged there; see [`crate::transport::merging`].
+    /// of going back where the path comes from, if it came from the new direction.
     #[inline]
-    pub fn scatter(&mut self, cosine: f64, pdf: f64, reverse_pdf: f64, merges: f64) {
-        self.earlier = power(cosine / pdf) * self.before(reverse_pdf, merges);
+    pub fn scatter(&mut self, cosine: f64, pdf: f64, reverse_pdf: f64, merges: Merges) {
+        let (now, pending) = match merges {
+            Merges::Here(number) => (number, 0.0),
+            Merges::IfDeltaFollows(number) => (0.0, number),
+        };
+        self.earlier = power(cosine / pdf) * self.before(reverse_pdf, now);
+        self.pending = power(cosine / pdf) * power(pending);
         self.connection = power(1.0 / pdf);
     }
 
@@ -51,9 +62,18 @@ impl Weights {
     }
 
     /// All ways that part at this vertex or earlier, over the one that does not: to be multiplied by the power of the density with which
-    /// the other subpath would come here.
+    /// the other subpath would come here. `merges` is the number of subpaths that are expected to be merged here.
     #[inline]
     pub fn before(&self, reverse_pdf: f64, merges: f64) -> f64 {
         power(merges) + self.connection + power(reverse_pdf) * self.earlier
     }
+}
+
+/// How many subpaths are expected to be merged at a vertex: those of lights that come from a mirror or an interface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Merges {
+    /// At a vertex of a subpath from a light, which knows where it has come from.
+    Here(f64),
+    /// At one of a subpath from the camera: if what comes next, seen from the camera, is a mirror or an interface.
+    IfDeltaFollows(f64),
 }

@@ -7,6 +7,7 @@ mod tev_listener;
 mod advice;
 mod agreement;
 mod bad_input;
+mod both_ends;
 mod camera;
 mod closed_forms;
 mod crowds;

@@ -6,6 +6,7 @@ mod backend;
 mod camera;
 pub mod dialogs;
 mod environment;
+mod estimator;
 mod gallery;
 mod histogram;
 mod inspector;

@@ -2,7 +2,7 @@
 
 use egui::{DragValue, RichText, Slider, Ui};
 
-use super::{backend, histogram, range, slice, snapshots};
+use super::{backend, estimator, histogram, range, slice, snapshots};
 use crate::app::command::Command;
 use crate::app::progress::Progress;
 use crate::app::settings::{Arrangement, DEFAULT_NOISE_TARGET, DifferenceKind, MAX_PANES, PaneContent, Preset};
@@ -127,6 +127,7 @@ fn display_ui(ui: &mut Ui, state: &State, viewport: &Viewport, commands: &mut Ve
 }
 
 fn quality_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    estimator::show(ui, state, commands);
     backend::show(ui, state, commands);
     let settings = &state.settings;
     let about = "Film pixels per screen pixel, each way. Smaller is faster and coarser.";

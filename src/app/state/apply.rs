@@ -118,6 +118,10 @@ impl State {
                 self.has_news = true;
             }
             Command::SetDenoise(is_on) => self.settings.denoise = is_on,
+            Command::SetEstimator(estimator) => {
+                self.settings.estimator = estimator;
+                self.invalidate();
+            }
             Command::SetBackend(backend) => {
                 self.settings.backend = backend;
                 self.backend_choices += 1;

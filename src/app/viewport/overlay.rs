@@ -12,6 +12,7 @@ use crate::app::state::State;
 use crate::app::theme::over_pictures::{GROUND, TEXT, WEAK};
 use crate::app::theme::{self, DOT, Palette};
 use crate::app::widgets::menu_ui;
+use crate::render::Estimator;
 use crate::render::slice::SLICED_MODES;
 use crate::render::surfaces::SurfaceQuantity;
 use crate::tracking::Mode;
@@ -172,6 +173,11 @@ fn label_text(ui: &Ui, state: &State, about: &About, content: PaneContent, detai
         _ if source.painted.is_some() || source.slice.is_some() => String::new(),
         samples if about.is_denoised => format!("{samples} spp, denoised"),
         samples => format!("{samples} spp"),
+    };
+    let estimator = source.films.first().map(|film| film.estimator).filter(|_| matches!(content, PaneContent::Mode(_)));
+    let status = match estimator {
+        Some(estimator @ (Estimator::Bidirectional | Estimator::Merging)) => format!("{}, {status}", estimator.name()),
+        Some(Estimator::Path) | None => status,
     };
     if !status.is_empty() && detail == Detail::All {
         job.append(&status, 9.0, TextFormat::simple(mono, WEAK));

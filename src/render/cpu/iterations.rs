@@ -5,15 +5,13 @@ use std::sync::atomic::Ordering;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::Pass;
-use crate::rectify::start::{Ask, StartRegion};
+use super::{Pass, View};
+use crate::render::renderer::RenderTask;
 use crate::render::settings::Estimator;
-use crate::scene::camera::Camera;
 use crate::spectrum::Spectrum;
 use crate::tracking::{Events, Tracker};
-use crate::transport::bidirectional::{Bidirectional, CameraPath, Iteration, LightPaths, LightVertex};
+use crate::transport::bidirectional::{Bidirectional, CameraPath, Iteration, LightPaths, LightVertex, light_paths};
 use crate::transport::dimension;
-use crate::transport::interaction::TrackedScene;
 use crate::transport::photon_map::{Photon, PhotonMap};
 use crate::transport::sampler::Sampler;
 
@@ -23,28 +21,34 @@ const LIGHT_PATHS_TOGETHER: u32 = 512;
 /// A pixel's sample: its radiance and the segments of its path from the camera.
 type Sample = (Spectrum, u32);
 
+/// The estimator for a task, for images of `size`.
+pub(super) fn bidirectional<'a, T>(
+    task: &RenderTask<'a>,
+    view: &'a View<'a, T>,
+    size: [u32; 2],
+    has_merging: bool,
+) -> Bidirectional<'a, T> {
+    let RenderTask { prepared, settings, .. } = *task;
+    Bidirectional {
+        tracked: view.tracked,
+        table: &prepared.table,
+        camera: view.camera,
+        lens: &view.lens,
+        ask: view.ask,
+        size,
+        max_depth: settings.max_depth.unwrap_or(u32::MAX),
+        seed: settings.seed,
+        sequence: settings.sampler,
+        has_merging,
+        light_paths: light_paths(size),
+    }
+}
+
 impl Pass<'_, '_> {
     /// Adds samples by [`Bidirectional`]. An iteration that is cancelled leaves nothing.
-    pub(super) fn iterations<T: Tracker>(
-        self,
-        tracked: TrackedScene<'_, T>,
-        camera: &Camera,
-        lens: &StartRegion,
-        ask: Ask<'_>,
-    ) -> bool {
-        let settings = self.task.settings;
-        let bidirectional = Bidirectional {
-            tracked,
-            table: &self.task.prepared.table,
-            camera: *camera,
-            lens,
-            ask,
-            size: [self.film.width, self.film.height],
-            max_depth: settings.max_depth.unwrap_or(u32::MAX),
-            seed: settings.seed,
-            sequence: settings.sampler,
-            has_merging: settings.estimator == Estimator::Merging,
-        };
+    pub(super) fn iterations<T: Tracker>(self, view: &View<'_, T>) -> bool {
+        let has_merging = self.task.settings.estimator == Estimator::Merging;
+        let bidirectional = bidirectional(self.task, view, [self.film.width, self.film.height], has_merging);
         for _ in 0..self.samples {
             let iteration = bidirectional.iteration(self.film.first + self.film.samples);
             let Some(light) = self.trace_light(&bidirectional, &iteration) else { return false };
@@ -71,7 +75,7 @@ impl Pass<'_, '_> {
         bidirectional: &Bidirectional<'_, T>,
         iteration: &Iteration,
     ) -> Option<Vec<LightPaths>> {
-        let count = bidirectional.light_paths();
+        let count = bidirectional.light_paths;
         (0..count.div_ceil(LIGHT_PATHS_TOGETHER))
             .into_par_iter()
             .map_init(T::State::default, |room, part| {
@@ -99,11 +103,11 @@ impl Pass<'_, '_> {
         let settings = self.task.settings;
         let size = DVec2::new(f64::from(width), f64::from(height));
         let photons = iteration.radius.map(|radius| {
-            let photons: Vec<Photon> =
-                light.iter().flat_map(|paths| &paths.vertices).map(LightVertex::photon).collect();
+            let vertices = light.iter().flat_map(|paths| &paths.vertices);
+            let photons: Vec<Photon> = vertices.filter(|vertex| vertex.can_merge()).map(LightVertex::photon).collect();
             PhotonMap::new(radius, &photons)
         });
-        let count = bidirectional.light_paths();
+        let count = bidirectional.light_paths;
         let subpath = |pixel: u32| -> &[LightVertex] {
             let Some(number) = pixel.checked_rem(count) else { return &[] };
             light[(number / LIGHT_PATHS_TOGETHER) as usize].of((number % LIGHT_PATHS_TOGETHER) as usize)

@@ -5,28 +5,23 @@ use std::sync::atomic::Ordering;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::Pass;
-use crate::rectify::start::StartRegion;
-use crate::scene::camera::Camera;
+use super::{Pass, View};
 use crate::tracking::{Events, Tracker};
 use crate::transport::dimension;
-use crate::transport::interaction::TrackedScene;
 use crate::transport::path::{Batch, PathTracer};
 use crate::transport::sampler::Sampler;
 
 impl Pass<'_, '_> {
     /// Adds samples by [`PathTracer`].
-    pub(super) fn paths<T: Tracker>(
-        self,
-        tracked: TrackedScene<'_, T>,
-        camera: &Camera,
-        lens: &StartRegion,
-        ask: crate::rectify::start::Ask<'_>,
-    ) -> bool {
+    pub(super) fn paths<T: Tracker>(self, view: &View<'_, T>) -> bool {
+        let View { tracked, camera, lens, ask } = view;
         let settings = self.task.settings;
         let scene = tracked.scene;
-        let tracer =
-            PathTracer { tracked, max_depth: settings.max_depth.unwrap_or(u32::MAX), splits: settings.splits };
+        let tracer = PathTracer {
+            tracked: *tracked,
+            max_depth: settings.max_depth.unwrap_or(u32::MAX),
+            splits: settings.splits,
+        };
         let film = self.film;
         let width = film.width;
         let size = DVec2::new(f64::from(film.width), f64::from(film.height));
