@@ -189,7 +189,8 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         let flux = emitted.radiance * (emitted.cosine / density);
         let start = self.start_from_light(&emitted);
         let mut walk = Walk::new(tracked.tracker, &start, sampler, Transport::Importance);
-        walk.weights.earlier = power(emitted.cosine / density);
+        // Only what is met by chance is found in another way.
+        walk.weights.earlier = if light.is_delta() { 0.0 } else { power(emitted.cosine / density) };
         Some(LightWalk { walk, light, emitted, density, flux })
     }
 
@@ -212,7 +213,8 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
             }
             if walk.segment == 1 && !vertex.scattering.is_delta() {
                 // Instead of coming from the light, this vertex could have looked for it.
-                let direct = tracked.direct_pdf(&light, vertex.point.position, wo, emitted.start.as_ref());
+                let distance = squared_length.sqrt();
+                let direct = tracked.direct_pdf(&light, vertex.point.position, wo, emitted.start.as_ref(), distance);
                 walk.weights.arrive(0.0, cosine, false);
                 walk.weights.connection = power(direct * emitted.cosine / (density * cosine));
             } else {
@@ -305,10 +307,15 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
                 Met::Escapes { radiance: arriving } => {
                     let others = self.other_ways_to_light(&walk, &tracked.environment_light(), None);
                     radiance += walk.throughput * arriving * (walk.radiance_scale / (1.0 + others));
+                    for sun in tracked.suns_along(walk.ray.direction) {
+                        let others = self.other_ways_to_light(&walk, &sun, None);
+                        let arriving = sun.light.radiance(walk.ray.direction);
+                        radiance += walk.throughput * arriving * (walk.radiance_scale / (1.0 + others));
+                    }
                     return (radiance, walk.segment);
                 }
                 Met::Emits { light, radiance: arriving, hit } => {
-                    if hit.is_front {
+                    if tracked.scene.emits(light, hit.is_front) {
                         let point = tracked.scene.geometry.surface(&walk.ray, &hit);
                         let light = tracked.object_light(light);
                         let others = light.map_or(0.0, |light| self.other_ways_to_light(&walk, &light, Some(&point)));
@@ -352,7 +359,8 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         }
         let direction = walk.ray.direction;
         let from = walk.last.map_or(walk.ray.origin, |(position, _)| position);
-        let direct = self.tracked.direct_pdf(light, from, direction, point);
+        // Nobody meets a light at a point, so the distance does not matter.
+        let direct = self.tracked.direct_pdf(light, from, direction, point, 0.0);
         let emission = self.tracked.emission_pdf(light, point.map_or(-direction, |point| point.normal), -direction);
         power(direct) * walk.weights.connection + power(emission) * walk.weights.earlier
     }
@@ -371,13 +379,19 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         if tracked.needs.image_environment
             && let Some(sample) = scene.environment.sample(walk.sampler.get_2d(dimensions + dimension::ENVIRONMENT))
         {
-            radiance += self.look_at(&sample, walk, vertex, room, events);
+            radiance += self.look_at(&tracked.environment_light(), &sample, walk, vertex, room, events);
         }
         if tracked.needs.emitters {
             let select = walk.sampler.get_1d(dimensions + dimension::EMITTER_CHOICE);
             let u = walk.sampler.get_2d(dimensions + dimension::EMITTER);
-            if let Some(sample) = scene.emitters.sample_direct(&scene.geometry, vertex.point.position, select, u) {
-                radiance += self.look_at(&sample, walk, vertex, room, events);
+            if let Some((light, probability, rest)) = scene.emitters.choose(select)
+                && let Some(sample) = light.sample_direct(&scene.geometry, vertex.point.position, [rest, u[0], u[1]])
+                && sample.pdf > 0.0
+                && sample.pdf.is_finite()
+            {
+                let light = tracked.emitter(light, probability);
+                let sample = DirectSample { pdf: sample.pdf * probability, ..sample };
+                radiance += self.look_at(&light, &sample, walk, vertex, room, events);
             }
         }
         radiance
@@ -385,6 +399,7 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
 
     fn look_at(
         &self,
+        light: &ChosenLight<'_>,
         sample: &DirectSample,
         walk: &Walk<T::State>,
         vertex: &Vertex,
@@ -398,25 +413,29 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         if scattered.is_black() {
             return Spectrum::ZERO;
         }
-        let (light, end) = match sample.target {
-            Target::Environment => (Some(tracked.environment_light()), End::Escape),
-            Target::Object(object) => (tracked.object_light(object), End::Object(object)),
+        let (end, distance) = match sample.target {
+            Target::Environment => (End::Escape, 1.0),
+            Target::Surface { primitive, .. } => (End::Surface(primitive), 1.0),
+            Target::Point { distance } => (End::Point(distance), distance),
         };
-        let Some(light) = light else { return Spectrum::ZERO };
         let Some(arrival) = tracked.connect_from(vertex, wi, end, &walk.traveller(), room) else {
             return Spectrum::ZERO;
         };
         // The medium that rectification found around the light.
-        let around =
-            arrival.point.and_then(|point| self.table.patch_of(&tracked.scene.geometry, point.primitive)?.outside);
+        let patch = match arrival.point {
+            Some(point) => self.table.patch_of(&tracked.scene.geometry, point.primitive),
+            None => light.light.object().and_then(|object| self.table.place_of(object)),
+        };
+        let around = patch.and_then(|patch| patch.outside);
         events.inconsistent += u64::from(around.is_some_and(|m| !tracked.scene.is_consistent(arrival.medium, m)));
-        let emission = tracked.emission_pdf(&light, arrival.point.map_or(-wi, |point| point.normal), -wi);
+        let emission = tracked.emission_pdf(light, arrival.point.map_or(-wi, |point| point.normal), -wi);
         let cosine = wi.dot(normals.face).abs();
-        let by_scattering = power(scattering.pdf(normals, wo, wi) / sample.pdf);
-        let from_light =
-            power(emission * cosine / sample.pdf) * walk.weights.before(scattering.pdf(normals, wi, wo), 0.0);
+        let by_scattering = if sample.is_delta { 0.0 } else { power(scattering.pdf(normals, wo, wi) / sample.pdf) };
+        // Of a light at a point, in the units of [`TrackedScene::direct_pdf`].
+        let direct = sample.pdf * distance * distance;
+        let from_light = power(emission * cosine / direct) * walk.weights.before(scattering.pdf(normals, wi, wo), 0.0);
         let weight = 1.0 / (1.0 + by_scattering + from_light);
-        let radiance = light.light.radiance(wi) * arrival.transmittance * scattered;
+        let radiance = sample.radiance * arrival.transmittance * scattered;
         walk.throughput * radiance * (walk.radiance_scale * weight / sample.pdf)
     }
 

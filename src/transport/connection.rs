@@ -15,8 +15,6 @@ pub enum End {
     Surface(PrimitiveId),
     /// A place in space, at this distance along the ray.
     Point(f64),
-    /// This object, from its outward side.
-    Object(ObjectId),
     /// Nothing at all: the ray escapes.
     Escape,
 }
@@ -76,7 +74,7 @@ impl<T: Tracker> TrackedScene<'_, T> {
         let reach = match end {
             End::Escape => Some(f64::INFINITY),
             End::Point(distance) => Some(distance),
-            End::Surface(_) | End::Object(_) => None,
+            End::Surface(_) => None,
         };
         if let Some(reach) = reach
             && !can_pass
@@ -94,19 +92,11 @@ impl<T: Tracker> TrackedScene<'_, T> {
             let Some(hit) = hit else {
                 return reach.and_then(|reach| arrive(transmittance, medium, &ray, reach));
             };
-            let object = ObjectId(scene.geometry.object_of(hit.primitive));
-            let is_end = match end {
-                End::Surface(primitive) => primitive == hit.primitive,
-                End::Object(wanted) => wanted == object,
-                End::Point(_) | End::Escape => false,
-            };
-            if is_end {
-                let is_seen = hit.is_front || matches!(end, End::Surface(_));
+            if end == End::Surface(hit.primitive) {
                 let point = Some(scene.geometry.surface(&ray, &hit));
-                let arrival = arrive(transmittance, medium, &ray, hit.t).filter(|_| is_seen);
-                return arrival.map(|arrival| Arrival { point, ..arrival });
+                return arrive(transmittance, medium, &ray, hit.t).map(|arrival| Arrival { point, ..arrival });
             }
-            if !can_pass || !scene.is_refractor(object) {
+            if !can_pass || !scene.is_refractor(ObjectId(scene.geometry.object_of(hit.primitive))) {
                 return None;
             }
             transmittance *= self.transmittance(medium, &ray, hit.t);

@@ -1,4 +1,4 @@
-//! Where subpaths from lights begin.
+//! Where subpaths from lights begin, and the densities with which other ways find a light.
 
 use glam::DVec3;
 
@@ -21,6 +21,13 @@ pub struct ChosenLight<'a> {
     pub direct: f64,
 }
 
+impl ChosenLight<'_> {
+    /// Whether nothing meets or sees it by chance.
+    pub fn is_delta(&self) -> bool {
+        self.light.is_delta_position() || self.light.is_delta_direction()
+    }
+}
+
 impl<T: Tracker> TrackedScene<'_, T> {
     /// The probability that a subpath comes from the environment.
     fn environment_share(&self) -> f64 {
@@ -40,8 +47,7 @@ impl<T: Tracker> TrackedScene<'_, T> {
             return Some((self.environment_light(), select / share));
         }
         let (light, probability, rest) = self.scene.emitters.choose((select - share) / (1.0 - share))?;
-        let emission = (1.0 - share) * probability;
-        Some((ChosenLight { light: Light::Area(light), emission, direct: self.direct_probability(probability) }, rest))
+        Some((self.emitter(light, probability), rest))
     }
 
     /// The environment.
@@ -52,38 +58,49 @@ impl<T: Tracker> TrackedScene<'_, T> {
 
     /// The light that this object is; `None` of one that emits nothing.
     pub fn object_light(&self, object: ObjectId) -> Option<ChosenLight<'_>> {
-        let (light, probability) = self.scene.emitters.find(object)?;
-        let emission = (1.0 - self.environment_share()) * probability;
-        Some(ChosenLight { light: Light::Area(light), emission, direct: self.direct_probability(probability) })
+        self.scene.emitters.find(object).map(|(light, probability)| self.emitter(light, probability))
     }
 
-    fn direct_probability(&self, probability: f64) -> f64 {
-        if self.needs.emitters { probability } else { 0.0 }
+    /// The suns that are seen along `direction` by a ray that escapes.
+    pub fn suns_along(&self, direction: DVec3) -> impl Iterator<Item = ChosenLight<'_>> {
+        let suns = self.scene.emitters.suns().filter(move |(sun, _)| sun.is_seen(direction));
+        suns.map(|(sun, probability)| self.emitter(Light::Directional(sun), probability))
     }
 
-    /// Density per steradian with which `light` is looked for from a place `from` in unit `direction`, where it is met at `point` (none of the
-    /// environment).
+    /// An emitter that is chosen among all with this probability.
+    pub fn emitter<'a>(&self, light: Light<'a>, probability: f64) -> ChosenLight<'a> {
+        let direct = if self.needs.emitters { probability } else { 0.0 };
+        ChosenLight { light, emission: (1.0 - self.environment_share()) * probability, direct }
+    }
+
+    /// Density with which `light` is looked for from a place `from` in unit `direction`: per steradian at that place, where the light is met at
+    /// `point` (none of what lies afar); of a light at a point per area across the ray, times its squared `distance`; of one in a single
+    /// direction a probability.
     pub fn direct_pdf(
         &self,
         light: &ChosenLight<'_>,
         from: DVec3,
         direction: DVec3,
         point: Option<&SurfacePoint>,
+        distance: f64,
     ) -> f64 {
-        if light.direct == 0.0 {
-            return 0.0;
-        }
-        light.direct * light.light.pdf_direct(&self.scene.geometry, from, direction, point)
+        let pdf = match light.light {
+            _ if light.direct == 0.0 => 0.0,
+            light if light.is_delta_position() => distance * distance,
+            light if light.is_delta_direction() => 1.0,
+            light => light.pdf_direct(&self.scene.geometry, from, direction, point),
+        };
+        light.direct * pdf
     }
 
-    /// Density with which subpaths begin at a light along unit `direction`, per area and steradian, over the cosine to the `normal` of the surface
-    /// that they start from; for the environment that is a disc across `direction`, whatever `normal` is.
+    /// Density with which subpaths begin at a light along unit `direction`, over the cosine to the `normal` of the surface that they start from,
+    /// which is across `direction` for all lights but those with a surface. In the same units as [`Self::direct_pdf`].
     pub fn emission_pdf(&self, light: &ChosenLight<'_>, normal: DVec3, direction: DVec3) -> f64 {
-        let [position, of_direction] = light.light.pdf_ray(&self.scene.geometry, normal, direction);
-        let cosine = match light.light {
-            Light::Area(_) => normal.dot(direction),
-            Light::Environment(_) => 1.0,
-        };
+        let [position, mut of_direction] = light.light.pdf_ray(&self.scene.geometry, normal, direction);
+        if light.light.is_delta_direction() {
+            of_direction = 1.0;
+        }
+        let cosine = if matches!(light.light, Light::Area(_)) { normal.dot(direction).abs() } else { 1.0 };
         if cosine > 0.0 { light.emission * position * of_direction / cosine } else { 0.0 }
     }
 
