@@ -3,13 +3,13 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use iorect::formats;
 use iorect::measure::metrics::block_means;
 use iorect::render::exact::unit_exponent;
 use iorect::render::{Estimator, Film, ImageSettings, RenderTask};
 use iorect::scene::camera::Camera;
-use iorect::scene::description::{Description, Environment, Light, Object, Paint, Shape, Solid};
+use iorect::scene::description::{Description, Emission, Environment, Light, Object, Paint, Quantity, Shape, Solid};
 use iorect::tracking::{Mode, Prepared};
 
 use crate::common::{add, empty, icosphere, mean, nest, ready, sphere};
@@ -57,7 +57,7 @@ fn quad(name: &str, center: DVec3, edge_u: DVec3, edge_v: DVec3) -> Object {
 }
 
 fn lamp(shape: Shape) -> Object {
-    Object::new("lamp", shape, Light { radiance: [5.0, 4.0, 3.0] })
+    Object::new("lamp", shape, Light::of_radiance([5.0, 4.0, 3.0]))
 }
 
 /// A floor, in the dark or not, with a ball of water on it and one of ice in that; what is put in later stands in the ice, in the water or
@@ -73,39 +73,55 @@ fn pool(environment: [f64; 3]) -> Description {
     description
 }
 
-/// Whether means over blocks of pixels agree: in many runs of each, the squares of their differences by their own variance have the mean that
-/// they should have. Of both, `allowed` is the part by which blocks may differ beyond that.
-fn agreement(prepared: &Prepared, [a, b]: [Way; 2], samples: [u32; 2], allowed: f64) -> Result<(), String> {
+/// Means over blocks of pixels, of some runs.
+struct Blocks(Vec<Vec<f64>>);
+
+impl Blocks {
     const RUNS: u64 = 8;
     const SIZE: (u32, u32) = (32, 24);
-    let blocks = |way: Way, samples: u32| -> Vec<Vec<f64>> {
-        (0..RUNS)
-            .map(|run| {
-                let film = Way { seed: way.seed + run, ..way }.film(prepared, SIZE, samples);
-                let means = block_means(&film.to_rgb(), SIZE.0 as usize, SIZE.1 as usize, 8).unwrap();
-                means.into_iter().map(|rgb| f64::from(rgb.into_iter().sum::<f32>())).collect()
-            })
-            .collect()
-    };
-    let (a, b) = (blocks(a, samples[0]), blocks(b, samples[1]));
-    let n = RUNS as f64;
-    let statistics = |runs: &[Vec<f64>], block: usize| {
-        let mean = runs.iter().map(|run| run[block]).sum::<f64>() / n;
-        let variance = runs.iter().map(|run| (run[block] - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        (mean, variance / n)
-    };
-    let count = a[0].len();
-    let (mut squares, mut worst) = (0.0, 0.0_f64);
-    for block in 0..count {
-        let ((a, variance_a), (b, variance_b)) = (statistics(&a, block), statistics(&b, block));
-        let square = (a - b).powi(2) / (variance_a + variance_b + (allowed * a).powi(2) + 1e-16);
-        squares += square;
-        worst = worst.max(square);
+
+    fn of(prepared: &Prepared, way: Way, samples: u32) -> Self {
+        let run = |run: u64| {
+            let film = Way { seed: way.seed + run, ..way }.film(prepared, Self::SIZE, samples);
+            let means = block_means(&film.to_rgb(), Self::SIZE.0 as usize, Self::SIZE.1 as usize, 8).unwrap();
+            means.into_iter().map(|rgb| f64::from(rgb.into_iter().sum::<f32>())).collect()
+        };
+        Self((0..Self::RUNS).map(run).collect())
     }
-    // Student's t with 14 degrees of freedom: its square has mean 14/12 and a standard deviation of some 2.1.
-    let mean = squares / count as f64;
-    let limit = 1.17 + 4.0 * 2.1 / (count as f64).sqrt();
-    if mean < limit { Ok(()) } else { Err(format!("mean square {mean:.2} of at most {limit:.2}, worst {worst:.1}")) }
+
+    /// The mean of a block, and its variance.
+    fn statistics(&self, block: usize) -> (f64, f64) {
+        let n = self.0.len() as f64;
+        let mean = self.0.iter().map(|run| run[block]).sum::<f64>() / n;
+        let variance = self.0.iter().map(|run| (run[block] - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        (mean, variance / n)
+    }
+
+    /// Whether both have the same means: the squares of their differences by their own variance have the mean that they should have. Blocks may
+    /// differ by the part `allowed` beyond that.
+    fn agree(&self, other: &Self, allowed: f64) -> Result<(), String> {
+        let count = self.0[0].len();
+        let squares: Vec<f64> = (0..count)
+            .map(|block| {
+                let ((a, variance_a), (b, variance_b)) = (self.statistics(block), other.statistics(block));
+                (a - b).powi(2) / (variance_a + variance_b + (allowed * a).powi(2) + 1e-16)
+            })
+            .collect();
+        // Student's t with 14 degrees of freedom: its square has mean 14/12 and a standard deviation of some 2.1.
+        let mean = squares.iter().sum::<f64>() / count as f64;
+        let limit = 1.17 + 4.0 * 2.1 / (count as f64).sqrt();
+        let worst = squares.iter().copied().fold(0.0, f64::max);
+        if mean < limit {
+            Ok(())
+        } else {
+            Err(format!("mean square {mean:.2} of at most {limit:.2}, worst {worst:.1}"))
+        }
+    }
+}
+
+/// The part by which merging is biased in images of that size.
+fn bias(estimator: Estimator) -> f64 {
+    if estimator == Estimator::Merging { 0.02 } else { 0.0 }
 }
 
 /// A sphere of radius r at distance d, seen by a grey floor: radiance albedo · L (r/d)² cos θ.
@@ -116,7 +132,7 @@ fn direct_light() {
     let floor = Shape::Quad { center: DVec3::ZERO, edge_u: DVec3::Z * 200.0, edge_v: DVec3::X * 200.0 };
     description.objects.push(Object::new("floor", floor, Solid::of(Paint::Color([0.6; 3]))));
     let center = DVec3::new(0.0, 2.0, 1.0);
-    description.objects.push(Object::new("lamp", sphere(center, 0.5), Light { radiance: [5.0; 3] }));
+    description.objects.push(Object::new("lamp", sphere(center, 0.5), Light::of_radiance([5.0; 3])));
     description.camera.position = DVec3::new(3.0, 4.0, 0.0);
     description.camera.vertical_fov = 1e-6;
     let prepared = ready(description);
@@ -154,13 +170,11 @@ fn every_pairing_of_camera_and_lamp() {
             description.camera.position = from;
             description.camera.target = DVec3::new(0.3, 0.0, 0.2);
             let prepared = ready(description);
+            let by_path = Blocks::of(&prepared, Way::of(Estimator::Path), 128);
             for estimator in BOTH_ENDS {
-                for mode in [Mode::Rectified, Mode::Reference] {
-                    let ways = [Way::of(Estimator::Path), Way { mode, seed: 100, ..Way::of(estimator) }];
-                    // Merging is biased by so much at this size.
-                    let allowed = if estimator == Estimator::Merging { 0.02 } else { 0.0 };
-                    let samples = if mode == Mode::Reference { 8 } else { 24 };
-                    if let Err(error) = agreement(&prepared, ways, [256, samples], allowed) {
+                for (mode, samples) in [(Mode::Rectified, 24), (Mode::Reference, 8)] {
+                    let blocks = Blocks::of(&prepared, Way { mode, seed: 100, ..Way::of(estimator) }, samples);
+                    if let Err(error) = by_path.agree(&blocks, bias(estimator)) {
                         problems
                             .push(format!("lamp in {lamp_in}, camera in {camera_in}, {estimator:?}, {mode}: {error}"));
                     }
@@ -182,23 +196,25 @@ fn a_stack_fails_at_the_lamp_as_it_does_at_the_camera() {
     let by_path = stack(Estimator::Path).film(&inside, size, 64).events;
     assert_eq!((by_path.stack_underflow, by_path.inconsistent), (0, 0));
     let right = Way { seed: 50, ..Way::of(Estimator::Path) };
-    assert_eq!(agreement(&inside, [right, stack(Estimator::Path)], [128, 128], 0.0), Ok(()));
+    let truth = Blocks::of(&inside, right, 128);
+    assert_eq!(truth.agree(&Blocks::of(&inside, stack(Estimator::Path), 128), 0.0), Ok(()));
     for estimator in BOTH_ENDS {
         let events = stack(estimator).film(&inside, size, 16).events;
-        assert!(events.stack_underflow > 1000, "{events:?}");
-        assert!(agreement(&inside, [right, stack(estimator)], [128, 32], 0.02).is_err(), "{estimator:?}");
+        assert!(events.stack_underflow > 1000 && events.inconsistent > 1000, "{events:?}");
+        assert!(truth.agree(&Blocks::of(&inside, stack(estimator), 32), bias(estimator)).is_err(), "{estimator:?}");
+        let events = Way::of(estimator).film(&inside, size, 16).events;
+        assert_eq!((events.stack_underflow, events.inconsistent), (0, 0), "{estimator:?}");
     }
     // Outside, no end has anything to miss.
-    let count = description.objects.refractors().len();
-    assert_eq!(count, 2);
     let mut outside = pool([0.0; 3]);
     outside.objects.push(lamp(sphere(DVec3::new(1.6, 1.9, 1.4), 0.2)));
     let outside = ready(outside);
+    let truth = Blocks::of(&outside, right, 128);
     for estimator in BOTH_ENDS {
         let events = stack(estimator).film(&outside, size, 16).events;
         assert_eq!((events.stack_underflow, events.inconsistent), (0, 0));
-        let allowed = if estimator == Estimator::Merging { 0.02 } else { 0.0 };
-        assert_eq!(agreement(&outside, [right, stack(estimator)], [128, 32], allowed), Ok(()), "{estimator:?}");
+        let blocks = Blocks::of(&outside, stack(estimator), 32);
+        assert_eq!(truth.agree(&blocks, bias(estimator)), Ok(()), "{estimator:?}");
     }
 }
 
@@ -234,16 +250,108 @@ fn whatever_a_scene_has() {
         ("6 segments", &plain, Some(6)),
     ] {
         let prepared = ready(description.clone());
+        let by_path = Blocks::of(&prepared, Way { max_depth, ..Way::of(Estimator::Path) }, 128);
         for estimator in BOTH_ENDS {
-            let ways = [Estimator::Path, estimator].map(|estimator| Way { max_depth, ..Way::of(estimator) });
-            let ways = [ways[0], Way { seed: 100, ..ways[1] }];
-            let allowed = if estimator == Estimator::Merging { 0.02 } else { 0.0 };
-            if let Err(error) = agreement(&prepared, ways, [192, 32], allowed) {
+            let blocks = Blocks::of(&prepared, Way { max_depth, seed: 100, ..Way::of(estimator) }, 24);
+            if let Err(error) = by_path.agree(&blocks, bias(estimator)) {
                 problems.push(format!("{name}, {estimator:?}: {error}"));
             }
         }
     }
     assert_eq!(problems, Vec::<String>::new());
+}
+
+/// Lights at a point, in a cone, from afar in one direction and in many, and with two sides.
+#[test]
+fn every_kind_of_light() {
+    let lights = [
+        Shape::Point { position: DVec3::new(0.6, 2.0, 0.4) },
+        Shape::Spot { position: DVec3::new(0.0, 3.0, 1.0), target: DVec3::ZERO, inner_angle: 15.0, outer_angle: 30.0 },
+        Shape::Directional { direction: DVec3::new(0.3, -1.0, 0.2), angle: 0.0 },
+        Shape::Directional { direction: DVec3::new(-0.4, -1.0, 0.1), angle: 12.0 },
+        Shape::Quad { center: DVec3::new(0.5, 0.8, -0.5), edge_u: DVec3::Y * 0.5, edge_v: DVec3::X * 0.4 },
+    ];
+    let mut problems = Vec::new();
+    let scene = |lights: &[Shape]| {
+        let mut description = pool([0.0; 3]);
+        // Glass would make caustics that paths from the camera cannot find.
+        description.objects.clear(iorect::scene::description::Kind::Refractor);
+        description.media.clear();
+        let ball = Solid::of(Paint::Color([0.7; 3]));
+        description.objects.push(Object::new("ball", sphere(DVec3::new(-0.4, 0.5, 0.2), 0.5), ball));
+        for (index, shape) in lights.iter().enumerate() {
+            let quantity = shape.quantity();
+            let light = Light { emission: Emission { quantity, rgb: [3.0, 2.0, 1.0] }, two_sided: true };
+            description.objects.push(Object::new(format!("light {index}"), shape.clone(), light));
+        }
+        description
+    };
+    let one_by_one = lights.iter().map(|light| scene(std::slice::from_ref(light)));
+    for (index, description) in one_by_one.chain([scene(&lights)]).enumerate() {
+        let prepared = ready(description);
+        let by_path = Blocks::of(&prepared, Way::of(Estimator::Path), 128);
+        for estimator in BOTH_ENDS {
+            let blocks = Blocks::of(&prepared, Way { seed: 100, ..Way::of(estimator) }, 48);
+            if let Err(error) = by_path.agree(&blocks, 0.0) {
+                problems.push(format!("light {index}, {estimator:?}: {error}"));
+            }
+        }
+    }
+    assert_eq!(problems, Vec::<String>::new());
+}
+
+/// Irradiance on a floor behind a glass ball in parallel light, by distance from the middle, against a table made elsewhere.
+#[test]
+fn caustic_in_parallel_light() {
+    let mut description = empty(1.0);
+    description.environment = Environment::Color([0.0; 3]);
+    add(&mut description, sphere(DVec3::Y, 0.5), 1.5, 0.0);
+    let floor = Shape::Quad { center: DVec3::ZERO, edge_u: DVec3::Z * 20.0, edge_v: DVec3::X * 20.0 };
+    description.objects.push(Object::new("floor", floor, Solid::of(Paint::Color([0.5; 3]))));
+    let emission = Emission { quantity: Quantity::Irradiance, rgb: [1.0; 3] };
+    let sun = Shape::Directional { direction: DVec3::NEG_Y, angle: 0.0 };
+    description.objects.push(Object::new("sun", sun, Light { emission, two_sided: false }));
+    description.camera.position = DVec3::new(0.0, 1.0, 3.0);
+    description.camera.target = DVec3::ZERO;
+    description.camera.vertical_fov = 12.0;
+    let camera = Camera::new(&description.camera).unwrap();
+    let prepared = ready(description);
+    let table = include_str!("../data/truth/B1d_directional_profile.csv");
+    let bins: Vec<[f64; 3]> = table
+        .lines()
+        .skip(1)
+        .map(|line| {
+            let numbers: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
+            [numbers[0], numbers[1], numbers[2]]
+        })
+        .filter(|[_, to, _]| *to <= 0.25)
+        .collect();
+    assert!(bins.len() > 10);
+    let (width, height) = (192, 192);
+    for (estimator, allowed) in [(Estimator::Bidirectional, 0.04), (Estimator::Merging, 0.08)] {
+        let film = Way::of(estimator).film(&prepared, (width, height), 24);
+        let mut sums = vec![(0.0, 0.0); bins.len()];
+        for pixel in 0..film.sums.len() {
+            let at = DVec2::new((pixel as u32 % width) as f64 + 0.5, (pixel as u32 / width) as f64 + 0.5);
+            let ray = camera.ray(at, DVec2::new(width.into(), height.into()), DVec2::ZERO);
+            let t = -ray.origin.y / ray.direction.y;
+            // The floor that a pixel covers grows with the squared distance and the inverse of both cosines.
+            let area = t * t / (ray.direction.dot(camera.forward).powi(3) * -ray.direction.y);
+            let from_middle = ray.at(t).length();
+            if let Some(bin) = bins.iter().position(|[from, to, _]| (*from..*to).contains(&from_middle)) {
+                sums[bin].0 += film.mean(pixel).y * std::f64::consts::PI / 0.5 * area;
+                sums[bin].1 += area;
+            }
+        }
+        for ([from, to, expected], (sum, area)) in bins.iter().zip(&sums) {
+            // Where the table is steep a pixel is too wide.
+            if *area > 0.0 && *expected > 0.3 && *from > 0.0 {
+                let measured = sum / area;
+                let error = measured / expected - 1.0;
+                assert!(error.abs() < allowed, "{estimator:?}, {from} to {to}: {measured} is not {expected}");
+            }
+        }
+    }
 }
 
 /// The image does not depend on threads, on how samples are grouped, or on where parts are rendered; and a pass that is cancelled leaves
