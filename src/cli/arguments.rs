@@ -333,6 +333,9 @@ pub struct TraceArguments {
     /// Size of the image that --pixel counts in
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size, allow_hyphen_values = true)]
     pub size: Size,
+    /// Light whose light the path is, instead of --pixel; --seed decides where and in which direction it starts
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["pixel", "origin"])]
+    pub from_light: Option<String>,
     /// Where the path starts, instead of --pixel
     #[arg(long, value_name = "X,Y,Z", value_parser = origin, allow_hyphen_values = true, requires = "direction")]
     pub origin: Option<DVec3>,

@@ -12,8 +12,10 @@ use super::{Failure, print, print_json};
 use crate::export::escape::{elided, short_name};
 use crate::export::words::{brief, events_in_words};
 use crate::geometry::Ray;
+use crate::scene::ObjectId;
 use crate::scene::camera::Camera;
-use crate::transport::inspect::{TracedPath, VertexEvent, trace};
+use crate::tracking::Prepared;
+use crate::transport::inspect::{PathStart, TracedPath, VertexEvent, trace};
 use crate::transport::parting::{Compared, compare};
 
 /// Characters of a line about a parting, in which names of any length stand.
@@ -22,11 +24,15 @@ const MOST_OF_LINE: usize = 400;
 pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Failure> {
     let description = Arc::new(crate::formats::open(&arguments.scene.scene)?);
     let camera = Camera::new(&description.camera)?;
-    let ray = first_ray(arguments, &camera)?;
+    let ray = if arguments.from_light.is_none() { Some(first_ray(arguments, &camera)?) } else { None };
     let prepared = prepare_shown(Arc::clone(&description))?;
+    let start = match (ray, &arguments.from_light) {
+        (Some(ray), _) => PathStart::Ray(ray),
+        (None, name) => PathStart::Light(light(&prepared, name.as_deref().unwrap_or_default())?),
+    };
     let TraceArguments { mode, follow, seed, max_depth, .. } = *arguments;
     if let Some(against) = arguments.against {
-        let compared = compare(&prepared, [mode, against], ray, follow, seed, max_depth.0);
+        let compared = compare(&prepared, [mode, against], start, follow, seed, max_depth.0);
         if arguments.scene.json {
             print_json(&compared)?;
         } else {
@@ -35,7 +41,7 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Failure> {
         }
         return Ok(ExitCode::SUCCESS);
     }
-    let path = trace(&prepared, mode, ray, follow, seed, max_depth.0);
+    let path = trace(&prepared, mode, start, follow, seed, max_depth.0);
     if arguments.scene.json {
         print_json(&path)?;
     } else {
@@ -44,12 +50,27 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// The light of that name.
+fn light(prepared: &Prepared, name: &str) -> Result<ObjectId, Failure> {
+    let scene = &prepared.scene;
+    let lights =
+        || scene.emitters.iter().filter_map(|(light, _)| light.object()).map(|id| (id, &scene.object(id).name));
+    let found = lights().find(|(_, other)| *other == name);
+    found.map(|(id, _)| id).ok_or_else(|| {
+        let names: Vec<String> = lights().map(|(_, name)| short_name(name)).collect();
+        let valid = if names.is_empty() { "the scene has none that emits".to_owned() } else { names.join(", ") };
+        Failure::wrong(format!("there is no light `{}`; valid: {valid}", short_name(name)))
+    })
+}
+
 fn first_ray(arguments: &TraceArguments, camera: &Camera) -> Result<Ray, Failure> {
     if let (Some(origin), Some(direction)) = (arguments.origin, arguments.direction) {
         return Ok(Ray::new(origin, direction));
     }
     let Some([x, y]) = arguments.pixel else {
-        return Err(Failure::wrong("which path? give --pixel X,Y, or --origin X,Y,Z with --direction X,Y,Z"));
+        return Err(Failure::wrong(
+            "which path? give --pixel X,Y, or --from-light NAME, or --origin X,Y,Z with --direction X,Y,Z",
+        ));
     };
     let Size { width, height } = arguments.size;
     if x >= width || y >= height {
@@ -60,7 +81,9 @@ fn first_ray(arguments: &TraceArguments, camera: &Camera) -> Result<Ray, Failure
 }
 
 fn summary(scene: &str, path: &TracedPath) -> String {
-    let mut text = format!("{} · {} · starts in {}\n\n", short_name(scene), path.mode, short_name(&path.camera_medium));
+    let from = path.light.as_ref().map_or_else(String::new, |light| format!("from {} · ", short_name(light)));
+    let start = short_name(&path.camera_medium);
+    let mut text = format!("{} · {} · {from}starts in {start}\n\n", short_name(scene), path.mode);
     let mut table = Table::new(">#,event,surface,from,,to,>Fresnel R,>x,>y,>z,");
     for (index, vertex) in path.vertices.iter().enumerate() {
         let (from, to) = (medium(&vertex.from, vertex.ior_from), medium(&vertex.to, vertex.ior_to));

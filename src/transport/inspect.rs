@@ -7,8 +7,9 @@ use super::interaction::{Interaction, TrackedScene, Traveller};
 use super::sampler::Sampler;
 use crate::geometry::{Hit, NO_PRIMITIVE, PrimitiveId, Ray};
 use crate::rectify::containment::medium_at;
-use crate::rectify::start::{Start, start_by_asking};
+use crate::rectify::start::{Start, start_by_asking, start_from_light};
 use crate::scatter::{Choice, Normals, Transport};
+use crate::scene::lights::EmittedRay;
 use crate::scene::{MediumId, ObjectId, Scene, SceneMedium, Surface};
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::tracking::{Crossing, Events, Mode, Prepared, Sides, Tracker, WithTracker};
@@ -99,10 +100,28 @@ impl Default for VertexIds {
     }
 }
 
+/// Where a path starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PathStart {
+    /// With this ray, scene coordinates.
+    Ray(Ray),
+    /// At this light, chosen at random: where, and in which direction. The path is that of its light.
+    Light(ObjectId),
+}
+
+impl From<Ray> for PathStart {
+    fn from(ray: Ray) -> Self {
+        Self::Ray(ray)
+    }
+}
+
 /// A whole path.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct TracedPath {
     pub mode: Mode,
+    /// The light that it starts at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub light: Option<String>,
     /// Where it starts, in scene coordinates.
     pub origin: [f64; 3],
     /// Medium that the path starts in.
@@ -137,24 +156,24 @@ impl TracedPath {
     }
 }
 
-/// Follows `ray` (scene coordinates) until it escapes, meets an opaque surface that does not mirror, or has `max_depth` segments (at
-/// most [`MOST_SEGMENTS`]).
+/// Follows a path until it escapes, meets an opaque surface that does not mirror, or has `max_depth` segments (at most [`MOST_SEGMENTS`]).
+/// `seed` decides what is random.
 pub fn trace(
     prepared: &Prepared,
     mode: Mode,
-    ray: Ray,
+    start: impl Into<PathStart>,
     follow: Follow,
     seed: u64,
     max_depth: Option<u32>,
 ) -> TracedPath {
     let max_depth = max_depth.unwrap_or(MOST_SEGMENTS).min(MOST_SEGMENTS);
-    prepared.with_tracker(mode, Inspection { prepared, mode, ray, follow, seed, max_depth })
+    prepared.with_tracker(mode, Inspection { prepared, mode, start: start.into(), follow, seed, max_depth })
 }
 
 struct Inspection<'a> {
     prepared: &'a Prepared,
     mode: Mode,
-    ray: Ray,
+    start: PathStart,
     follow: Follow,
     seed: u64,
     max_depth: u32,
@@ -165,11 +184,34 @@ impl WithTracker for Inspection<'_> {
 
     fn run<T: Tracker>(self, tracker: &T) -> TracedPath {
         let scene = &*self.prepared.scene;
-        let ray = Ray::new(self.ray.origin - scene.geometry.origin, self.ray.direction.normalize());
         let ask = |point| tracker.medium_at(point).unwrap_or_else(|| medium_at(scene, point));
-        let Start { ray, medium, is_ambiguous } = start_by_asking(scene, ray, &ask);
+        let Start { ray, medium, is_ambiguous } = match self.start {
+            PathStart::Ray(ray) => {
+                let ray = Ray::new(ray.origin - scene.geometry.origin, ray.direction.normalize());
+                start_by_asking(scene, ray, &ask)
+            }
+            PathStart::Light(light) => match self.emitted(light) {
+                Some(emitted) if tracker.medium_at(emitted.ray.origin).is_some() => {
+                    start_by_asking(scene, emitted.ray, &ask)
+                }
+                Some(emitted) => start_from_light(scene, &self.prepared.table, &emitted),
+                // A light that emits nothing sends no path: from beyond the scene, out of it.
+                None => {
+                    let reach = scene
+                        .geometry
+                        .bounding_sphere()
+                        .map_or(1.0, |sphere| sphere.center.length() + 2.0 * sphere.radius);
+                    start_by_asking(scene, Ray::new(DVec3::Y * reach, DVec3::Y), &ask)
+                }
+            },
+        };
+        let light = match self.start {
+            PathStart::Ray(_) => None,
+            PathStart::Light(light) => Some(scene.object(light).name.clone()),
+        };
         let mut path = TracedPath {
             mode: self.mode,
+            light,
             origin: (ray.origin + scene.geometry.origin).to_array(),
             camera_medium: scene.medium(medium).name.clone(),
             vertices: Vec::new(),
@@ -186,6 +228,24 @@ impl WithTracker for Inspection<'_> {
 }
 
 impl Inspection<'_> {
+    /// The ray that a path from a light starts with.
+    fn emitted(&self, light: ObjectId) -> Option<EmittedRay> {
+        let scene = &*self.prepared.scene;
+        let (light, _) = scene.emitters.find(light)?;
+        let sampler = Sampler::new(self.seed, 0, 0);
+        let [u, v] = sampler.get_2d(dimension::LIGHT_START);
+        let start = [sampler.get_1d(dimension::LIGHT_CHOICE), u, v];
+        light.sample_ray(&scene.geometry, start, sampler.get_2d(dimension::LIGHT_DIRECTION))
+    }
+
+    /// What the path carries.
+    fn transport(&self) -> Transport {
+        match self.start {
+            PathStart::Ray(_) => Transport::Radiance,
+            PathStart::Light(_) => Transport::Importance,
+        }
+    }
+
     /// Follows `ray`, which starts in the path's final medium, and adds what it meets. Returns whether it leaves the scene.
     fn walk<T: Tracker>(&self, tracker: &T, mut ray: Ray, path: &mut TracedPath) -> bool {
         let scene = &*self.prepared.scene;
@@ -236,7 +296,7 @@ impl Inspection<'_> {
                         }
                     };
                     let u = || sampler.get_2d(dimension::of_segment(segment) + dimension::DIRECTION);
-                    let sampled = at.scattering.sample(&at.normals, -ray.direction, choice, u, Transport::Radiance);
+                    let sampled = at.scattering.sample(&at.normals, -ray.direction, choice, u, self.transport());
                     // A path is told up to where it would spread over all directions.
                     if at.scattering.is_delta() {
                         vertex.fresnel = Some(sampled.reflectance);

@@ -357,6 +357,7 @@ mod tests {
     #[test]
     fn a_medium_that_was_never_entered_is_a_fault() {
         let path = TracedPath {
+            light: None,
             mode: Mode::Stack,
             origin: [0.0; 3],
             camera_medium: "water".into(),

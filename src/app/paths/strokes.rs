@@ -161,6 +161,7 @@ mod tests {
 
     fn line(legs: Vec<Leg>) -> Line {
         let path = TracedPath {
+            light: None,
             mode: Mode::Rectified,
             origin: [0.0; 3],
             camera_medium: String::new(),

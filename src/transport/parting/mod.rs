@@ -25,8 +25,7 @@ mod words;
 
 pub use cause::Cause;
 
-use super::inspect::{Follow, TracedPath, Vertex, VertexEvent, trace};
-use crate::geometry::Ray;
+use super::inspect::{Follow, PathStart, TracedPath, Vertex, VertexEvent, trace};
 use crate::rectify::containment::medium_of;
 use crate::scene::{MediumId, ObjectId, Scene};
 use crate::tracking::reference::{Reference, Surroundings};
@@ -110,16 +109,17 @@ pub struct Compared {
     pub parting: Option<Parting>,
 }
 
-/// Follows `ray` (scene coordinates) in two modes, and finds where they part. Parameters as of [`trace`].
+/// Follows a path in two modes, and finds where they part. Parameters as of [`trace`].
 pub fn compare(
     prepared: &Prepared,
     modes: [Mode; 2],
-    ray: Ray,
+    start: impl Into<PathStart>,
     follow: Follow,
     seed: u64,
     max_depth: Option<u32>,
 ) -> Compared {
-    let [path, against] = modes.map(|mode| trace(prepared, mode, ray, follow, seed, max_depth));
+    let start = start.into();
+    let [path, against] = modes.map(|mode| trace(prepared, mode, start, follow, seed, max_depth));
     let parting = parting(prepared, [&path, &against]);
     Compared { path, against, parting }
 }

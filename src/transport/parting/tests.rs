@@ -1,3 +1,4 @@
+use crate::geometry::Ray;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
