@@ -153,7 +153,8 @@ fn furnace() {
     let prepared = ready(description);
     for estimator in ALL {
         let (measured, error) = mean(&Way::of(estimator).film(&prepared, (24, 24), 64));
-        assert!((measured - 1.0).abs() <= 4.0 * error + 1e-9, "{estimator:?}: {measured} ± {error}");
+        let allowed = 4.0 * error + bias(estimator) + 1e-9;
+        assert!((measured - 1.0).abs() <= allowed, "{estimator:?}: {measured} ± {error}");
     }
 }
 
@@ -166,13 +167,14 @@ fn every_pairing_of_camera_and_lamp() {
     for (lamp_in, at) in ["air", "water", "ice"].into_iter().zip(places) {
         for (camera_in, from) in ["air", "water", "ice"].into_iter().zip(cameras) {
             let mut description = pool([0.0; 3]);
-            description.objects.push(lamp(sphere(at, 0.2)));
+            // Small ones in air would make caustics in water that paths hardly find.
+            description.objects.push(lamp(sphere(at, if lamp_in == "air" { 0.45 } else { 0.2 })));
             description.camera.position = from;
             description.camera.target = DVec3::new(0.3, 0.0, 0.2);
             let prepared = ready(description);
             let by_path = Blocks::of(&prepared, Way::of(Estimator::Path), 128);
             for estimator in BOTH_ENDS {
-                for (mode, samples) in [(Mode::Rectified, 24), (Mode::Reference, 8)] {
+                for (mode, samples) in [(Mode::Rectified, 48), (Mode::Reference, 12)] {
                     let blocks = Blocks::of(&prepared, Way { mode, seed: 100, ..Way::of(estimator) }, samples);
                     if let Err(error) = by_path.agree(&blocks, bias(estimator)) {
                         problems
@@ -207,7 +209,7 @@ fn a_stack_fails_at_the_lamp_as_it_does_at_the_camera() {
     }
     // Outside, no end has anything to miss.
     let mut outside = pool([0.0; 3]);
-    outside.objects.push(lamp(sphere(DVec3::new(1.6, 1.9, 1.4), 0.2)));
+    outside.objects.push(lamp(sphere(DVec3::new(1.6, 1.9, 1.4), 0.45)));
     let outside = ready(outside);
     let truth = Blocks::of(&outside, right, 128);
     for estimator in BOTH_ENDS {
