@@ -53,9 +53,6 @@ impl<'a> Subject<'a> {
 /// Why there are no measurements.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Unmeasured {
-    /// The program cannot do it yet.
-    #[error("{0}")]
-    Missing(&'static str),
     #[error("cancelled")]
     Cancelled,
     #[error("the scene was refused: {0}")]

@@ -6,9 +6,10 @@ use super::closed_forms::{furnace_deficit, radiance_in_ball, rainbow};
 use super::definition::{CaseDefinition, Measured, Subject, Unmeasured, case, of_each};
 use super::nests::{EVER_DENSER, GLASS_WATER_AIR_DIAMOND};
 use super::outcome::Measurement;
-use super::scenes::{add, empty, mean, mean_and_error, nest, onto_disc, ready, render, samples_of, sphere};
+use super::scenes::{add, empty, mean, mean_and_error, nest, onto_disc, ready, render, render_by, samples_of, sphere};
+use crate::render::Estimator;
 use crate::scene::SceneError;
-use crate::scene::description::{Environment, Object, Paint, Shape, Solid};
+use crate::scene::description::{Environment, Light, Object, Paint, Shape, Solid};
 use crate::tracking::{Mode, Prepared};
 use crate::transport::inspect::{Follow, VertexEvent, trace};
 
@@ -27,9 +28,12 @@ pub(super) const CASES: &[CaseDefinition] = &[
         "n² (1 − √(1 − 1/(0.9 n)²))",
         trapped,
     ),
-    case(33, "Camera paths against light paths, camera in water", "reciprocity (Veach 1997)", |_| {
-        Err(Unmeasured::Missing("light paths need the bidirectional estimator, which does not exist yet"))
-    }),
+    case(
+        33,
+        "Camera paths against paths from both ends, camera and lamp in air, water and ice",
+        "reciprocity (Veach 1997): paths from the camera, mode rectified",
+        both_ends,
+    ),
     case(34, "Camera at the centre of 1.5 in a world of 1.333", "(1.5/1.333)²; naive 1.5²", glass_in_water),
 ];
 
@@ -140,6 +144,45 @@ fn replicated(subject: &Subject, of_seed: impl Fn(u64) -> Result<f64, SceneError
         Ok(of_seed(seed)?)
     });
     Ok(mean_and_error(&figures.collect::<Result<Vec<f64>, Unmeasured>>()?))
+}
+
+/// Ice in water over a floor. Light finds its way from the lamp as from the camera, wherever they stand.
+fn both_ends(subject: &Subject) -> Measured {
+    let cameras = [
+        ("air", DVec3::new(0.5, 3.0, 4.5)),
+        ("water", DVec3::new(-0.3, 2.1, -0.3)),
+        ("ice", DVec3::new(0.0, 1.4, -0.1)),
+    ];
+    let lamps = [
+        ("air", DVec3::new(1.6, 1.9, 1.4), 0.45),
+        ("water", DVec3::new(-0.6, 1.5, 0.3), 0.2),
+        ("ice", DVec3::new(0.3, 1.3, 0.2), 0.2),
+    ];
+    let pairs = cameras.into_iter().flat_map(|camera| lamps.map(|lamp| (camera, lamp)));
+    of_each(pairs, |((camera_in, from), (lamp_in, at, radius))| {
+        let mut description = empty(1.0);
+        description.environment = Environment::Color([0.0; 3]);
+        add(&mut description, sphere(DVec3::new(0.0, 1.3, 0.0), 1.2), 1.333, 0.1);
+        add(&mut description, sphere(DVec3::new(0.2, 1.2, 0.1), 0.6), 1.31, 0.05);
+        let floor = Shape::Quad { center: DVec3::ZERO, edge_u: DVec3::Z * 8.0, edge_v: DVec3::X * 8.0 };
+        description.objects.push(Object::new("floor", floor, Solid::of(Paint::Color([0.6; 3]))));
+        description.objects.push(Object::new("lamp", sphere(at, radius), Light::of_radiance([5.0; 3])));
+        (description.camera.position, description.camera.target) = (from, DVec3::new(0.3, 0.0, 0.2));
+        let scene = ready(description)?;
+        let mean_by = |estimator, mode, samples| {
+            replicated(subject, |seed| {
+                let film = render_by(&scene, estimator, mode, (24, 18), samples, seed, None)?;
+                Ok((0..film.sums.len()).map(|pixel| film.mean(pixel).y).sum::<f64>() / film.sums.len() as f64)
+            })
+        };
+        let (expected, noise) = mean_by(Estimator::Path, Mode::Rectified, subject.amount(96, 1024))?;
+        subject.in_modes(|mode| {
+            let samples = samples_of(mode, subject.amount(32, 256));
+            let (measured, error) = mean_by(Estimator::Bidirectional, mode, samples)?;
+            let what = format!("mean, camera in {camera_in}, lamp in {lamp_in}");
+            Ok([Measurement::relative(what, measured, expected, 1e-4).with_noise(error.hypot(noise))])
+        })
+    })
 }
 
 /// The ball fills a disc in the image, of the image's width.

@@ -8,7 +8,7 @@ use glam::DVec3;
 use crate::geometry::{Mesh, Ray, uniform_direction};
 use crate::measure::statistics::{self, variance};
 use crate::optics::{Ior, Medium};
-use crate::render::{Film, ImageSettings, RenderTask};
+use crate::render::{Estimator, Film, ImageSettings, RenderTask};
 use crate::scene::SceneError;
 use crate::scene::camera::Camera;
 use crate::scene::description::{
@@ -164,8 +164,24 @@ pub fn render(
     seed: u64,
     max_depth: Option<u32>,
 ) -> Result<Film, SceneError> {
+    render_by(scene, Estimator::Path, mode, size, samples, seed, max_depth)
+}
+
+/// The same by any estimator.
+///
+/// # Errors
+/// When the camera is impossible.
+pub fn render_by(
+    scene: &Prepared,
+    estimator: Estimator,
+    mode: Mode,
+    size: (u32, u32),
+    samples: u32,
+    seed: u64,
+    max_depth: Option<u32>,
+) -> Result<Film, SceneError> {
     let camera = Camera::new(&scene.description.camera)?;
-    let settings = ImageSettings { max_depth, ..ImageSettings::new(mode, seed) };
+    let settings = ImageSettings { estimator, max_depth, ..ImageSettings::new(mode, seed) };
     let mut film = Film::new(size.0, size.1);
     let task = RenderTask { prepared: scene, camera: &camera, settings: &settings };
     // Never cancelled: these films take a fraction of a second.
