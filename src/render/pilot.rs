@@ -1,6 +1,6 @@
 //! The first samples of every pixel, from which further ones are allocated.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Samples that every pixel gets before anything is decided.
@@ -25,9 +25,10 @@ impl Pilot {
     /// What each pixel's samples tell, given their sums and counts.
     pub(super) fn pixels(&self, sums: &[DVec3], counts: &[u32]) -> Vec<PilotPixel> {
         (sums.par_iter().zip(counts).zip(&self.squares).zip(&self.segments))
-            .map(|(((sum, count), squares), segments)| PilotPixel {
-                variance: relative_variance(*sum, *squares, *count),
-                segments: f64::from(*segments),
+            .map(|(((sum, count), squares), segments)| {
+                let mean = *sum / f64::from((*count).max(1));
+                let variance = variance(mean, *squares, *count);
+                PilotPixel { mean, variance, segments: f64::from(*segments) }
             })
             .collect()
     }
@@ -70,23 +71,32 @@ impl PilotRow<'_> {
 /// What the pilot samples of one pixel tell.
 #[derive(Debug, Clone, Copy)]
 pub struct PilotPixel {
-    /// Of a sample, relative to the pixel's radiance.
-    pub variance: f64,
+    /// Of the samples, linear RGB.
+    pub mean: DVec3,
+    /// Of a sample, estimated.
+    pub variance: DVec3,
     /// Of all its paths.
     pub segments: f64,
 }
 
-/// Variance of a sample relative to the pixel's radiance, mean over the channels.
-fn relative_variance(sum: DVec3, squares: [f32; 3], count: u32) -> f64 {
-    let mean = (sum / f64::from(count.max(1))).to_array();
+impl PilotPixel {
+    /// Variance of a sample relative to the pixel's own radiance, mean over the channels.
+    pub fn relative_variance(&self) -> f64 {
+        relative(self.variance, self.mean)
+    }
+}
+
+/// This variance relative to a radiance, as in relMSE: mean over the channels.
+pub fn relative(variance: DVec3, radiance: DVec3) -> f64 {
+    (variance / (radiance * radiance + DARK)).element_sum() / 3.0
+}
+
+/// Of a sample, from `count` of them with this mean and these sums of squares; 0 where there are too few.
+fn variance(mean: DVec3, squares: [f32; 3], count: u32) -> DVec3 {
     let count = f64::from(count);
     if count < 2.0 {
-        return 0.0;
+        return DVec3::ZERO;
     }
-    let of_channel = |channel: usize| {
-        let squares = f64::from(squares[channel]) / count;
-        let variance = (squares - mean[channel] * mean[channel]).max(0.0) * count / (count - 1.0);
-        variance / (mean[channel] * mean[channel] + DARK)
-    };
-    (0..3).map(of_channel).sum::<f64>() / 3.0
+    let squares = Vec3::from(squares).as_dvec3() / count;
+    (squares - mean * mean).max(DVec3::ZERO) * (count / (count - 1.0))
 }
