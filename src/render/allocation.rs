@@ -27,7 +27,7 @@ const POWERS: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 /// Pixels of a colour, at most, by which a power is chosen.
 const MOST_TRIED: usize = 1 << 14;
 /// A power must lower the error this far, times what the samples cost, or all pixels get as many samples: what is gained by less may be chance.
-const LEAST_GAIN: f64 = 0.95;
+const LEAST_GAIN: f64 = 0.9;
 
 /// The weight of each pixel.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -62,10 +62,9 @@ impl Allocation {
         let tried = board.wishes(&pixels, |dx, dy| dx % 2 != 0 && dy % 2 != 0);
         let errors = board.errors(images);
         let [of_black, of_white] = [false, true].map(|white| {
-            let of_color = |pixel: &usize| board.is_white(*pixel) == white;
-            best_power(
-                (0..pixels.len()).filter(of_color).map(|pixel| (tried[pixel], errors[pixel], pixels[pixel].segments)),
-            )
+            let of_color = (0..pixels.len()).filter(|pixel| board.is_white(*pixel) == white);
+            let some = of_color.step_by(pixels.len().div_ceil(2 * MOST_TRIED).max(1));
+            best_power(some.map(|pixel| (tried[pixel], errors[pixel], pixels[pixel].segments)))
         });
         let [for_black, for_white] = [(false, of_white), (true, of_black)].map(|(white, power)| {
             let of_color = |pixel: &usize| board.is_white(*pixel) == white;

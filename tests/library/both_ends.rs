@@ -345,14 +345,19 @@ fn caustic_in_parallel_light() {
                 sums[bin].1 += area;
             }
         }
+        let mut compared = 0;
         for ([from, to, expected], (sum, area)) in bins.iter().zip(&sums) {
-            // Where the table is steep a pixel is too wide.
-            if *area > 0.0 && *expected > 0.3 && *from > 0.0 {
+            // In the middle there are too few pixels.
+            if *area > 0.0 && *from >= 0.05 {
                 let measured = sum / area;
-                let error = measured / expected - 1.0;
-                assert!(error.abs() < allowed, "{estimator:?}, {from} to {to}: {measured} is not {expected}");
+                compared += 1;
+                assert!(
+                    (measured / expected - 1.0).abs() < allowed,
+                    "{estimator:?}, {from} to {to}: {measured} is not {expected}"
+                );
             }
         }
+        assert!(compared >= 6);
     }
 }
 
