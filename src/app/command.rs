@@ -109,6 +109,8 @@ pub enum Command {
     SetFollow(Follow),
     /// How the inspected path is shown.
     SetPathOption(PathOption),
+    /// Follows the light of the light of that name, instead of the marked pixel's path.
+    SetPathLight(Option<String>),
     /// Points out a vertex of the inspected path, by index.
     SelectVertex(Option<usize>),
     /// Where the slice lies that panes show.

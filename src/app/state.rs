@@ -116,6 +116,8 @@ pub struct State {
     pub renaming: Option<String>,
     pub inspection: Option<Inspection>,
     pub path_options: PathOptions,
+    /// Name of the light whose light is followed, instead of the marked pixel's path.
+    pub path_light: Option<String>,
     /// The slice as it was chosen; `None`: as [`Self::slice_view`] proposes.
     pub(super) slice: Option<SliceView>,
     /// Where something was last selected in the picture, in [0, 1]² of the film.
@@ -186,6 +188,7 @@ impl State {
             renaming: None,
             inspection: None,
             path_options: PathOptions::default(),
+            path_light: None,
             slice: None,
             last_pick: None,
             earlier_views: Vec::new(),

@@ -212,3 +212,27 @@ fn labels_keep_clear_of_whatever_lies_over_the_pane() {
     }
     assert!(labels > 4, "{labels} labels were looked at");
 }
+
+/// The light of a lamp is followed as a path of a pixel is, in every mode; a click goes back to pixels.
+#[test]
+fn the_light_of_a_lamp_is_followed() {
+    let mut harness = inspector("lamp-in-ice");
+    click(&mut harness, [0.5, 0.5]);
+    let lamp = harness.state().state().path_lights().remove(0);
+    apply(&mut harness, Command::SetPathLight(Some(lamp.clone())));
+    wait(&mut harness);
+    let light_of = |harness: &Harness<'_, App>, mode: Mode| {
+        let traced = harness.state().state().inspection.as_ref().unwrap().traced.clone().unwrap();
+        traced.path(mode).unwrap().light.clone()
+    };
+    for mode in [Mode::Stack, Mode::Rectified] {
+        assert_eq!(light_of(&harness, mode).as_ref(), Some(&lamp));
+    }
+    harness.get_by_label("Path of light");
+    let before = harness.state().state().path_options.seed;
+    harness.get_by_label("Next sample").click();
+    wait(&mut harness);
+    assert_ne!(harness.state().state().path_options.seed, before);
+    click(&mut harness, [0.4, 0.6]);
+    assert_eq!(light_of(&harness, Mode::Rectified), None);
+}

@@ -26,7 +26,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let [width, height] = state.film_size();
     let at = |x: f64, side: u32| ((x * f64::from(side)) as u32).min(side.saturating_sub(1));
     let pixel = format!("{}, {}", at(inspection.point[0], width), at(inspection.point[1], height));
-    section_first_ui(ui, "Path of a pixel", &pixel);
+    match &state.path_light {
+        Some(light) => section_first_ui(ui, "Path of light", light),
+        None => section_first_ui(ui, "Path of a pixel", &pixel),
+    }
     row_ui(ui, "Mode", "The mode of the active pane: click another pane to see its path.", |ui| {
         ui.label(RichText::new(format!("{DOT} {}", mode.name())).color(palette.mode(mode)));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -54,6 +57,21 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 /// How the path is followed and shown.
 fn options_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let options = state.path_options;
+    let lights = state.path_lights();
+    if !lights.is_empty() {
+        let shown = state.path_light.as_deref().filter(|name| lights.iter().any(|light| light == name));
+        let about = "Whose path it is: the marked pixel's, or that of light which leaves a light, in a direction taken by chance.";
+        row_ui(ui, "From", about, |ui| {
+            combo_ui(ui, "path from", shown.unwrap_or("the pixel"), |ui| {
+                for light in [None].into_iter().chain(lights.iter().map(Some)) {
+                    let name = light.map_or("the pixel", String::as_str);
+                    if ui.selectable_label(shown == light.map(String::as_str), name).clicked() {
+                        commands.push(Command::SetPathLight(light.cloned()));
+                    }
+                }
+            });
+        });
+    }
     let follows = [
         (Follow::Transmit, "Through", "Through every interface, except where reflection is total."),
         (Follow::Reflect, "Back", "Reflected at every interface."),
@@ -68,7 +86,7 @@ fn options_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let about = "How many rays are followed.";
     let chosen = segmented_row_ui(ui, "Rays", about, options.has_bundle, &rays);
     commands.extend(chosen.map(|is_on| Command::SetPathOption(PathOption::Bundle(is_on))));
-    if options.follow == Follow::Sample {
+    if options.follow == Follow::Sample || state.path_light.is_some() {
         row_ui(ui, "", "", |ui| {
             let about = "Other random numbers: another way that light may take.";
             button_ui(ui, "Next sample", about, commands, Command::SetPathOption(PathOption::NextSample));

@@ -231,6 +231,7 @@ mod tests {
         let camera = description.camera;
         let sight = Sight { camera: Camera::new(&camera).unwrap(), aspect: 1.5 };
         let question = Question {
+            light: None,
             report: Arc::new(SceneReport { epoch: 1, prepared, problems: None }),
             viewpoint: Viewpoint { camera, film_size: [300, 200], point: [0.55, 0.45] },
             follow: Follow::Transmit,

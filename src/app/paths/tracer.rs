@@ -9,11 +9,12 @@ use super::Line;
 use super::outline::Outlines;
 use crate::app::background::{Background, Bell, Desk, Repaint};
 use crate::geometry::Ray;
+use crate::scene::ObjectId;
 use crate::scene::camera::Camera;
 use crate::scene::description::CameraDescription;
 use crate::session::SceneReport;
 use crate::tracking::Mode;
-use crate::transport::inspect::{Follow, TracedPath, trace};
+use crate::transport::inspect::{Follow, PathStart, TracedPath, trace};
 use crate::transport::parting::{Parting, parting};
 
 /// Segments after which the inspector stops following a path.
@@ -52,10 +53,12 @@ impl Viewpoint {
 pub struct Question {
     pub report: Arc<SceneReport>,
     pub viewpoint: Viewpoint,
+    /// The light whose light is followed, instead of the pixel's ray.
+    pub light: Option<ObjectId>,
     pub follow: Follow,
     /// Of the random numbers.
     pub seed: u64,
-    /// Whether rays around the pixel are wanted too.
+    /// Whether rays around the pixel, or more of the light's, are wanted too.
     pub has_bundle: bool,
     pub modes: Vec<Mode>,
     /// Two of the modes, which are compared.
@@ -78,7 +81,7 @@ impl Question {
 impl PartialEq for Question {
     fn eq(&self, other: &Self) -> bool {
         let key = |q: &Self| (q.viewpoint, q.follow, q.seed, q.has_bundle, q.pair, q.max_depth, q.eye, q.has_outlines);
-        self.has_scene_of(other) && key(self) == key(other) && self.modes == other.modes
+        self.has_scene_of(other) && key(self) == key(other) && (&self.modes, self.light) == (&other.modes, other.light)
     }
 }
 
@@ -125,12 +128,12 @@ fn run(desk: &Desk<Option<Question>, Found>, wake: &Repaint) {
 /// Answers a question; what `last` knows of the same geometry is kept.
 pub(super) fn answer(question: Question, last: Option<&Traced>) -> Traced {
     let prepared = &question.report.prepared;
-    let rays = rays(&question);
+    let starts = starts(&question);
     let follow = |mode: Mode| -> Vec<Line> {
-        let each = rays.iter().enumerate().map(|(index, ray)| {
+        let each = starts.iter().enumerate().map(|(index, start)| {
             // A bundle by chance is one of different chances.
             let seed = question.seed.wrapping_mul(u64::from(BUNDLE) + 1).wrapping_add(index as u64);
-            let path = trace(prepared, mode, *ray, question.follow, seed, Some(question.max_depth));
+            let path = trace(prepared, mode, *start, question.follow, seed, Some(question.max_depth));
             Line::new(path, &prepared.scene, (index == 0).then_some(question.eye))
         });
         each.collect()
@@ -150,8 +153,13 @@ pub(super) fn answer(question: Question, last: Option<&Traced>) -> Traced {
     Traced { lines, parting, outlines, question }
 }
 
-/// The pixel's ray, and those of its bundle.
-fn rays(question: &Question) -> Vec<Ray> {
+/// Where the path and those of its bundle start.
+fn starts(question: &Question) -> Vec<PathStart> {
+    if let Some(light) = question.light {
+        let count = if question.has_bundle { BUNDLE as usize + 1 } else { 1 };
+        // Each has random numbers of its own.
+        return vec![PathStart::Light(light); count];
+    }
     let mut rays: Vec<Ray> = question.viewpoint.ray().into_iter().collect();
     if question.has_bundle {
         // Rank-1 lattice of Kronecker type (roots of x⁵ = x + 1): evenly over the pixel and the lens.
@@ -162,5 +170,5 @@ fn rays(question: &Question) -> Vec<Ray> {
             rays.extend(question.viewpoint.ray_beside([x, y], DVec2::new(cos, sin) * u.sqrt()));
         }
     }
-    rays
+    rays.into_iter().map(PathStart::Ray).collect()
 }

@@ -77,6 +77,7 @@ impl State {
             Command::SetHandles(handles) => self.settings.handles = handles,
             Command::SetFollow(follow) => self.path_options.follow = follow,
             Command::SetPathOption(option) => self.set_path_option(option),
+            Command::SetPathLight(light) => self.path_light = light,
             Command::SelectVertex(vertex) => self.select_vertex(vertex),
             Command::SetSlice(view) => self.slice = view.sound().or(self.slice),
             Command::SetExposure(exposure) if exposure.is_finite() => self.settings.display.exposure = exposure,

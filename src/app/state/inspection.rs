@@ -89,6 +89,13 @@ impl State {
         }
     }
 
+    /// Names of the lights whose light can be followed.
+    pub fn path_lights(&self) -> Vec<String> {
+        let Some(report) = &self.report else { return Vec::new() };
+        let scene = &report.prepared.scene;
+        scene.emitters.iter().filter_map(|(light, _)| light.object()).map(|id| scene.object(id).name.clone()).collect()
+    }
+
     /// Where the panes' camera sees a pixel.
     fn viewpoint(&self, point: [f64; 2]) -> Viewpoint {
         Viewpoint { camera: self.film_camera(), film_size: self.size.film, point }
@@ -108,6 +115,11 @@ impl State {
         }
         let options = self.path_options;
         let pair = self.compared_modes();
+        let scene = &report.prepared.scene;
+        let light = self.path_light.as_ref().and_then(|name| {
+            let lights = scene.emitters.iter().filter_map(|(light, _)| light.object());
+            lights.into_iter().find(|id| scene.object(*id).name == *name)
+        });
         let mut modes: Vec<Mode> =
             self.settings.shown_panes().iter().flat_map(|&content| modes_over(content)).collect();
         modes.extend(pair.into_iter().flatten().chain(options.against));
@@ -116,6 +128,7 @@ impl State {
         Some(Question {
             report: Arc::clone(report),
             viewpoint: inspection.kept.unwrap_or_else(|| self.viewpoint(inspection.point)),
+            light,
             follow: options.follow,
             seed: options.seed,
             has_bundle: options.has_bundle,
@@ -139,6 +152,7 @@ impl State {
     }
 
     pub(super) fn inspect(&mut self, point: Option<[f64; 2]>) {
+        self.path_light = None;
         self.inspection = point.map(|point| {
             let point = point.map(|x| x.clamp(0.0, 1.0));
             let kept = self.path_options.keeps_ray.then(|| self.viewpoint(point));
