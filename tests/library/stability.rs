@@ -65,7 +65,7 @@ fn all_forty_cases_are_there_and_pass() {
 
     let report = Stability { effort: Effort::Quick, cases: ran, sweeps: Vec::new(), maps: Vec::new() };
     let [passed, failed, not_run] = report.counts();
-    assert_eq!([passed, failed, not_run], [report.cases.len() - 1, 0, 1]);
+    assert_eq!([passed, failed, not_run], [report.cases.len(), 0, 0]);
     // What is written can be read back, to the last digit but one.
     let text = serde_json::to_string(&report).unwrap();
     let again: Stability = serde_json::from_str(&text).unwrap();

@@ -93,7 +93,7 @@ fn splitting_changes_the_noise_alone() {
 /// A pixel's own samples do not decide how many they are: no pixel is too bright or too dark.
 #[test]
 fn allocation_changes_the_noise_alone() {
-    for name in ["nested-spheres", "iced-water"] {
+    for name in ["nested-spheres", "iced-water", "camera-in-water"] {
         let scene = scene(name);
         let spread = over_films(&(0..200).map(|seed| adaptive(&scene, seed, 24)).collect::<Vec<_>>());
         let even = over_films(&(1000..1200).map(|seed| uniform(&scene, seed, 0, 24)).collect::<Vec<_>>());
@@ -104,7 +104,7 @@ fn allocation_changes_the_noise_alone() {
 
 #[test]
 fn samples_go_where_the_noise_is() {
-    let scene = scene("nested-spheres");
+    let scene = scene("camera-in-water");
     let film = adaptive(&scene, 5, 32);
     let even = film.counts.len() as u32 * 32;
     let all: u32 = film.counts.iter().sum();
@@ -153,4 +153,30 @@ fn compared_films_share_an_allocation() {
     assert!(a.allocation.is_some() && a.allocation == b.allocation);
     assert_eq!((&a.sums, &a.counts), (&b.sums, &b.counts));
     assert!(a.sums.iter().any(|sum| *sum != DVec3::ZERO));
+}
+
+/// Light that a small lamp throws through ice is missed by most pilot samples: to go by those that have not would starve the pixels that it falls
+/// on, and doubled the error.
+#[test]
+fn rare_light_starves_no_pixel() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/truth/A1");
+    let scene = crate::common::ready(iorect::formats::file(&path.with_extension("toml")).unwrap());
+    let truth = iorect::formats::image_from_file(&path.with_extension("exr")).unwrap();
+    let error = |film: Film| {
+        let error = |(a, t): (&[f32; 3], &[f32; 3])| {
+            (0..3).map(|k| f64::from(a[k] - t[k]).powi(2) / (f64::from(t[k]).powi(2) + 0.01)).sum::<f64>()
+        };
+        film.to_rgb().iter().zip(&truth.pixels).map(error).sum::<f64>()
+    };
+    let size = (truth.width as u32, truth.height as u32);
+    let mean = |make: fn(u32, u32) -> Film| -> f64 {
+        let of_seed = |seed: u64| {
+            let mut film = make(size.0, size.1);
+            add(&scene, &settings(seed, 2), &mut film, &[128]);
+            error(film)
+        };
+        (0..3).map(of_seed).sum()
+    };
+    let (spread, even) = (mean(Film::adaptive), mean(Film::new));
+    assert!(spread < 1.25 * even, "{spread} and {even}");
 }
