@@ -14,7 +14,7 @@ use super::command::{Command, ExportKind};
 use super::develop::Source;
 use super::opening::Reading;
 use crate::export::{self, Comparison, ExportError, LabelledPane, Picture};
-use crate::formats::disk;
+use crate::formats::{MESH_ENDINGS, disk};
 use crate::render::Display;
 use crate::render::slice::Slice;
 use crate::scene::description::Shape;
@@ -61,9 +61,10 @@ impl Purpose {
     /// What the dialog offers, and the endings that such files have.
     fn filter(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::Open | Self::SaveAs => ("iorect scenes", &["toml"]),
+            Self::Open => ("scenes and meshes", &["toml", "obj", "ply", "stl"]),
+            Self::SaveAs => ("iorect scenes", &["toml"]),
             Self::Environment => ("images", &["exr", "hdr", "png", "jpg", "jpeg"]),
-            Self::Mesh => ("meshes", &["obj", "ply"]),
+            Self::Mesh => ("meshes", MESH_ENDINGS),
             Self::Export(ExportKind::PaneExr) => ("OpenEXR", &["exr"]),
             Self::Export(ExportKind::ErrorsCsv) => ("CSV", &["csv"]),
             Self::Export(ExportKind::PathSvg) => ("SVG", &["svg"]),

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 
+use crate::check::Severity;
 use crate::render::{BackendChoice, Estimator, EstimatorChoice, ImageSettings, SampleRange, ToneCurve};
 use crate::report::make::Part;
 use crate::scene::shapes::MAX_LENGTH;
@@ -57,7 +58,9 @@ pub enum Command {
     /// Follow one path, vertex by vertex
     Trace(TraceArguments),
     /// Say what is wrong or doubtful in a scene, with advice
-    Check(SceneArguments),
+    Check(CheckArguments),
+    /// Write a scene, or a scene around a mesh, as a scene file
+    Convert(ConvertArguments),
     /// List the built-in scenes
     Scenes(ListArguments),
     /// Measure scenes: error against run time, stability, what was left out, growth, as a page with plots and tables
@@ -412,6 +415,31 @@ pub struct SceneArguments {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  iorect check my.toml
+  iorect check my.toml --json --deny warning      for continuous integration: exit code 1 at a warning, 2 at an error")]
+pub struct CheckArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Exit with code 1 if there is a problem of this severity or a worse one: warning or advice
+    #[arg(long, value_name = "SEVERITY", value_parser = severity)]
+    pub deny: Option<Severity>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  iorect convert bunny.stl bunny.toml             the mesh in glass, on a floor under a lamp
+  iorect convert iced-water mine.toml             a built-in scene, with the files that it names")]
+pub struct ConvertArguments {
+    /// A scene file, a mesh, or a built-in scene's name
+    pub from: PathBuf,
+    /// The file to write; its ending must be `.toml`
+    pub to: PathBuf,
+}
+
+#[derive(Debug, Args)]
 pub struct ListArguments {
     /// Print JSON instead of a table
     #[arg(long)]
@@ -508,6 +536,10 @@ fn backend(text: &str) -> Result<BackendChoice, String> {
 fn estimator(text: &str) -> Result<EstimatorChoice, String> {
     use EstimatorChoice::{Auto, Bidirectional, Merging, Path};
     one_of(text, &[Auto, Path, Bidirectional, Merging].map(|estimator| (estimator.name(), estimator)), &[])
+}
+
+fn severity(text: &str) -> Result<Severity, String> {
+    one_of(text, &[("warning", Severity::Warning), ("advice", Severity::Advice)], &[])
 }
 
 fn sequence(text: &str) -> Result<Sequence, String> {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::arguments::SceneArguments;
+use super::arguments::CheckArguments;
 use super::preparation::prepare_shown;
 use super::table::wrapped;
 use super::{Failure, plural, print, print_json};
@@ -21,20 +21,26 @@ struct Report<'a> {
 }
 
 /// A scene that cannot be used at all is reported like any other problem, and is the only reason for exit code 2.
-pub fn run(arguments: &SceneArguments) -> Result<ExitCode, Failure> {
+pub fn run(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
+    let CheckArguments { scene: arguments, deny } = arguments;
     let prepared = crate::formats::open(&arguments.scene).and_then(|description| prepare_shown(Arc::new(description)));
     let problems = match &prepared {
         Ok(prepared) => check(prepared),
         Err(error) => error.each().map(|error| unusable(&arguments.scene.to_string_lossy(), error)).collect(),
     };
     let is_usable = problems.iter().all(|problem| problem.severity != Severity::Error);
+    let is_denied = deny.is_some_and(|deny| problems.iter().any(|problem| problem.severity <= deny));
     let report = Report { scene: arguments.scene.to_string_lossy(), problems };
     if arguments.json {
         print_json(&report)?;
     } else {
         print(&summary(&report))?;
     }
-    Ok(ExitCode::from(if is_usable { 0 } else { 2 }))
+    Ok(ExitCode::from(match (is_usable, is_denied) {
+        (false, _) => 2,
+        (true, true) => 1,
+        (true, false) => 0,
+    }))
 }
 
 fn unusable(scene: &str, error: &SceneError) -> Problem {

@@ -6,6 +6,7 @@
 mod arguments;
 mod check;
 mod compare;
+mod convert;
 mod image;
 mod merge;
 mod preparation;
@@ -93,6 +94,7 @@ pub fn main(open_window: impl FnOnce(&WindowArguments) -> Result<(), WindowError
         Some(Command::Rectify(arguments)) => rectify::run(arguments),
         Some(Command::Trace(arguments)) => trace::run(arguments),
         Some(Command::Check(arguments)) => check::run(arguments),
+        Some(Command::Convert(arguments)) => convert::run(arguments),
         Some(Command::Scenes(arguments)) => scenes::run(arguments),
         Some(Command::Report(arguments)) => report::run(arguments),
         Some(Command::Export(_)) => not_yet("export"),

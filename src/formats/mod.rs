@@ -17,6 +17,8 @@ mod passed_over;
 mod ply;
 mod polygon;
 mod polygons;
+mod stl;
+mod studio;
 mod suggest;
 mod toml;
 
@@ -25,6 +27,7 @@ use std::path::Path;
 pub use self::builtin::BuiltIn;
 pub use self::disk::Disk;
 pub use self::files::{Files, Memory};
+pub use self::mesh::MESH_ENDINGS;
 pub use self::suggest::closest;
 use self::suggest::suggestion;
 pub use self::toml::{parse, save, to_text};
@@ -54,11 +57,15 @@ pub fn open(name_or_path: impl AsRef<Path>) -> Result<Description, SceneError> {
     file(path)
 }
 
-/// A scene from a file on the disk, with the meshes and images that it names.
+/// A scene from a file on the disk, with the meshes and images that it names. A file that holds a mesh alone becomes a scene around it.
 ///
 /// # Errors
 /// When the file or one that it names cannot be read or used.
 pub fn file(path: &Path) -> Result<Description, SceneError> {
+    if is_mesh(path) {
+        let (mesh, notes) = mesh_from_file(path)?;
+        return studio::around(path, mesh, notes);
+    }
     let bytes = disk::read_or_receive(path, disk::MAX_SCENE_BYTES);
     read(&bytes.map_err(|error| SceneError::in_file(path, error.to_string()))?, path, &Disk)
 }
@@ -70,6 +77,11 @@ pub fn file(path: &Path) -> Result<Description, SceneError> {
 /// When the scene or a file that it names cannot be used.
 pub fn read(bytes: &[u8], path: &Path, files: &dyn Files) -> Result<Description, SceneError> {
     toml::read(bytes, path, files)
+}
+
+/// Whether a path's ending is that of a mesh format that is read.
+pub fn is_mesh(path: &Path) -> bool {
+    mesh::format_of(path).is_ok()
 }
 
 /// A mesh from the `bytes` of a file called `name`, of which only the ending counts.

@@ -195,7 +195,7 @@ fn impossible_shapes() {
         ("{ quad = { center = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [2, 0, 0] } }", 69, &["parallel"]),
         ("{}", 9, &["exactly one of sphere"]),
         ("{ mesh = \"stone.glb\" }", 18, &["not yet supported"]),
-        ("{ mesh = \"stone.stl\" }", 18, &["use .obj or .ply"]),
+        ("{ mesh = \"stone.3ds\" }", 18, &["use .obj, .ply or .stl"]),
         ("{ mesh = \"no-such.obj\" }", 18, &["no-such.obj", "no such file"]),
         ("{ mesh = \"\" }", 18, &["empty"]),
     ] {
