@@ -398,6 +398,10 @@ fn check_reports_what_is_wrong_and_where() {
     assert_has(problem, &["severity", "where", "kind", "message"]);
     assert_eq!((&problem["severity"], &problem["where"]), (&"advice".into(), &"honey".into()));
     assert!(desk.fine("check advice.toml").contains("honey"));
+    // Whoever wants to can be told by the exit code.
+    for (deny, code) in [("", 0), ("--deny warning", 0), ("--deny advice", 1)] {
+        assert_eq!(desk.run(&format!("check advice.toml {deny}")).status.code(), Some(code), "{deny}");
+    }
 
     desk.put("wrong.toml", NEST.replace("radius = 0.7", "radius = 0.0"));
     let output = desk.run("check wrong.toml --json");
@@ -567,4 +571,56 @@ fn a_reader_that_has_gone_is_no_error() {
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), String::new()));
+}
+
+/// A pyramid, as a 3D printer takes it.
+const PYRAMID: &str = "solid pyramid
+facet normal 0 0 0
+outer loop
+vertex 0 0 0
+vertex 1 0 0
+vertex 0 0 1
+endloop
+endfacet
+facet normal 0 0 0
+outer loop
+vertex 0 0 0
+vertex 0 1 0
+vertex 1 0 0
+endloop
+endfacet
+facet normal 0 0 0
+outer loop
+vertex 0 0 0
+vertex 0 0 1
+vertex 0 1 0
+endloop
+endfacet
+facet normal 0 0 0
+outer loop
+vertex 1 0 0
+vertex 0 1 0
+vertex 0 0 1
+endloop
+endfacet
+endsolid
+";
+
+#[test]
+fn a_mesh_alone_is_a_scene_and_becomes_a_scene_file() {
+    let desk = Desk::with("pyramid.stl", PYRAMID);
+    let patches = desk.json("rectify pyramid.stl --json");
+    assert_eq!(patches["patches"][0]["refractor"], "pyramid");
+    assert_eq!(desk.json("check pyramid.stl --json")["problems"], Value::Array(vec![]));
+    let alone = desk.json("render pyramid.stl --spp 2 --size 16x12 --json");
+    assert_eq!(alone["spp"], 2);
+    assert!(desk.fine("convert pyramid.stl made/pyramid.toml").contains("3 objects"));
+    let again = desk.json("rectify made/pyramid.toml --json");
+    assert_eq!(again["patches"], patches["patches"]);
+    // What a built-in scene names comes with it.
+    desk.fine("convert plain-glass glass.toml");
+    assert_eq!(desk.json("check glass.toml --json")["problems"], Value::Array(vec![]));
+    for wrong in ["convert pyramid.stl pyramid.obj", "convert missing.stl new.toml"] {
+        assert_eq!(desk.run(wrong).status.code(), Some(2), "{wrong}");
+    }
 }
