@@ -614,8 +614,8 @@ fn a_mesh_alone_is_a_scene_and_becomes_a_scene_file() {
     assert_eq!(desk.json("check pyramid.stl --json")["problems"], Value::Array(vec![]));
     let alone = desk.json("render pyramid.stl --spp 2 --size 16x12 --json");
     assert_eq!(alone["spp"], 2);
-    assert!(desk.fine("convert pyramid.stl made/pyramid.toml").contains("3 objects"));
-    let again = desk.json("rectify made/pyramid.toml --json");
+    assert!(desk.fine("convert pyramid.stl made.toml").contains("3 objects"));
+    let again = desk.json("rectify made.toml --json");
     assert_eq!(again["patches"], patches["patches"]);
     // What a built-in scene names comes with it.
     desk.fine("convert plain-glass glass.toml");
