@@ -49,7 +49,8 @@ pub fn run(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     let parts = if arguments.only.is_empty() { Part::ALL.to_vec() } else { arguments.only.clone() };
     let frames = arguments.frames.as_deref().map(FrameTimes::read).transpose();
     let frames = frames.map_err(|error| Failure::wrong(error.to_string()))?;
-    let adapter = if parts.contains(&Part::Backends) { adapter(arguments.backend)? } else { None };
+    let by_gpu = [Part::Backends, Part::Stability, Part::LeftOut];
+    let adapter = if by_gpu.iter().any(|part| parts.contains(part)) { adapter(arguments.backend)? } else { None };
     let request = Request { subjects, parts, extent, seed: arguments.seed, command: command_line(), frames, adapter };
     let bar = bar(STEPS, "{bar:30.cyan/dim} {percent:>3} % · {elapsed}, {eta} left · {wide_msg}");
     bar.enable_steady_tick(Duration::from_millis(250));

@@ -21,9 +21,12 @@ pub fn renderer(backend: Backend) -> &'static dyn Renderer {
     }
 }
 
-/// What renders in `mode` where `backend` is asked for: [`Mode::Reference`] is always rendered by the CPU, in f64.
+/// The modes that the graphics processor renders: all but [`Mode::Reference`], which is computed in f64.
+pub const GPU_MODES: [Mode; 5] = [Mode::Naive, Mode::Stack, Mode::Priority, Mode::RectifiedObject, Mode::Rectified];
+
+/// What renders in `mode` where `backend` is asked for: modes other than [`GPU_MODES`] are always rendered by the CPU.
 pub fn backend_of(mode: Mode, backend: Backend) -> Backend {
-    if mode == Mode::Reference || cfg!(not(feature = "gpu")) { Backend::Cpu } else { backend }
+    if !GPU_MODES.contains(&mode) || cfg!(not(feature = "gpu")) { Backend::Cpu } else { backend }
 }
 
 impl RenderTask<'_> {

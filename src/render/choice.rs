@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use super::backends::{backend_of, renderer};
+use super::backends::{GPU_MODES, backend_of, renderer};
 use super::film::Film;
 use super::renderer::{RenderTask, Renderer};
 use super::settings::{Backend, ImageSettings};
@@ -84,6 +84,9 @@ pub fn choose(asked: BackendChoice, work: &Work<'_>) -> Result<Chosen, NoGpu> {
         BackendChoice::Cpu => Ok(Chosen::cpu(None)),
         BackendChoice::Gpu => {
             let adapter = adapter()?;
+            if !work.settings.is_empty() && work.settings.iter().all(|settings| !GPU_MODES.contains(&settings.mode)) {
+                return Ok(Chosen::cpu(Some(format!("mode {} is computed in f64", work.settings[0].mode))));
+            }
             Ok(match work.make_ready() {
                 Ok(()) => Chosen { backend: Backend::Gpu, adapter: Some(adapter.label), reason: None },
                 Err(reason) => Chosen::cpu(Some(reason)),

@@ -20,7 +20,7 @@ pub mod settings;
 pub mod slice;
 pub mod surfaces;
 
-pub use backends::renderer;
+pub use backends::{GPU_MODES, renderer};
 pub use choice::{BackendChoice, Chosen, choose};
 pub use display::{Display, ToneCurve};
 pub use estimators::{EstimatorChoice, choose_estimator};

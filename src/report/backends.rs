@@ -5,12 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::progress::Progress;
 use super::timing::Timed;
 use crate::render::choice::{KnownAdapter, Work};
-use crate::render::{Backend, ImageSettings};
+use crate::render::{Backend, GPU_MODES, ImageSettings};
 use crate::scene::camera::Camera;
 use crate::tracking::{Mode, Prepared};
 
-/// The modes that the graphics processor renders.
-pub const MODES: [Mode; 5] = [Mode::Naive, Mode::Stack, Mode::Priority, Mode::RectifiedObject, Mode::Rectified];
 /// Difference of a pixel, relative to its brightness, that rounding does not make.
 const ROUNDING: f64 = 1e-3;
 /// Added to the brightness, so that black pixels are not divided by.
@@ -38,7 +36,7 @@ pub struct Backends {
     /// Whether it computes on the CPU.
     pub is_software: bool,
     pub size: [u32; 2],
-    /// In the order of [`MODES`]; modes are left out that it cannot render in this scene.
+    /// In the order of [`GPU_MODES`]; modes are left out that it cannot render in this scene.
     pub modes: Vec<ModeBackends>,
 }
 
@@ -63,7 +61,7 @@ pub fn measure(
     progress: &Progress<'_>,
 ) -> Option<Backends> {
     let mut modes = Vec::new();
-    for mode in MODES {
+    for mode in GPU_MODES {
         let usual = ImageSettings { splits: 0, ..ImageSettings::new(mode, plan.seed) };
         let work = Work { prepared, camera, settings: &[usual], size: plan.size, samples: None };
         if let Err(why) = work.make_ready() {

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::progress::Progress;
 use super::timing::{Ratio, Timed, pairs};
 use crate::rectify::InterfaceTable;
-use crate::render::{Film, ImageSettings};
+use crate::render::choice::{KnownAdapter, Work};
+use crate::render::{Backend, Film, ImageSettings};
 use crate::scene::Scene;
 use crate::scene::camera::Camera;
 use crate::scene::needs::SceneNeeds;
@@ -45,6 +46,22 @@ pub struct LeftOut {
     /// Whether rectification answered the same; `None` with `rectify`.
     pub tables_are_equal: Option<bool>,
     /// Needs put back one by one.
+    pub each: Vec<OneNeed>,
+    /// The same of the graphics processor; `None` without one, or where it cannot render the scene.
+    #[serde(default)]
+    pub graphics: Option<OnGraphics>,
+}
+
+/// What leaving out saves on the graphics processor, where it makes shaders shorter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OnGraphics {
+    /// Name and interface.
+    pub adapter: String,
+    /// Whether it computes on the CPU.
+    pub is_software: bool,
+    /// As [`LeftOut::render`], without splits.
+    pub render: Ratio,
+    pub images_are_equal: bool,
     pub each: Vec<OneNeed>,
 }
 
@@ -86,21 +103,24 @@ fn is_switched_while_tracing(need: &str) -> bool {
 }
 
 /// Measures one scene on the current pool. `None` when cancelled.
-pub fn measure(prepared: &Prepared, camera: &Camera, plan: &LeftOutPlan, progress: &Progress<'_>) -> Option<LeftOut> {
+pub fn measure(
+    prepared: &Prepared,
+    camera: &Camera,
+    plan: &LeftOutPlan,
+    adapter: Option<&KnownAdapter>,
+    progress: &Progress<'_>,
+) -> Option<LeftOut> {
     let scene = &prepared.scene;
     let names = scene.needs.left_out();
-    let (render, images_are_equal, samples) = put_back(prepared, camera, plan, SceneNeeds::EVERYTHING, progress)?;
+    let by_cpu = Renders { prepared, camera, plan, backend: Backend::Cpu };
+    let (render, images_are_equal, samples) = by_cpu.put_back(SceneNeeds::EVERYTHING, progress)?;
     let pretraced = if scene.needs.nesting { None } else { Some(pretrace(scene, plan, progress)?) };
     let (rectify, tables_are_equal) = pretraced.unzip();
-    let mut each = Vec::new();
-    for &need in names.iter().filter(|_| plan.each) {
-        // What the scene has no data for cannot be put back.
-        let needs = scene.needs.with(need).without_impossible(scene);
-        if is_switched_while_tracing(need) && needs != scene.needs {
-            let (ratio, images_are_equal, _) = put_back(prepared, camera, plan, needs, progress)?;
-            each.push(OneNeed { need: need.to_owned(), ratio, images_are_equal });
-        }
-    }
+    let each = by_cpu.each(progress)?;
+    let graphics = match adapter {
+        Some(adapter) => on_graphics(&Renders { backend: Backend::Gpu, ..by_cpu }, adapter, progress)?,
+        None => None,
+    };
     Some(LeftOut {
         left_out: names.into_iter().map(str::to_owned).collect(),
         width: plan.width,
@@ -111,33 +131,77 @@ pub fn measure(prepared: &Prepared, camera: &Camera, plan: &LeftOutPlan, progres
         rectify,
         tables_are_equal,
         each,
+        graphics,
     })
 }
 
-/// The scene rendered with `needs` and with its own, by turns: time of a sample with `needs` over that with its own, whether the images are
-/// equal, and of how many samples per pixel they are.
-fn put_back(
-    prepared: &Prepared,
-    camera: &Camera,
-    plan: &LeftOutPlan,
-    needs: SceneNeeds,
-    progress: &Progress<'_>,
-) -> Option<(Ratio, bool, u32)> {
-    let size = (plan.width, plan.height);
-    let settings = |leave_out| ImageSettings { leave_out, ..ImageSettings::new(Mode::Rectified, plan.seed) };
-    let is_everything = needs == SceneNeeds::EVERYTHING;
-    // All needs together are put back as `--leave-out off` does it.
-    let changed = match is_everything {
-        true => prepared.clone(),
-        false => Prepared { scene: Arc::new(Scene { needs, ..Scene::clone(&prepared.scene) }), ..prepared.clone() },
-    };
-    let mut with = Timed::new(&changed, camera, settings(!is_everything), size);
-    let mut without = Timed::new(prepared, camera, settings(true), size);
-    let samples = without.samples_for(plan.slice_secs, progress)?;
-    // Both start again, so that they end with the same samples.
-    without.film = Film::new(plan.width, plan.height);
-    let times = pairs(plan.pairs, || with.slice(samples, progress), || without.slice(samples, progress))?;
-    Some((Ratio::of(&times)?, are_equal(&with.film, &without.film), with.film.samples))
+/// What is rendered both ways.
+#[derive(Clone, Copy)]
+struct Renders<'a> {
+    prepared: &'a Prepared,
+    camera: &'a Camera,
+    plan: &'a LeftOutPlan,
+    backend: Backend,
+}
+
+impl Renders<'_> {
+    fn settings(&self, leave_out: bool) -> ImageSettings {
+        let usual = ImageSettings { leave_out, ..ImageSettings::new(Mode::Rectified, self.plan.seed) };
+        let splits = if self.backend == Backend::Gpu { 0 } else { usual.splits };
+        ImageSettings { backend: self.backend, splits, ..usual }
+    }
+
+    /// Each need put back alone, if that is wanted. `None` when cancelled.
+    fn each(&self, progress: &Progress<'_>) -> Option<Vec<OneNeed>> {
+        let scene = &self.prepared.scene;
+        let mut each = Vec::new();
+        for need in scene.needs.left_out().into_iter().filter(|_| self.plan.each) {
+            // What the scene has no data for cannot be put back.
+            let needs = scene.needs.with(need).without_impossible(scene);
+            if is_switched_while_tracing(need) && needs != scene.needs {
+                let (ratio, images_are_equal, _) = self.put_back(needs, progress)?;
+                each.push(OneNeed { need: need.to_owned(), ratio, images_are_equal });
+            }
+        }
+        Some(each)
+    }
+
+    /// The scene rendered with `needs` and with its own, by turns: time of a sample with `needs` over that with its own, whether the images are
+    /// equal, and of how many samples per pixel they are. `None` when cancelled, or where the backend fails.
+    fn put_back(&self, needs: SceneNeeds, progress: &Progress<'_>) -> Option<(Ratio, bool, u32)> {
+        let Self { prepared, camera, plan, backend } = *self;
+        let size = (plan.width, plan.height);
+        let is_everything = needs == SceneNeeds::EVERYTHING;
+        // All needs together are put back as `--leave-out off` does it.
+        let changed = match is_everything {
+            true => prepared.clone(),
+            false => Prepared { scene: Arc::new(Scene { needs, ..Scene::clone(&prepared.scene) }), ..prepared.clone() },
+        };
+        let mut with = Timed::new(&changed, camera, self.settings(!is_everything), size);
+        let mut without = Timed::new(prepared, camera, self.settings(true), size);
+        if backend == Backend::Gpu {
+            for timed in [&with, &without] {
+                let settings = &[timed.settings];
+                let size = [plan.width, plan.height];
+                Work { prepared: timed.prepared, camera, settings, size, samples: None }.make_ready().ok()?;
+            }
+        }
+        let samples = without.samples_for(plan.slice_secs, progress)?;
+        // Both start again, so that they end with the same samples.
+        without.film = Film::new(plan.width, plan.height);
+        let times = pairs(plan.pairs, || with.slice(samples, progress), || without.slice(samples, progress))?;
+        let is_by_it = [&with, &without].iter().all(|timed| timed.film.backend == Some(backend));
+        is_by_it.then_some((Ratio::of(&times)?, are_equal(&with.film, &without.film), with.film.samples))
+    }
+}
+
+/// `Some(None)` where it cannot render the scene; `None` when cancelled.
+fn on_graphics(renders: &Renders<'_>, adapter: &KnownAdapter, progress: &Progress<'_>) -> Option<Option<OnGraphics>> {
+    let found = renders.put_back(SceneNeeds::EVERYTHING, progress).and_then(|(render, images_are_equal, _)| {
+        let KnownAdapter { label, is_software } = adapter.clone();
+        Some(OnGraphics { adapter: label, is_software, render, images_are_equal, each: renders.each(progress)? })
+    });
+    (!progress.is_cancelled()).then_some(found)
 }
 
 /// Rectification with and without the pre-trace that a scene without nesting does not need.
@@ -174,7 +238,7 @@ mod tests {
         let prepared = prepare(formats::open(name).unwrap().into(), None).unwrap();
         let camera = Camera::new(&prepared.description.camera).unwrap();
         let progress = Progress { cancel: &AtomicBool::new(cancel), tell: &|_, _| () };
-        measure(&prepared, &camera, plan, &progress)
+        measure(&prepared, &camera, plan, None, &progress)
     }
 
     const PLAN: LeftOutPlan = LeftOutPlan { width: 16, height: 9, seed: 3, pairs: 2, slice_secs: 1e-4, each: true };

@@ -133,14 +133,15 @@ pub fn make(request: &Request, store: &Store, progress: &Progress<'_>) -> Result
     let scenes =
         request.subjects.iter().zip(&prepared).map(|(subject, prepared)| scene(request, subject, prepared, &tally));
     let scenes = scenes.collect::<Result<_, _>>()?;
-    let stability = request.asks_for(Part::Stability, || all_stability(&request.extent.stability, &tally))?;
+    let stability = request
+        .asks_for(Part::Stability, || all_stability(&request.extent.stability, request.adapter.as_ref(), &tally))?;
     let growth = request.asks_for(Part::Growth, || all_growth(&request.extent.growth, &tally))?.unwrap_or_default();
     let origin = Origin {
         program: "iorect",
         version: env!("CARGO_PKG_VERSION"),
         is_optimized: !cfg!(debug_assertions),
         machine: tally.machine,
-        adapter: request.measured_adapter().map(|adapter| adapter.label.clone()),
+        adapter: request.used_adapter().map(|adapter| adapter.label.clone()),
         date: machine::now(),
         command: request.command.clone(),
         seed: request.seed,
@@ -156,6 +157,12 @@ pub fn make(request: &Request, store: &Store, progress: &Progress<'_>) -> Result
 
 impl Request {
     /// The graphics processor, where it is measured.
+    /// The graphics processor, if any part is measured with it.
+    fn used_adapter(&self) -> Option<&KnownAdapter> {
+        let is_used = [Part::Backends, Part::Stability, Part::LeftOut].iter().any(|part| self.parts.contains(part));
+        self.adapter.as_ref().filter(|_| is_used)
+    }
+
     fn measured_adapter(&self) -> Option<&KnownAdapter> {
         self.adapter.as_ref().filter(|_| self.parts.contains(&Part::Backends))
     }
@@ -183,7 +190,8 @@ fn weight_of(request: &Request) -> f64 {
         + backends;
     let checks = stability::cases().len().min(request.extent.stability.cases)
         + stability::sweeps().len().min(request.extent.stability.sweeps)
-        + 1;
+        + 1
+        + request.adapter.as_ref().map_or(0, |_| of_images(&request.extent.stability).count());
     let growth: f64 = request.extent.growth.sizes.iter().flatten().map(|&size| weight_of_size(size)).sum();
     request.subjects.len() as f64 * scene + has(Part::Stability) * checks as f64 * CHECK + has(Part::Growth) * growth
 }
@@ -220,8 +228,9 @@ fn scene(
         })?;
     let left_out = request.asks_for(Part::LeftOut, || {
         let what = [name, "what is left out"];
-        tally.piece(what, LEFT_OUT, "left-out", &(fingerprint, extent.left_out), |progress| {
-            Ok(left_out::measure(prepared, &camera, &extent.left_out, progress))
+        let label = request.adapter.as_ref().map(|adapter| adapter.label.as_str());
+        tally.piece(what, LEFT_OUT, "left-out", &(fingerprint, extent.left_out, label), |progress| {
+            Ok(left_out::measure(prepared, &camera, &extent.left_out, request.adapter.as_ref(), progress))
         })
     })?;
     let editing = request.asks_for(Part::Editing, || {
@@ -270,7 +279,11 @@ fn scene(
     })
 }
 
-fn all_stability(plan: &StabilityPlan, tally: &Tally<'_>) -> Result<Stability, ReportError> {
+fn all_stability(
+    plan: &StabilityPlan,
+    adapter: Option<&KnownAdapter>,
+    tally: &Tally<'_>,
+) -> Result<Stability, ReportError> {
     let effort = plan.effort;
     let cases = stability::cases()
         .into_iter()
@@ -284,7 +297,23 @@ fn all_stability(plan: &StabilityPlan, tally: &Tally<'_>) -> Result<Stability, R
     let sweeps = sweeps.collect::<Result<_, _>>()?;
     let maps = || check(tally, "stability-maps", "maps of Fresnel's equations", effort, stability::maps);
     let maps = plan.has_maps.then(maps).transpose()?.flatten().unwrap_or_default();
-    Ok(Stability { effort, cases, sweeps, maps })
+    let graphics: Option<Result<_, ReportError>> = adapter.map(|adapter| {
+        let cases = of_images(plan).map(|case| {
+            let inputs = (effort, case.name, &adapter.label);
+            tally.piece(["stability, GPU", case.name], CHECK, "stability-case-gpu", &inputs, |progress| {
+                let found = case.run(&stability::Subject::graphics(effort, progress.cancel));
+                Ok((!progress.is_cancelled()).then_some(found))
+            })
+        });
+        let KnownAdapter { label, is_software } = adapter.clone();
+        Ok(stability::Graphics { adapter: label, is_software, cases: cases.collect::<Result<_, _>>()? })
+    });
+    Ok(Stability { effort, cases, sweeps, maps, graphics: graphics.transpose()? })
+}
+
+/// The cases that are put to the graphics processor too.
+fn of_images(plan: &StabilityPlan) -> impl Iterator<Item = stability::CaseDefinition> {
+    stability::cases().into_iter().take(plan.cases).filter(|case| case.is_of_images)
 }
 
 fn check<T: Serialize + DeserializeOwned>(

@@ -46,11 +46,18 @@ struct Known {
     decision: Option<Decision>,
     /// Of the graphics processor, while it rendered for these lanes.
     fault: Option<String>,
+    /// Whether the graphics processor computes on the CPU.
+    is_software: bool,
 }
 
 impl Graphics {
     fn lock(&self) -> MutexGuard<'_, Known> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether the graphics processor computes on the CPU.
+    pub(super) fn is_software(&self) -> bool {
+        self.lock().is_software
     }
 
     /// How the films of a job are rendered.
@@ -119,6 +126,7 @@ pub(super) fn run_graphics(mailbox: &Mailbox<LaneMessage>, board: &Board, wake: 
             continue;
         }
         let adapter = choice::adapter().map_err(|error| error.to_string());
+        graphics.lock().is_software = adapter.as_ref().is_ok_and(|adapter| adapter.is_software);
         let known = graphics.lock().decision.clone().filter(|decision| decision.is_about(&job));
         let chosen = match (&adapter, job.request.backend) {
             (Err(reason), _) => Chosen::cpu(Some(reason.clone())),

@@ -59,10 +59,14 @@ impl Job {
         self.request.modes.iter().all(|mode| self.modes.contains(mode))
     }
 
+    /// What renders the film of a mode.
+    pub(super) fn film_by(&self, mode: Mode) -> Backend {
+        backend_of(mode, self.request.settings.backend)
+    }
+
     /// How to render a film of this picture.
     pub(super) fn settings(&self, mode: Mode, seed: u64) -> ImageSettings {
-        let backend = backend_of(mode, self.request.settings.backend);
-        ImageSettings { mode, seed, backend, ..self.request.settings }
+        ImageSettings { mode, seed, backend: self.film_by(mode), ..self.request.settings }
     }
 
     /// Whether its scene was read from `source`, edited since or not.
@@ -76,13 +80,12 @@ impl Job {
 
     /// Whether the graphics processor renders its films.
     pub(super) fn is_by_graphics(&self) -> bool {
-        let backend = self.request.settings.backend;
-        self.modes.iter().all(|mode| backend_of(*mode, backend) == Backend::Gpu)
+        self.modes.iter().all(|mode| self.film_by(*mode) == Backend::Gpu)
     }
 
-    /// Whether only this lane takes the CPU: the others have nothing to do, or the graphics processor to do it.
-    pub(super) fn has_cpu_to_itself(&self) -> bool {
-        let is_by_gpu = self.request.settings.backend == Backend::Gpu;
+    /// Whether only this lane takes the CPU: the others have nothing to do, or a graphics processor, other than one in software, to do it.
+    pub(super) fn has_cpu_to_itself(&self, is_software: bool) -> bool {
+        let is_by_gpu = self.request.settings.backend == Backend::Gpu && !is_software;
         self.is_alone() || (is_by_gpu && self.modes == [Mode::Reference])
     }
 }

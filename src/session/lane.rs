@@ -12,7 +12,7 @@ use super::preview::Preview;
 use super::speed::Speed;
 use super::{Board, News, Snapshot, Wake};
 use crate::render::denoise::variances;
-use crate::render::{Backend, Noise, RenderTask, choice};
+use crate::render::{Backend, ImageSettings, Noise, RenderTask, choice};
 use crate::tracking::Mode;
 
 /// Time that a slice of samples should take, in seconds.
@@ -31,9 +31,9 @@ pub(super) struct Pools {
 
 /// What a lane works with and tells its results to.
 pub(super) struct Threads<'a> {
-    pub(super) pool: &'a rayon::ThreadPool,
-    /// Whether the pool is that of the graphics processor, on which the CPU must not step in.
-    pub(super) is_graphics: bool,
+    pub(super) cpu: &'a rayon::ThreadPool,
+    /// For the graphics processor, while it can be used. The CPU must not step in there.
+    pub(super) graphics: Option<&'a rayon::ThreadPool>,
     pub(super) mailbox: &'a Mailbox<LaneMessage>,
     pub(super) board: &'a Board,
     pub(super) wake: &'a Wake,
@@ -48,32 +48,35 @@ pub(super) enum Outcome {
 }
 
 impl Threads<'_> {
-    /// Adds samples to a film.
+    /// Adds samples to a film, by that backend.
     #[allow(clippy::too_many_arguments, reason = "each is said once, by the two callers")]
     pub(super) fn pass(
         &self,
         job: &Job,
         entry: &mut Entry,
+        backend: Backend,
         samples: u32,
         interrupts: impl Fn(&LaneMessage) -> bool,
         not_before: Instant,
         alarm: Option<Alarm<'_>>,
         speed: &mut Speed,
     ) -> Outcome {
-        let settings = job.settings(entry.mode, job.request.settings.seed);
+        let settings = ImageSettings { backend, ..job.settings(entry.mode, job.request.settings.seed) };
         let task = RenderTask { prepared: &job.prepared, camera: &job.camera, settings: &settings };
         let begin = Instant::now();
         let film = &mut entry.film;
         let pixels = f64::from(film.width) * f64::from(film.height);
-        let is_complete = cancellable(self.pool, self.mailbox, interrupts, not_before, alarm, |cancel| {
-            if self.is_graphics { task.try_pass(film, samples, cancel) } else { task.pass(film, samples, cancel) }
+        let graphics = self.graphics.filter(|_| backend == Backend::Gpu);
+        let pool = graphics.unwrap_or(self.cpu);
+        let is_complete = cancellable(pool, self.mailbox, interrupts, not_before, alarm, |cancel| {
+            if graphics.is_some() { task.try_pass(film, samples, cancel) } else { task.pass(film, samples, cancel) }
         });
         let elapsed = begin.elapsed().as_secs_f64();
         entry.seconds += elapsed;
         if !is_complete {
             return Outcome::Interrupted;
         }
-        speed.learn(entry.mode, pixels * f64::from(samples) / elapsed.max(1e-6));
+        speed.learn(entry.mode, backend, pixels * f64::from(samples) / elapsed.max(1e-6));
         Outcome::Complete
     }
 }
@@ -132,7 +135,7 @@ pub(super) fn run_lane(
             if let Some(before) = progress.take_if(is_other) {
                 before.park(&mut cache);
             }
-            speed.begin(&job);
+            speed.begin(&job, graphics.is_software());
             let p = progress.get_or_insert_with(|| Progress::new(job.clone()));
             p.go_on(job, &mut cache, &speed);
             p.publish_changes(board, wake);
@@ -140,12 +143,9 @@ pub(super) fn run_lane(
         drop(cache);
         let Some(p) = progress.as_mut().filter(|p| p.has_work()) else { continue };
         let is_graphics = p.job.is_by_graphics() && choice::fault().is_none();
-        let pool = match () {
-            () if is_graphics => &pools.graphics,
-            () if p.job.has_cpu_to_itself() => &pools.alone,
-            () => &pools.beside,
-        };
-        let threads = Threads { pool, is_graphics, mailbox, board, wake };
+        let has_cpu = p.job.has_cpu_to_itself(graphics.is_software());
+        let cpu = if has_cpu { &*pools.alone } else { &*pools.beside };
+        let threads = Threads { cpu, graphics: is_graphics.then_some(&*pools.graphics), mailbox, board, wake };
         if !attempted(p.job.request.epoch, board, wake, || p.advance(&threads, &mut speed)) {
             progress = None;
         }
@@ -243,17 +243,19 @@ impl Progress {
         let next = self.full.iter().map(|entry| entry.film.samples).filter(|samples| *samples > fewest).min();
         let end = next.unwrap_or(u32::MAX).min(self.wanted_samples());
         let behind = || self.full.iter().filter(|entry| entry.film.samples == fewest);
-        let per_sample = speed.seconds_of(behind().map(|entry| entry.mode), self.job.request.size);
+        let per_sample =
+            speed.seconds_of(behind().map(|entry| (entry.mode, self.job.film_by(entry.mode))), self.job.request.size);
         let to_look = behind().map(|entry| Noise::samples_to_look(&entry.film)).min().unwrap_or(1);
         let samples =
             ((SLICE_SECONDS / per_sample) as u32).clamp(1, MOST_SAMPLES_OF_A_SLICE).min(to_look).min(end - fewest);
         for entry in self.full.iter_mut().filter(|entry| entry.film.samples == fewest) {
             // Any message may want something else, and nothing is lost.
-            let outcome = threads.pass(&self.job, entry, samples, |_| true, Instant::now(), None, speed);
+            let by = self.job.film_by(entry.mode);
+            let outcome = threads.pass(&self.job, entry, by, samples, |_| true, Instant::now(), None, speed);
             if outcome == Outcome::Interrupted {
                 return true;
             }
-            threads.pool.install(|| entry.noise.look(&entry.film));
+            threads.cpu.install(|| entry.noise.look(&entry.film));
         }
         // Reading a large film costs time that rendering could use: at most a sixth of it.
         let pause = Duration::from_secs_f64(SLICE_SECONDS).max(5 * self.publish_cost);

@@ -1,4 +1,5 @@
-//! The first pictures of films: from a coarse one, in time, to one sample of every pixel.
+//! The first pictures of films: from a coarse one, in time, to one sample of every pixel. Coarse ones are rendered by the backend that is fastest at them,
+//! which need not be that of the film.
 
 use std::time::{Duration, Instant};
 
@@ -39,7 +40,9 @@ impl Preview {
         let first_image_due = job.first_image_due(begun);
         let seconds = PILOT_SHARE * (first_image_due - begun).as_secs_f64();
         let size = job.request.size;
-        let divisor = divisor_for(speed.seconds_of(modes.iter().copied(), size), seconds).min(MAX_DIVISOR);
+        let by = |mode: &Mode| (*mode, speed.previews_by(*mode, job.film_by(*mode)));
+        let divisor = divisor_for(speed.seconds_of(modes.iter().map(by), size), seconds).min(MAX_DIVISOR);
+        let divisor = divisor.max(least_divisor(job, modes.iter().copied(), speed));
         let mut preview = Self {
             entries: modes.into_iter().map(|mode| Entry::new(mode, size)).collect(),
             divisor,
@@ -92,7 +95,10 @@ impl Preview {
                     *is_shown = true;
                 }),
             });
-            if threads.pass(job, entry, 1, job::puts_out_of_date(job), grace_end, alarm, speed) == Outcome::Interrupted
+            let film_by = job.film_by(entry.mode);
+            let by = if self.divisor > 1 { speed.previews_by(entry.mode, film_by) } else { film_by };
+            if threads.pass(job, entry, by, 1, job::puts_out_of_date(job), grace_end, alarm, speed)
+                == Outcome::Interrupted
             {
                 return Outcome::Interrupted;
             }
@@ -107,6 +113,7 @@ impl Preview {
         if !self.is_shown {
             let left = self.first_image_due.saturating_duration_since(Instant::now());
             let finer = divisor_for(full_seconds, FIRST_IMAGE_SHARE * left.as_secs_f64());
+            let finer = finer.max(least_divisor(job, self.entries.iter().map(|entry| entry.mode), speed));
             if 3 * finer <= 2 * self.divisor {
                 self.pilot = Some(snapshots());
                 self.next_divisor = Some(finer);
@@ -120,4 +127,10 @@ impl Preview {
         self.is_shown = true;
         Outcome::Complete
     }
+}
+
+/// Of the first image: what the CPU is asked for because it is faster has to be coarser than the film.
+fn least_divisor(job: &Job, mut modes: impl Iterator<Item = Mode>, speed: &Speed) -> u32 {
+    let is_by_other = |mode: Mode| speed.previews_by(mode, job.film_by(mode)) != job.film_by(mode);
+    if modes.any(is_by_other) { 2 } else { 1 }
 }

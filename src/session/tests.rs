@@ -450,3 +450,43 @@ fn a_preparation_that_is_given_up_is_told_and_the_old_scene_stays() {
     worker.submit(request(3, &[]));
     until(&worker, |_| is_ready(3));
 }
+
+/// Where the graphics processor computes on the CPU, pictures that have to be there at once come from the CPU itself, and only the film from it.
+#[test]
+fn previews_beside_a_graphics_processor_in_software_are_rendered_by_the_cpu() {
+    use crate::render::{Backend, choice};
+    match choice::adapter() {
+        Ok(adapter) if adapter.is_software => {}
+        Ok(_) => return,
+        Err(why) => {
+            assert!(std::env::var_os("CI").is_none() || cfg!(not(feature = "gpu")), "{why}");
+            return;
+        }
+    }
+    let mode = Mode::Rectified;
+    let board = Arc::new(std::sync::OnceLock::<Arc<Board>>::new());
+    let shown = Arc::new(Mutex::new(Vec::new()));
+    let wake: Wake = {
+        let (board, shown) = (Arc::clone(&board), Arc::clone(&shown));
+        Arc::new(move |_| {
+            if let Some(snapshot) = board.get().and_then(|board| board.snapshots().get(&mode).cloned()) {
+                shown.lock().unwrap().push(snapshot);
+            }
+        })
+    };
+    let worker = Worker::start(wake).unwrap();
+    board.set(Arc::clone(worker.board())).unwrap();
+    // Without an end, so that the CPU has not finished before the shaders are compiled.
+    let first = Request { backend: BackendChoice::Gpu, sample_limit: None, ..request(1, &[mode]) };
+    worker.submit(first.clone());
+    until(&worker, |s| s.get(&mode).is_some_and(|s| !s.is_preview() && s.backend == Backend::Gpu));
+    let mut edited = Description::clone(&first.description);
+    edited.media[0].ior = crate::optics::Ior::Constant(1.4);
+    worker.submit(Request { epoch: 2, description: Arc::new(edited), sample_limit: Some(3), ..first });
+    until(&worker, |s| s.get(&mode).is_some_and(|s| s.epoch == 2 && s.is_done));
+    assert_eq!(worker.board().snapshots()[&mode].backend, Backend::Gpu);
+    let shown = shown.lock().unwrap();
+    let mut previews = shown.iter().filter(|snapshot| snapshot.epoch == 2 && snapshot.is_preview()).peekable();
+    assert!(previews.peek().is_some(), "no preview was shown");
+    assert!(previews.all(|snapshot| snapshot.backend == Backend::Cpu));
+}

@@ -17,7 +17,7 @@ const TO_FIND_MEMBER: u32 = 2u;
 /// A path on its way. It is what memory holds of a path that goes on in the next dispatch.
 struct Path {
     origin: vec3f,
-    /// Number of the sample; `NOTHING`: all are done.
+    /// Number of the sample.
     sample: u32,
     direction: vec3f,
     leaves: u32,

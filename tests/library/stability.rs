@@ -63,7 +63,7 @@ fn all_forty_cases_are_there_and_pass() {
     let worst = angles.flat_map(|case| &case.measurements).map(|m| m.error).fold(0.0, f64::max);
     assert!(worst < 1e-6, "{worst}");
 
-    let report = Stability { effort: Effort::Quick, cases: ran, sweeps: Vec::new(), maps: Vec::new() };
+    let report = Stability { effort: Effort::Quick, cases: ran, sweeps: Vec::new(), maps: Vec::new(), graphics: None };
     let [passed, failed, not_run] = report.counts();
     assert_eq!([passed, failed, not_run], [report.cases.len(), 0, 0]);
     // What is written can be read back, to the last digit but one.
@@ -204,4 +204,26 @@ fn what_is_cancelled_is_not_run() {
         assert!(matches!(case.outcome, Outcome::NotRun { .. }), "{case:?}");
     }
     assert!(maps(&subject).is_none());
+}
+
+/// What is measured in images is put to the graphics processor, which is exact where f32 is: in scenes whose expected values are means of many samples.
+#[cfg(feature = "gpu")]
+#[test]
+fn cases_in_images_are_put_to_the_graphics_processor() {
+    match iorect::render::choice::adapter() {
+        Ok(_) => {}
+        Err(why) => return assert!(std::env::var_os("CI").is_none(), "{why}"),
+    }
+    let cancel = AtomicBool::new(false);
+    let of_images: Vec<_> = cases().into_iter().filter(|case| case.is_of_images).collect();
+    assert!(of_images.len() > 8);
+    for case in of_images.iter().filter(|case| matches!(case.number, Some(12 | 34))) {
+        let found = case.run(&Subject::graphics(Effort::Quick, &cancel));
+        let worst = found.measurements.iter().map(|m| m.error / m.expected.abs().max(1e-9)).fold(0.0, f64::max);
+        assert!(!found.measurements.is_empty() && worst < 1e-2, "{}: {worst}, {:?}", case.name, found.outcome);
+        // The twin: it is not the CPU that has rendered them.
+        let by_cpu = case.run(&Subject { modes: &[Mode::Rectified], ..Subject::shipped(Effort::Quick, &cancel) });
+        let measured = |case: &Case| case.measurements.iter().map(|m| m.measured).collect::<Vec<_>>();
+        assert_ne!(measured(&found), measured(&by_cpu), "{}", case.name);
+    }
 }

@@ -66,6 +66,13 @@ fn the_reference_stays_on_the_cpu() {
     // Both take the same samples: neither splits.
     assert_eq!((of(0, "splits"), of(1, "splits")), (json!(0), json!(0)));
     assert!(of(1, "adapter").is_null());
+    // By itself it is not what was asked for, which is told.
+    let output = desk.run("render ball.toml --mode reference --backend gpu --size 4x3 --spp 1 --json");
+    let said = text(&output.stderr);
+    assert!(
+        output.status.success() && said.contains("mode reference is computed in f64; the CPU renders it"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -5,15 +5,17 @@ use glam::DVec3;
 use super::device::GpuDevice;
 use super::fault::GpuFault;
 use super::layout::{self, PixelSums};
-use super::pipeline::Pipelines;
+use super::pipeline::{Pipelines, uniform_usage};
 use super::upload::SceneOnGpu;
 use crate::render::film::SampleSums;
 use crate::tracking::Events;
 
 /// Threads of a workgroup along each side: `render/gpu/film.wgsl`.
 pub const GROUP: u32 = 8;
-/// Kinds of events that are counted, and the threads that are not at their end.
-const EVENTS: usize = 7;
+/// Kinds of events that are counted, then the threads that are not at their end, then their steps.
+const EVENTS: usize = 8;
+/// Steps are counted in units of so many, as a dispatch can take more than fit into 32 bits.
+const STEPS_UNIT: u64 = 64;
 const EVENT_BYTES: u64 = (EVENTS * size_of::<u32>()) as u64;
 
 /// Rows of an image that are rendered together.
@@ -40,6 +42,11 @@ impl Band {
         self.sums.iter().map(|sums| u64::from(sums.count)).sum::<u64>() + self.events.non_finite
     }
 
+    /// Of the paths of all samples.
+    pub fn segments(&self) -> u64 {
+        self.sums.iter().map(|sums| u64::from(sums.segments)).sum()
+    }
+
     fn add_sums(&mut self, pixels: &[PixelSums]) {
         for (sums, pixel) in self.sums.iter_mut().zip(pixels) {
             sums.radiance += DVec3::from(pixel.radiance.map(f64::from));
@@ -63,10 +70,11 @@ pub struct FilmBuffers {
     image: wgpu::Buffer,
     sums: wgpu::Buffer,
     events: wgpu::Buffer,
-    /// Sums, then events, as they are brought back.
+    /// Events or sums, as they are brought back.
     back: wgpu::Buffer,
     paths: wgpu::Buffer,
     trackers: wgpu::Buffer,
+    lists: wgpu::Buffer,
     pixels: u32,
     tracker_words: u32,
 }
@@ -94,12 +102,13 @@ impl FilmBuffers {
                 })
             };
             Self {
-                image: buffer("image", size_of::<layout::Image>() as u64, Usage::UNIFORM | Usage::COPY_DST),
+                image: buffer("image", size_of::<layout::Image>() as u64, uniform_usage(gpu) | Usage::COPY_DST),
                 sums: buffer("sums", bytes, Usage::STORAGE | Usage::COPY_SRC),
                 events: buffer("events", EVENT_BYTES, Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST),
-                back: buffer("sums and events", bytes + EVENT_BYTES, Usage::MAP_READ | Usage::COPY_DST),
+                back: buffer("brought back", bytes.max(EVENT_BYTES), Usage::MAP_READ | Usage::COPY_DST),
                 paths: buffer("paths", u64::from(pixels) * size_of::<layout::Path>() as u64, Usage::STORAGE),
                 trackers: buffer("trackers", 4 * u64::from(pixels) * u64::from(tracker_words.max(1)), Usage::STORAGE),
+                lists: buffer("lists", 2 * 4 * u64::from(pixels), Usage::STORAGE),
                 pixels,
                 tracker_words,
             }
@@ -138,25 +147,24 @@ impl<'a> Dispatcher<'a> {
         gpu.attempt(|device| {
             let contents = bytemuck::cast_slice(ranges.unwrap_or(&[[0; 2]]));
             let ranges = gpu.filled_buffer("ranges", wgpu::BufferUsages::STORAGE, contents);
-            let film = [&buffers.sums, &buffers.events, &ranges, &buffers.paths, &buffers.trackers].into_iter();
+            let film = [&buffers.sums, &buffers.events, &ranges, &buffers.paths, &buffers.trackers, &buffers.lists];
             Self {
                 gpu,
                 pipeline,
                 buffers,
                 scene: scene.bind(gpu, &pipelines.scene, &buffers.image),
-                film: pipelines.film.bind(device, film),
+                film: pipelines.film.bind(device, film.into_iter()),
             }
         })
     }
 
-    /// Renders a part of an image and waits for it. Returns whether all paths are at their ends; if not, it has to go on, with
-    /// [`layout::Image::is_start`] 0. At the end, what the samples come to is added to `band`; events always.
+    /// Renders a part of a band and waits for it. Paths that are not at their ends are put into the list at [`layout::Image::list_out`], to go on; then
+    /// [`Self::bring_back`] adds what the samples come to. What happened is added to `band` here.
     ///
     /// # Errors
     /// When the device is lost or refuses.
-    pub fn run(&self, part: &layout::Image, band: &mut Band) -> Result<bool, GpuFault> {
+    pub fn run(&self, part: &layout::Image, band: &mut Band) -> Result<Ran, GpuFault> {
         let Self { gpu, buffers, .. } = self;
-        let sum_bytes = u64::from(part.width * part.row_count) * size_of::<PixelSums>() as u64;
         gpu.attempt(|device| {
             gpu.queue.write_buffer(&buffers.image, 0, bytemuck::bytes_of(part));
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -166,32 +174,59 @@ impl<'a> Dispatcher<'a> {
                 pass.set_pipeline(self.pipeline);
                 pass.set_bind_group(0, &self.scene, &[]);
                 pass.set_bind_group(1, &self.film, &[]);
-                pass.dispatch_workgroups(part.width.div_ceil(GROUP), part.row_count.div_ceil(GROUP), 1);
+                let [x, y] = match part.is_start {
+                    0 => [part.path_count.div_ceil(GROUP * GROUP), 1],
+                    _ => [part.width.div_ceil(GROUP), part.row_count.div_ceil(GROUP)],
+                };
+                pass.dispatch_workgroups(x, y, 1);
             }
-            encoder.copy_buffer_to_buffer(&buffers.events, 0, &buffers.back, 0, EVENT_BYTES);
-            encoder.copy_buffer_to_buffer(&buffers.sums, 0, &buffers.back, EVENT_BYTES, sum_bytes);
-            gpu.queue.submit([encoder.finish()]);
-            buffers.back.map_async(wgpu::MapMode::Read, ..sum_bytes + EVENT_BYTES, |_| ());
+            self.copy_back(encoder, &buffers.events, EVENT_BYTES);
         })?;
-        gpu.wait()?;
-        let is_at_end = {
-            let mapped = buffers
-                .back
-                .get_mapped_range(..sum_bytes + EVENT_BYTES)
-                .map_err(|error| GpuFault::Refused(error.to_string()))?;
-            let (events, sums) = mapped.split_at(EVENT_BYTES as usize);
-            let events: Vec<u32> = bytemuck::pod_collect_to_vec(events);
-            let is_at_end = events.last() == Some(&0);
-            band.add_events(&events);
-            if is_at_end {
-                match bytemuck::try_cast_slice(sums) {
-                    Ok(sums) => band.add_sums(sums),
-                    Err(_) => band.add_sums(&bytemuck::pod_collect_to_vec::<u8, PixelSums>(sums)),
-                }
-            }
-            is_at_end
-        };
-        buffers.back.unmap();
-        Ok(is_at_end)
+        let events: Vec<u32> = self.mapped(EVENT_BYTES, bytemuck::pod_collect_to_vec)?;
+        band.add_events(&events);
+        let [.., open, steps] = events[..] else { return Err(GpuFault::Refused("nothing was brought back".into())) };
+        Ok(Ran { open, steps: STEPS_UNIT * u64::from(steps) })
     }
+
+    /// Adds what the samples of a whole band come to.
+    ///
+    /// # Errors
+    /// When the device is lost or refuses.
+    pub fn bring_back(&self, band: &mut Band) -> Result<(), GpuFault> {
+        let bytes = (band.sums.len() * size_of::<PixelSums>()) as u64;
+        self.gpu.attempt(|device| {
+            let encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            self.copy_back(encoder, &self.buffers.sums, bytes);
+        })?;
+        self.mapped(bytes, |sums| match bytemuck::try_cast_slice(sums) {
+            Ok(sums) => band.add_sums(sums),
+            Err(_) => band.add_sums(&bytemuck::pod_collect_to_vec::<u8, PixelSums>(sums)),
+        })
+    }
+
+    /// Submits what was encoded, and a copy of the first `bytes` of a buffer.
+    fn copy_back(&self, mut encoder: wgpu::CommandEncoder, from: &wgpu::Buffer, bytes: u64) {
+        let back = &self.buffers.back;
+        encoder.copy_buffer_to_buffer(from, 0, back, 0, bytes);
+        self.gpu.queue.submit([encoder.finish()]);
+        back.map_async(wgpu::MapMode::Read, ..bytes, |_| ());
+    }
+
+    /// Waits for what was submitted, and reads what was copied.
+    fn mapped<T>(&self, bytes: u64, read: impl FnOnce(&[u8]) -> T) -> Result<T, GpuFault> {
+        self.gpu.wait()?;
+        let back = &self.buffers.back;
+        let read = back.get_mapped_range(..bytes).map(|mapped| read(&mapped));
+        back.unmap();
+        read.map_err(|error| GpuFault::Refused(error.to_string()))
+    }
+}
+
+/// How a dispatch went.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ran {
+    /// Paths that are not at their ends.
+    pub open: u32,
+    /// Turns of loops that all threads took together: nodes and triangles that rays were held against, about.
+    pub steps: u64,
 }

@@ -1,7 +1,7 @@
 // Adds samples to the sums of pixels: each thread takes those of one pixel, one after the other.
 //
-// A thread that has taken very many steps puts its path away, and the next dispatch goes on with it. So no dispatch takes long because of
-// a few paths that are caught between mirrors. (Mesa's llvmpipe needs it: it ends all loops of a thread that have taken 65,535 turns together.)
+// A thread that has taken so many steps puts its path away, and a later dispatch goes on with those that are left, side by side again. So no
+// dispatch takes longer than is wanted, whatever paths do, such as those that are caught between mirrors: see `pace.rs`.
 
 /// What the samples of a pixel come to.
 struct PixelSums {
@@ -13,23 +13,37 @@ struct PixelSums {
 }
 
 @group(1) @binding(0) var<storage, read_write> sums: array<PixelSums>;
-/// In the order of `Events`, then the threads that are not at their end.
-@group(1) @binding(1) var<storage, read_write> event_counts: array<atomic<u32>, 7>;
+/// In the order of `Events`, then the threads that are not at their end, then steps in units of 64.
+@group(1) @binding(1) var<storage, read_write> event_counts: array<atomic<u32>, 8>;
 /// The first sample of each pixel and the one after the last, where they differ.
 @group(1) @binding(2) var<storage, read> ranges: array<vec2u>;
-/// Paths that go on in the next dispatch, by the place of their pixel in the part, and what trackers keep of them.
+/// Paths that go on in a later dispatch, by the place of their pixel in the band, and what trackers keep of them.
 @group(1) @binding(3) var<storage, read_write> paths: array<Path>;
 @group(1) @binding(4) var<storage, read_write> tracker_states: array<u32>;
+/// Places of those paths: what this dispatch goes on with, and elsewhere what it leaves to the next.
+@group(1) @binding(5) var<storage, read_write> lists: array<u32>;
 
 @compute @workgroup_size(8, 8)
-fn render(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= image.width || id.y >= image.row_count {
-        return;
+fn render(
+    @builtin(global_invocation_id) id: vec3u,
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    var place = image.first_place + id.y * image.width + id.x;
+    if image.is_start != 0u {
+        if id.x >= image.width || id.y >= image.row_count {
+            return;
+        }
+    } else {
+        let entry = 64u * group.x + thread;
+        if entry >= image.path_count {
+            return;
+        }
+        place = lists[image.list_in + entry];
     }
-    let column = id.x;
-    let row = image.first_row + id.y;
+    let column = place % image.width;
+    let row = image.first_row + place / image.width;
     let pixel = row * image.width + column;
-    let place = id.y * image.width + column;
     var range = vec2u(image.first_sample, image.last_sample);
     if image.has_ranges != 0u {
         range = ranges[pixel];
@@ -40,9 +54,6 @@ fn render(@builtin(global_invocation_id) id: vec3u) {
     path.sample = range.x + image.samples_before;
     if image.is_start == 0u {
         path = paths[place];
-        if path.sample == NOTHING {
-            return;
-        }
         sum = sums[place];
         tracker_load(TRACKER_WORDS * place);
     }
@@ -79,9 +90,7 @@ fn render(@builtin(global_invocation_id) id: vec3u) {
     if is_interrupted {
         paths[place] = path;
         tracker_save(TRACKER_WORDS * place);
-        count_events(6u, 1u);
-    } else {
-        paths[place].sample = NOTHING;
+        lists[image.list_out + atomicAdd(&event_counts[6], 1u)] = place;
     }
     sums[place] = sum;
     count_events(0u, events.stack_underflow);
@@ -90,6 +99,7 @@ fn render(@builtin(global_invocation_id) id: vec3u) {
     count_events(3u, events.non_finite);
     count_events(4u, events.crossings);
     count_events(5u, events.mixed);
+    count_events(7u, (steps + 32u) / 64u);
 }
 
 fn count_events(kind: u32, count: u32) {

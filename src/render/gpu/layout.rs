@@ -87,6 +87,10 @@ layouts! {
         max_depth: u32,
         is_start: u32,
         most_steps: u32,
+        first_place: u32,
+        path_count: u32,
+        list_in: u32,
+        list_out: u32,
         pad0: u32,
         pad1: u32,
     }

@@ -7,24 +7,38 @@ use super::device::GpuDevice;
 use super::fault::GpuFault;
 use super::shader::Variant;
 
-/// Buffers that the shaders read, in group 0, after the two uniform ones.
+/// Buffers of group 0 that are uniform, and those after them that the shaders read.
+const UNIFORM_BUFFERS: u32 = 2;
 const READ_BUFFERS: u32 = 12;
+/// Those of group 1.
+const FILM_BUFFERS: u32 = 6;
 /// Storage buffers of both groups.
-pub const STORAGE_BUFFERS: u32 = READ_BUFFERS + 5;
+pub const STORAGE_BUFFERS: u32 = READ_BUFFERS + FILM_BUFFERS;
+
+/// Whether what is uniform is given to shaders as such. Mesa's llvmpipe makes constants of the uniform words that branches depend on and goes through
+/// the whole shader again whenever they are bound, which was measured to take 15 ms for each dispatch: there they are storage like the rest.
+fn has_uniforms(gpu: &GpuDevice) -> bool {
+    !gpu.adapter.is_software
+}
+
+/// How a buffer is used that is uniform where [`has_uniforms`].
+pub fn uniform_usage(gpu: &GpuDevice) -> wgpu::BufferUsages {
+    if has_uniforms(gpu) { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE }
+}
 
 /// The bindings of group 0: `render/gpu/scene.wgsl`.
 #[derive(Debug)]
 pub struct SceneLayout(pub wgpu::BindGroupLayout);
 
 impl SceneLayout {
-    pub fn new(device: &wgpu::Device) -> Self {
-        let uniform = |binding: u32| entry(binding, wgpu::BufferBindingType::Uniform);
-        let read = |binding: u32| entry(binding, wgpu::BufferBindingType::Storage { read_only: true });
-        let entries: Vec<_> = (0..2).map(uniform).chain((2..2 + READ_BUFFERS).map(read)).collect();
-        Self(
-            device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("scene"), entries: &entries }),
-        )
+    pub fn new(gpu: &GpuDevice) -> Self {
+        let read = wgpu::BufferBindingType::Storage { read_only: true };
+        let uniform = if has_uniforms(gpu) { wgpu::BufferBindingType::Uniform } else { read };
+        let entries: Vec<_> = (0..UNIFORM_BUFFERS + READ_BUFFERS)
+            .map(|i| entry(i, if i < UNIFORM_BUFFERS { uniform } else { read }))
+            .collect();
+        let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some("scene"), entries: &entries };
+        Self(gpu.device.create_bind_group_layout(&descriptor))
     }
 
     /// `buffers` in the order of the bindings.
@@ -42,7 +56,7 @@ impl FilmLayout {
         let storage = |binding: u32, read_only: bool| entry(binding, wgpu::BufferBindingType::Storage { read_only });
         Self(device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("film"),
-            entries: &[storage(0, false), storage(1, false), storage(2, true), storage(3, false), storage(4, false)],
+            entries: &(0..FILM_BUFFERS).map(|binding| storage(binding, binding == 2)).collect::<Vec<_>>(),
         }))
     }
 
@@ -51,7 +65,7 @@ impl FilmLayout {
     }
 }
 
-fn entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayoutEntry {
+pub(super) fn entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::COMPUTE,
@@ -60,7 +74,7 @@ fn entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayoutEntr
     }
 }
 
-fn bind<'a>(
+pub(super) fn bind<'a>(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
     buffers: impl Iterator<Item = &'a wgpu::Buffer>,
@@ -94,21 +108,23 @@ impl Replacement {
 pub struct Pipelines {
     pub scene: SceneLayout,
     pub film: FilmLayout,
+    has_uniforms: bool,
     replacement: Option<Replacement>,
     made: Mutex<HashMap<Variant, Arc<wgpu::ComputePipeline>>>,
 }
 
 impl Pipelines {
     pub fn new(gpu: &GpuDevice, replacement: Option<Replacement>) -> Self {
-        let (scene, film) = (SceneLayout::new(&gpu.device), FilmLayout::new(&gpu.device));
-        Self { scene, film, replacement, made: Mutex::default() }
+        let (scene, film) = (SceneLayout::new(gpu), FilmLayout::new(&gpu.device));
+        Self { scene, film, has_uniforms: has_uniforms(gpu), replacement, made: Mutex::default() }
     }
 
-    /// The text of a shader with the replacement made.
+    /// The text of a shader as this device gets it, with the replacement made.
     ///
     /// # Errors
     /// When what is to be replaced is not in it, or not only once.
-    pub fn replaced(&self, source: String) -> Result<String, GpuFault> {
+    pub fn text(&self, source: String) -> Result<String, GpuFault> {
+        let source = if self.has_uniforms { source } else { source.replace("var<uniform>", "var<storage, read>") };
         match self.replacement {
             Some(replacement) => replacement.apply(&source),
             None => Ok(source),
@@ -128,7 +144,7 @@ impl Pipelines {
         if let Some(pipeline) = self.ready(variant) {
             return Ok(pipeline);
         }
-        let source = self.replaced(variant.source())?;
+        let source = self.text(variant.source())?;
         let start = std::time::Instant::now();
         let pipeline = gpu.attempt(|device| {
             let layouts = [Some(&self.scene.0), Some(&self.film.0)];

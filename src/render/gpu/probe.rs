@@ -2,7 +2,7 @@
 
 use super::fault::GpuFault;
 use super::layout;
-use super::pipeline::compile;
+use super::pipeline::{compile, uniform_usage};
 use super::renderer::{Gpu, image, variant};
 use super::upload::CannotUpload;
 use crate::render::film::Film;
@@ -47,7 +47,7 @@ impl Gpu {
             CannotUpload::Fault(fault) => fault,
         })?;
         let variant = variant(task, scene.tree_depth());
-        let library = self.pipelines.replaced(variant.library())?;
+        let library = self.pipelines.text(variant.library())?;
         let source = format!("{library}\nconst PROBES: u32 = {count}u;\n{FRAME}\n{body}");
         let (image, _) = image(task, &Film::new(size[0], size[1]));
         let bytes = (count as usize * output * size_of::<u32>()) as u64;
@@ -57,13 +57,13 @@ impl Gpu {
             let empty = |size, usage| {
                 device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
             };
-            let image = gpu.filled_buffer("image", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(&image));
+            let image = gpu.filled_buffer("image", uniform_usage(gpu), bytemuck::bytes_of(&image));
             let given = gpu.filled_buffer("input", wgpu::BufferUsages::STORAGE, bytemuck::cast_slice(input));
             let out = empty(bytes, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
-            let unused = [(); 3].map(|()| empty(size_of::<layout::Path>() as u64, wgpu::BufferUsages::STORAGE));
+            let unused = [(); 4].map(|()| empty(size_of::<layout::Path>() as u64, wgpu::BufferUsages::STORAGE));
             let back = empty(bytes, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
             let scene = scene.bind(gpu, &self.pipelines.scene, &image);
-            let film = [&out, &unused[0], &given, &unused[1], &unused[2]].into_iter();
+            let film = [&out, &unused[0], &given, &unused[1], &unused[2], &unused[3]].into_iter();
             let film = self.pipelines.film.bind(device, film);
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             {

@@ -1,13 +1,15 @@
 //! The path tracer on a graphics processor: the same samples as the CPU's without splitting, in f32.
 
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::device::GpuDevice;
 use super::dispatch::{Band, Dispatcher, FilmBuffers, GROUP};
 use super::fault::GpuFault;
 use super::layout;
+use super::pace::{Pace, Tally};
 use super::pipeline::{Pipelines, Replacement, STORAGE_BUFFERS};
 use super::shader::Variant;
 use super::tables;
@@ -35,16 +37,11 @@ const SPARE_TRACKER_ROOM: u32 = 6;
 const MOST_PIXELS: u32 = 1 << 20;
 /// Bytes of one buffer that they take, at the most.
 const MOST_BYTES: u64 = 64 << 20;
-/// Steps of a thread in one dispatch, at the most: see `film.wgsl`. In software eight threads are one, and their loops count together.
-const MOST_STEPS: u32 = 1 << 14;
-const MOST_STEPS_IN_SOFTWARE: u32 = 5000;
+/// A band has the rows of so many dispatches in which its paths are started. So the last paths of many rows, which take long, are followed
+/// together; and no more than a band is lost when a pass is cancelled.
+const BAND: u32 = 8;
 /// Samples that are summed in f32, at the most.
 const MOST_SUMMED: u32 = 64;
-
-/// Time that one dispatch should take. Hardware gives way to the desktop between dispatches; software has no desktop to give way to, but an edit must
-/// not wait for long.
-const SLICE: Duration = Duration::from_millis(8);
-const SLICE_IN_SOFTWARE: Duration = Duration::from_millis(40);
 
 /// Renders on one device. Made once for each, and shared: it keeps scenes and compiled shaders.
 #[derive(Debug)]
@@ -52,12 +49,15 @@ pub struct Gpu {
     pub device: Arc<GpuDevice>,
     pub(super) pipelines: Pipelines,
     scenes: Mutex<Vec<Arc<SceneOnGpu>>>,
+    /// Held by who brings a scene onto the device.
+    making: Mutex<()>,
     /// Those that no pass uses.
     buffers: Mutex<Vec<FilmBuffers>>,
     /// Why a pass was not finished.
     fault: Mutex<Option<GpuFault>>,
-    /// Paths that one dispatch takes so that it takes the time of a slice.
-    paths_per_slice: Mutex<f64>,
+    pace: Mutex<Pace>,
+    /// Shaders that have run: drivers may put off some of the compiling until then.
+    warm: Mutex<HashSet<Variant>>,
 }
 
 impl Gpu {
@@ -68,20 +68,26 @@ impl Gpu {
     /// With shaders whose text is changed: for tests, which plant faults.
     pub fn with_replacement(device: Arc<GpuDevice>, replacement: Option<Replacement>) -> Self {
         let pipelines = Pipelines::new(&device, replacement);
-        let first = if device.adapter.is_software { 4096.0 } else { 65_536.0 };
         Self {
+            pace: Mutex::new(Pace::new(device.adapter.is_software)),
             device,
             pipelines,
             scenes: Mutex::default(),
+            making: Mutex::default(),
             buffers: Mutex::default(),
             fault: Mutex::default(),
-            paths_per_slice: Mutex::new(first),
+            warm: Mutex::default(),
         }
     }
 
     /// What went wrong, if anything has.
     pub fn fault(&self) -> Option<GpuFault> {
         lock(&self.fault).clone().or_else(|| self.device.fault())
+    }
+
+    /// What has been done so far.
+    pub fn tally(&self) -> Tally {
+        lock(&self.pace).tally()
     }
 
     fn kept(&self, task: &RenderTask<'_>) -> Option<Arc<SceneOnGpu>> {
@@ -91,6 +97,11 @@ impl Gpu {
 
     /// The scene on the device, where it stays until others take its place.
     pub(super) fn scene(&self, task: &RenderTask<'_>) -> Result<Arc<SceneOnGpu>, CannotUpload> {
+        if let Some(scene) = self.kept(task) {
+            return Ok(scene);
+        }
+        // Whoever wants the same meanwhile waits for it.
+        let _making = lock(&self.making);
         if let Some(scene) = self.kept(task) {
             return Ok(scene);
         }
@@ -139,7 +150,6 @@ impl Gpu {
             None => samples,
         };
         image.has_ranges = u32::from(ranges.is_some());
-        image.most_steps = if self.device.adapter.is_software { MOST_STEPS_IN_SOFTWARE } else { MOST_STEPS };
         (image.first_sample, image.last_sample) = (film.first + film.samples, film.first + film.samples + samples);
         let (width, height) = (film.width, film.height);
         let words = variant.tracker_words();
@@ -150,9 +160,7 @@ impl Gpu {
             Dispatcher::new(&self.device, &self.pipelines, &scene, &pipeline, &buffers, ranges.as_deref())?;
         let mut first_row = 0;
         while first_row < height {
-            let paths = *lock(&self.paths_per_slice);
-            let band_rows = (paths / (f64::from(width) * f64::from(count.max(1)))) as u32;
-            let row_count = band_rows.max(GROUP).min(most_rows).min(height - first_row);
+            let row_count = (BAND * self.rows_at_once(width)).min(most_rows).min(height - first_row);
             let part = layout::Image { first_row, row_count, ..image };
             // Where sums are exact each sample is added by itself, and taken back if the band is not finished.
             let pixels = (first_row * width) as usize..((first_row + row_count) * width) as usize;
@@ -191,30 +199,19 @@ impl Gpu {
         is_ambiguous: bool,
         cancel: &AtomicBool,
     ) -> Result<Option<Events>, GpuFault> {
-        let pixels = f64::from(band.width) * f64::from(band.row_count);
         let most_summed = if film.exact.is_some() { 1 } else { MOST_SUMMED };
         let mut events = Events::default();
         let mut sums = Band::new(band.width, band.row_count);
         let mut samples_before = 0;
         while samples_before < count {
-            let at_once = (*lock(&self.paths_per_slice) / pixels) as u32;
-            let sample_count = at_once.clamp(1, most_summed).min(count - samples_before);
-            let mut part = layout::Image { sample_count, samples_before, is_start: 1, ..*band };
-            loop {
-                if cancel.load(Ordering::Relaxed) {
-                    return Ok(None);
-                }
-                let start = Instant::now();
-                let is_at_end = dispatcher.run(&part, &mut sums)?;
-                // Dispatches that go on with a few long paths are shorter.
-                if part.is_start == 1 {
-                    self.adapt(start.elapsed(), pixels * f64::from(sample_count));
-                }
-                if is_at_end {
-                    break;
-                }
-                part.is_start = 0;
+            let sample_count = most_summed.min(count - samples_before);
+            let part = layout::Image { sample_count, samples_before, ..*band };
+            if !self.follow_to_end(dispatcher, part, &mut sums, cancel)? {
+                return Ok(None);
             }
+            let before = sums.segments();
+            dispatcher.bring_back(&mut sums)?;
+            lock(&self.pace).count_segments(sums.segments() - before);
             if film.exact.is_some() {
                 events += add_band(film, band.first_row, &sums, is_ambiguous);
                 sums.clear();
@@ -225,13 +222,65 @@ impl Gpu {
         Ok(Some(events))
     }
 
-    /// Makes dispatches larger or smaller, so that they take the time of a slice.
-    fn adapt(&self, elapsed: Duration, paths: f64) {
-        let slice = if self.device.adapter.is_software { SLICE_IN_SOFTWARE } else { SLICE };
-        let wanted = paths * slice.as_secs_f64() / elapsed.as_secs_f64().max(1e-6);
-        let mut current = lock(&self.paths_per_slice);
-        // By no more than twice at a time: the first dispatches of a shader are slow, and rows differ.
-        *current = wanted.clamp(0.5 * *current, 2.0 * *current).clamp(64.0, 1e9);
+    /// Starts the paths of a band and follows them to their ends, in dispatches of the time of a slice. Returns `false` if it was cancelled.
+    fn follow_to_end(
+        &self,
+        dispatcher: &Dispatcher<'_>,
+        band: layout::Image,
+        sums: &mut Band,
+        cancel: &AtomicBool,
+    ) -> Result<bool, GpuFault> {
+        let mut part = layout::Image { is_start: 1, ..band };
+        let (mut row, mut open) = (0, 0);
+        while row < band.row_count {
+            part.row_count = self.rows_at_once(band.width).min(band.row_count - row);
+            (part.first_place, part.list_out) = (row * band.width, open);
+            let Some(left) = self.dispatch(dispatcher, part, sums, cancel)? else { return Ok(false) };
+            open += left;
+            row += part.row_count;
+        }
+        part.is_start = 0;
+        // The list has two halves: of those paths in one half that are interrupted again, the other is made.
+        let pixels = band.width * band.row_count;
+        let (mut from, mut to) = (0, pixels);
+        while open > 0 {
+            let (mut taken, mut still_open) = (0, 0);
+            while taken < open {
+                part.path_count = lock(&self.pace).threads().max(GROUP * GROUP).min(open - taken);
+                (part.list_in, part.list_out) = (from + taken, to + still_open);
+                let Some(left) = self.dispatch(dispatcher, part, sums, cancel)? else { return Ok(false) };
+                still_open += left;
+                taken += part.path_count;
+            }
+            open = still_open;
+            (from, to) = (to, from);
+        }
+        Ok(true)
+    }
+
+    /// One dispatch. Returns how many of its paths are not at their ends; `None` if it was cancelled.
+    fn dispatch(
+        &self,
+        dispatcher: &Dispatcher<'_>,
+        mut part: layout::Image,
+        sums: &mut Band,
+        cancel: &AtomicBool,
+    ) -> Result<Option<u32>, GpuFault> {
+        if cancel.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        let threads = if part.is_start == 1 { part.width * part.row_count } else { part.path_count };
+        part.most_steps = lock(&self.pace).steps(threads);
+        let start = Instant::now();
+        let ran = dispatcher.run(&part, sums)?;
+        lock(&self.pace).learn(ran.steps, ran.open, start.elapsed());
+        Ok(Some(ran.open))
+    }
+
+    /// Rows of an image whose paths one dispatch starts.
+    fn rows_at_once(&self, width: u32) -> u32 {
+        let rows = lock(&self.pace).threads() / width.max(1);
+        rows.clamp(GROUP, MOST_PIXELS).next_multiple_of(GROUP)
     }
 }
 
@@ -288,7 +337,7 @@ impl Renderer for Gpu {
     }
 
     fn is_ready(&self, task: &RenderTask<'_>) -> bool {
-        let is_compiled = |tree_depth| self.pipelines.ready(&variant(task, tree_depth)).is_some();
+        let is_compiled = |tree_depth| lock(&self.warm).contains(&variant(task, tree_depth));
         match self.kept(task) {
             Some(scene) => is_compiled(scene.tree_depth()),
             // To bring an edited scene onto the device takes little, and its tree is about as deep as it was.
@@ -302,10 +351,16 @@ impl Renderer for Gpu {
             CannotUpload::DoesNotFit(what) => unsupported(&what, "use the CPU"),
             CannotUpload::Fault(fault) => unsupported("this scene", &format!("{fault}; use the CPU")),
         })?;
-        match self.pipelines.get(&self.device, &variant(task, scene.tree_depth())) {
-            Ok(_) => Ok(()),
-            Err(fault) => Err(unsupported("this scene", &format!("{fault}; use the CPU"))),
+        let variant = variant(task, scene.tree_depth());
+        if lock(&self.warm).contains(&variant) {
+            return Ok(());
         }
+        let compiled = self.pipelines.get(&self.device, &variant);
+        let mut film = Film::new(1, 1);
+        let ran = compiled.and_then(|_| self.render(task, &mut film, 1, &AtomicBool::new(false), &mut [None]));
+        ran.map_err(|fault| unsupported("this scene", &format!("{fault}; use the CPU")))?;
+        lock(&self.warm).insert(variant);
+        Ok(())
     }
 
     fn pass(&self, task: &RenderTask<'_>, film: &mut Film, samples: u32, cancel: &AtomicBool) -> bool {
@@ -447,4 +502,40 @@ fn add_band(film: &mut Film, first_row: u32, band: &Band, is_ambiguous: bool) ->
         }
     }
     events
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::gpu::device::for_test;
+    use crate::render::settings::ImageSettings;
+    use crate::scene::camera::Camera;
+    use crate::tracking::prepare;
+
+    /// A pass is many dispatches, and once it is cancelled at most one more is begun, whatever its paths do.
+    #[test]
+    fn a_pass_is_cancelled_within_a_dispatch() {
+        let Some(device) = for_test() else { return };
+        let gpu = Gpu::new(device);
+        let prepared = prepare(Arc::new(crate::formats::open("iced-water").unwrap()), None).unwrap();
+        let camera = Camera::new(&prepared.description.camera).unwrap();
+        let settings = ImageSettings { splits: 0, backend: Backend::Gpu, ..ImageSettings::new(Mode::Naive, 0) };
+        let task = RenderTask { prepared: &prepared, camera: &camera, settings: &settings };
+        assert_eq!((gpu.is_ready(&task), gpu.make_ready(&task)), (false, Ok(())));
+        assert!(gpu.is_ready(&task));
+        let (cancel, before) = (AtomicBool::new(false), gpu.tally().dispatches);
+        let (mut film, mut at_cancel) = (Film::new(512, 512), 0);
+        let is_complete = std::thread::scope(|scope| {
+            let pass = scope.spawn(|| gpu.pass(&task, &mut film, 1 << 20, &cancel));
+            while gpu.tally().dispatches < before + 3 && !pass.is_finished() {
+                std::thread::yield_now();
+            }
+            cancel.store(true, Ordering::Relaxed);
+            at_cancel = gpu.tally().dispatches;
+            pass.join().unwrap()
+        });
+        // One may have been under way already.
+        assert!(!is_complete && gpu.fault().is_none());
+        assert!((before + 3..=at_cancel + 1).contains(&gpu.tally().dispatches), "{at_cancel}: {:?}", gpu.tally());
+    }
 }

@@ -64,10 +64,16 @@ struct Image {
     last_sample: u32,
     has_ranges: u32,
     max_depth: u32,
-    /// Whether the paths of this part are started, or those that were interrupted go on.
+    /// Whether paths of `row_count` rows are started, or `path_count` that were interrupted go on.
     is_start: u32,
     /// After so many steps of a thread its path is interrupted.
     most_steps: u32,
+    /// Place in the band, whose first row is `first_row`, of the first path that is started.
+    first_place: u32,
+    path_count: u32,
+    /// Where in `lists` the paths that go on are found, and where those that are interrupted are put.
+    list_in: u32,
+    list_out: u32,
     pad0: u32,
     pad1: u32,
 }

@@ -224,6 +224,13 @@ mod tests {
     }
 
     #[test]
+    fn every_mode_that_the_graphics_processor_renders_has_modules() {
+        for mode in Mode::ALL {
+            assert_eq!(Variant::has_mode(mode), crate::render::GPU_MODES.contains(&mode), "{mode}");
+        }
+    }
+
+    #[test]
     fn every_variant_is_valid() {
         for variant in variants() {
             let result = validate(&variant, &variant.source());

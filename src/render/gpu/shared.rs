@@ -54,7 +54,13 @@ impl Renderer for SharedGpu {
     }
 
     fn make_ready(&self, task: &RenderTask<'_>) -> Result<(), Unsupported> {
-        renderer()?.make_ready(task)
+        let gpu = renderer()?;
+        let failed = || Unsupported {
+            what: "anything any more".into(),
+            backend: Backend::Gpu,
+            instead: gpu.fault().map_or_else(|| "use the CPU".into(), |fault| fault.to_string()),
+        };
+        gpu.device.guarded(|| gpu.make_ready(task)).unwrap_or_else(|| Err(failed()))
     }
 
     fn pass(&self, task: &RenderTask<'_>, film: &mut Film, samples: u32, cancel: &AtomicBool) -> bool {

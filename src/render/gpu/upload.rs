@@ -4,7 +4,7 @@ use std::sync::{Arc, Weak};
 
 use super::device::GpuDevice;
 use super::fault::GpuFault;
-use super::pipeline::SceneLayout;
+use super::pipeline::{SceneLayout, uniform_usage};
 use super::tables::{self, AnswerTables, FlatWords, GeometryTables, LightTables};
 use crate::geometry::Geometry;
 use crate::rectify::InterfaceTable;
@@ -178,8 +178,7 @@ impl SceneOnGpu {
         if let Some(what) = tables::too_large_for_f32(&geometry.tables, &words, &answers.tables) {
             return Err(CannotUpload::DoesNotFit(what.into()));
         }
-        let scene =
-            gpu.attempt(|_| gpu.filled_buffer("scene", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(&words)))?;
+        let scene = gpu.attempt(|_| gpu.filled_buffer("scene", uniform_usage(gpu), bytemuck::bytes_of(&words)))?;
         Ok(Self { geometry, flat, lights, answers, scene, of })
     }
 

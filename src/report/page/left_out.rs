@@ -46,6 +46,7 @@ pub fn section(report: &Report) -> Option<Markup> {
                 } },
             ))
         }
+        (graphics(report))
         (pieces(report))
     })
 }
@@ -90,6 +91,39 @@ fn rectification(report: &Report) -> Markup {
             }
         } },
     )
+}
+
+/// What leaving out saves on the graphics processor.
+fn graphics(report: &Report) -> Markup {
+    let found = || report.scenes.iter().filter_map(|scene| Some((scene, scene.left_out.as_ref()?.graphics.as_ref()?)));
+    let Some((_, first)) = found().next() else { return html! {} };
+    html! {
+        p {
+            "On the graphics processor what a scene does not need makes its shaders shorter. Measured in the same way on " (first.adapter)
+            @if first.is_software { ", which computes on the CPU itself" } ". Shaders of different length need not round alike, so that images may differ."
+        }
+        (table(
+            None,
+            "Time of a sample with everything put back over that as shipped, on the graphics processor",
+            &[("scene", ""), ("put back", ""), ("ratio", "n"), ("interval", "n"), ("images", "")],
+            &html! { @for (scene, found) in found() {
+                tr {
+                    th scope="row" { (scene.name) } td { "everything" }
+                    td class="n" { (fixed(found.render.median, 3)) } td class="n" { (range(&found.render)) }
+                    td { (sameness(found.images_are_equal)) }
+                }
+                @for one in &found.each { tr {
+                    th scope="row" { (scene.name) } td { code { (one.need) } }
+                    td class="n" { (fixed(one.ratio.median, 3)) } td class="n" { (range(&one.ratio)) }
+                    td { (sameness(one.images_are_equal)) }
+                } }
+            } },
+        ))
+    }
+}
+
+fn sameness(is_equal: bool) -> &'static str {
+    if is_equal { "equal" } else { "differ" }
 }
 
 /// What each piece is; in these scenes at least.

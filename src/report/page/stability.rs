@@ -24,6 +24,7 @@ pub fn section(found: &Stability) -> Markup {
             &[("case", "n"), ("what", ""), ("outcome", ""), ("expected", "n"), ("measured", "n"), ("error", "n"), ("bound", "n")],
             &html! { @for case in &found.cases { (row(case)) } },
         ))
+        (graphics(found))
         (faults(found))
         @if !found.sweeps.is_empty() {
             h3 { "From harmless to extreme" }
@@ -35,6 +36,45 @@ pub fn section(found: &Stability) -> Markup {
             (map::scale())
             div class="plots" { @for one in &found.maps { (map::figure(one)) } }
         }
+    }
+}
+
+/// What f32 makes of the cases that are measured in images.
+fn graphics(found: &Stability) -> Markup {
+    let Some(graphics) = &found.graphics else { return html! {} };
+    let of_cpu = |case: &Case| {
+        let same = found.cases.iter().find(|other| other.name == case.name)?;
+        let what = &case.worst()?.what;
+        same.measurements.iter().find(|m| m.what == *what).map(|m| m.error)
+    };
+    let reason = |case: &Case| match &case.outcome {
+        Outcome::NotRun { reason } => reason.clone(),
+        _ => String::new(),
+    };
+    html! {
+        h3 { "In f32, on the graphics processor" }
+        p {
+            "The cases that are measured in images, rendered by " (graphics.adapter)
+            @if graphics.is_software { ", which computes on the CPU itself" }
+            ", beside the CPU, which computes in f64. Bounds are those of f64: what is beyond them here shows the limits of f32."
+        }
+        (table(
+            Some("cases-gpu"),
+            "Of several measurements, the one nearest to its bound on the graphics processor",
+            &[("case", "n"), ("what", ""), ("error on the GPU", "n"), ("on the CPU", "n"), ("bound", "n"), ("on the GPU", "")],
+            &html! { @for case in &graphics.cases { tr {
+                td class="n" { @match case.number { Some(number) => (number), None => "+" } }
+                th scope="row" class="wide" { (case.name) span class="source" { (case.worst().map_or_else(|| reason(case), |m| m.what.clone())) } }
+                td class="n" { @match case.worst() { Some(m) => { (number(m.error)) (kind(m)) }, None => "–" } }
+                td class="n" { @match of_cpu(case) { Some(error) => (number(error)), None => "–" } }
+                td class="n" {
+                    @match case.worst() { Some(m) => { (number(m.bound)) @if m.noise > 0.0 { " + 4 × " (number(m.noise)) } }, None => "–" }
+                }
+                td {
+                    @match &case.outcome { Outcome::NotRun { .. } => "refused", other => { @if other.is_passed() { "within" } @else { "beyond" } } }
+                }
+            } } },
+        ))
     }
 }
 

@@ -6,13 +6,13 @@ use rayon::prelude::*;
 use super::closed_forms::{absorbing_ball, lateral_shift, shares_of_ball};
 use super::definition::{CaseDefinition, Measured, Subject, of_each};
 use super::outcome::Measurement;
-use super::scenes::{Numbers, add, downwards, empty, layers, mean, nest, onto_disc, ready, render, samples_of, sphere};
+use super::scenes::{Numbers, add, downwards, empty, layers, mean, nest, onto_disc, ready, samples_of, sphere};
 use crate::geometry::Ray;
 use crate::scene::description::Kind;
 use crate::transport::inspect::{Follow, Vertex, VertexEvent, trace};
 
 const fn case(name: &'static str, source: &'static str, measure: fn(&Subject) -> Measured) -> CaseDefinition {
-    CaseDefinition { number: None, name, source, measure }
+    CaseDefinition { number: None, name, source, measure, is_of_images: false }
 }
 
 pub(super) const CASES: &[CaseDefinition] = &[
@@ -22,7 +22,7 @@ pub(super) const CASES: &[CaseDefinition] = &[
         reversed,
     ),
     case("Light that leaves a ball of glass after p internal reflections", "mean of T² R^p over the disc", shares),
-    case("Matched absorbing ball, σR = 0.01 and 1", "[1 − (1 + 2s) e^(−2s)]/(2s²), s = σR", matched_ball),
+    case("Matched absorbing ball, σR = 0.01 and 1", "[1 − (1 + 2s) e^(−2s)]/(2s²), s = σR", matched_ball).of_images(),
     case("Lateral shift by a slab", "sin θ (1 − cos θ/√(n² − sin² θ))", shift),
 ];
 
@@ -100,7 +100,7 @@ fn matched_ball(subject: &Subject) -> Measured {
         description.camera.vertical_fov = 2.0 * (1e-5f64).atan().to_degrees();
         let scene = ready(description)?;
         subject.in_modes(|mode| {
-            let film = render(&scene, mode, (64, 64), subject.amount(8, 64), 1, None)?;
+            let film = subject.render(&scene, mode, (64, 64), subject.amount(8, 64), 1, None)?;
             let measured = 1.0 - (1.0 - mean(&film).0) / std::f64::consts::FRAC_PI_4;
             // Low-discrepancy points leave an error at the rim alone.
             let what = format!("mean T over the disc, σR = {s}");

@@ -5,7 +5,7 @@ use super::definition::{Measured, Subject, SweepDefinition, of_each, steps};
 use super::extended::{critical_cosine, fresnel};
 use super::harsh::matched_absorbers;
 use super::outcome::{Measurement, Step};
-use super::scenes::{block, layers, mean, nest, onto_block, ready, render, samples_of, through};
+use super::scenes::{block, layers, mean, nest, onto_block, ready, samples_of, through};
 use crate::transport::inspect::{Follow, trace};
 
 pub(super) const SWEEPS: &[SweepDefinition] = &[
@@ -110,9 +110,9 @@ fn absorption(subject: &Subject) -> Measured<Step> {
         let matched = ready(matched_absorbers(depth))?;
         let slab = ready(layers(&[(0.0, -1.0, 1.5, depth)], 0.0))?;
         subject.in_modes(|mode| {
-            let (of_block, _) = mean(&render(&matched, mode, (4, 4), 2, 1, None)?);
+            let (of_block, _) = mean(&subject.render(&matched, mode, (4, 4), 2, 1, None)?);
             let samples = samples_of(mode, subject.amount(16, 256));
-            let (of_slab, error) = mean(&render(&slab, mode, (32, 32), samples, 1, None)?);
+            let (of_slab, error) = mean(&subject.render(&slab, mode, (32, 32), samples, 1, None)?);
             Ok([
                 Measurement::relative("T of a block", of_block, (-depth).exp(), 1e-8),
                 Measurement::absolute("T of a slab", of_slab, absorbing_slab(r, depth).0, 1e-6).with_noise(error),

@@ -5,8 +5,11 @@ use std::time::Instant;
 
 use super::formula::Formula;
 use super::outcome::{Case, Effort, Measurement, Outcome, Step, Sweep};
+use super::scenes;
+use crate::render::{Backend, Film, ImageSettings, RenderTask, Unsupported};
 use crate::scene::SceneError;
-use crate::tracking::Mode;
+use crate::scene::camera::Camera;
+use crate::tracking::{Mode, Prepared};
 
 /// What is put to the test. The shipping code is [`Subject::shipped`]; with other modes or another formula the same checks must fail.
 #[derive(Debug, Clone, Copy)]
@@ -15,13 +18,52 @@ pub struct Subject<'a> {
     /// Ways of tracking media that must be right.
     pub modes: &'a [Mode],
     pub formula: Formula,
+    /// What renders the images.
+    pub backend: Backend,
     /// Set to stop early: what has not been measured by then is not run.
     pub cancel: &'a AtomicBool,
 }
 
 impl<'a> Subject<'a> {
     pub fn shipped(effort: Effort, cancel: &'a AtomicBool) -> Self {
-        Self { effort, modes: &[Mode::Rectified, Mode::Reference], formula: Formula::Shipped, cancel }
+        Self {
+            effort,
+            modes: &[Mode::Rectified, Mode::Reference],
+            formula: Formula::Shipped,
+            backend: Backend::Cpu,
+            cancel,
+        }
+    }
+
+    /// The graphics processor, in the mode that must be right: for [`CaseDefinition::is_of_images`].
+    pub fn graphics(effort: Effort, cancel: &'a AtomicBool) -> Self {
+        Self { modes: &[Mode::Rectified], backend: Backend::Gpu, ..Self::shipped(effort, cancel) }
+    }
+
+    /// An image of a scene by its camera.
+    pub(super) fn render(
+        &self,
+        scene: &Prepared,
+        mode: Mode,
+        size: (u32, u32),
+        samples: u32,
+        seed: u64,
+        max_depth: Option<u32>,
+    ) -> Result<Film, Unmeasured> {
+        if self.backend == Backend::Cpu {
+            return Ok(scenes::render(scene, mode, size, samples, seed, max_depth)?);
+        }
+        let camera = Camera::new(&scene.description.camera)?;
+        let usual = ImageSettings { max_depth, ..ImageSettings::new(mode, seed) };
+        let settings = ImageSettings { backend: self.backend, splits: 0, ..usual };
+        let task = RenderTask { prepared: scene, camera: &camera, settings: &settings };
+        task.require()?;
+        let mut film = Film::new(size.0, size.1);
+        // Never cancelled: these films take a fraction of a second.
+        if !task.try_pass(&mut film, samples, &AtomicBool::new(false)) {
+            return Err(Unmeasured::Failed);
+        }
+        Ok(film)
     }
 
     /// `quick` or `full`, by effort.
@@ -57,6 +99,10 @@ pub(super) enum Unmeasured {
     Cancelled,
     #[error("the scene was refused: {0}")]
     Refused(#[from] SceneError),
+    #[error("{0}")]
+    Unsupported(#[from] Unsupported),
+    #[error("the graphics processor has failed")]
+    Failed,
 }
 
 pub(super) type Measured<T = Measurement> = Result<Vec<T>, Unmeasured>;
@@ -96,6 +142,8 @@ pub struct CaseDefinition {
     pub name: &'static str,
     pub source: &'static str,
     pub(super) measure: fn(&Subject) -> Measured,
+    /// Whether everything is measured in images, so that any backend can be put to the test.
+    pub is_of_images: bool,
 }
 
 /// A case of the forty.
@@ -105,10 +153,15 @@ pub(super) const fn case(
     source: &'static str,
     measure: fn(&Subject) -> Measured,
 ) -> CaseDefinition {
-    CaseDefinition { number: Some(number), name, source, measure }
+    CaseDefinition { number: Some(number), name, source, measure, is_of_images: false }
 }
 
 impl CaseDefinition {
+    /// The same, all of which is measured in images.
+    pub(super) const fn of_images(self) -> Self {
+        Self { is_of_images: true, ..self }
+    }
+
     pub fn run(&self, subject: &Subject) -> Case {
         let (measurements, outcome, seconds) = timed(subject, self.measure, |found| Outcome::of(found));
         let (name, source) = (self.name.to_owned(), self.source.to_owned());

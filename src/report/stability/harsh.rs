@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::closed_forms::reflectance;
 use super::definition::{CaseDefinition, Measured, Subject, case, of_each};
 use super::outcome::Measurement;
-use super::scenes::{Numbers, add, empty, icosphere, interfaces, mean, mesh_of, mesh_shape, nest, ready, render};
+use super::scenes::{Numbers, add, empty, icosphere, interfaces, mean, mesh_of, mesh_shape, nest, ready};
 use crate::geometry::{Mesh, Ray};
 use crate::render::Film;
 use crate::scene::description::Shape;
@@ -74,7 +74,7 @@ fn broken(subject: &Subject) -> Measured {
             not_numbers += usize::from(!path.final_direction.iter().all(|x| x.is_finite()));
         }
         let share = |right: usize, all: usize| right as f64 / all as f64;
-        let film = render(&scene, mode, (24, 24), subject.amount(2, 16), 1, None)?;
+        let film = subject.render(&scene, mode, (24, 24), subject.amount(2, 16), 1, None)?;
         not_numbers += film.events.non_finite as usize + pixels_without_a_number(&film);
         Ok([
             Measurement::absolute("share of starts in the right medium", share(right_starts, starts), 1.0, 0.005),
@@ -103,7 +103,7 @@ fn deep_and_dark(subject: &Subject) -> Measured {
     let mut found = Subject { modes: &modes, ..*subject }.in_modes(|mode| {
         let path = trace(&scene, mode, ray, Follow::Transmit, 0, None);
         let side = if mode == Mode::Reference { 2 } else { 6 };
-        let not_numbers = pixels_without_a_number(&render(&scene, mode, (side, side), 1, 1, None)?);
+        let not_numbers = pixels_without_a_number(&subject.render(&scene, mode, (side, side), 1, 1, None)?);
         Ok([
             Measurement::absolute("interfaces", path.vertices.len() as f64, 512.0, 0.0),
             Measurement::none_of("events", path.events.total() as usize, "events"),
@@ -114,7 +114,7 @@ fn deep_and_dark(subject: &Subject) -> Measured {
         let sigma = 10f64.powi(exponent);
         let scene = ready(matched_absorbers(sigma))?;
         subject.in_modes(|mode| {
-            let (measured, _) = mean(&render(&scene, mode, (4, 4), 2, 1, None)?);
+            let (measured, _) = mean(&subject.render(&scene, mode, (4, 4), 2, 1, None)?);
             Ok([Measurement::relative(format!("T at σd = 1e{exponent}"), measured, (-sigma).exp(), 1e-8)])
         })
     })?);
@@ -124,7 +124,7 @@ fn deep_and_dark(subject: &Subject) -> Measured {
     description.camera.vertical_fov = 0.1;
     let scene = ready(description)?;
     found.extend(subject.in_modes(|mode| {
-        let (measured, error) = mean(&render(&scene, mode, (32, 32), subject.amount(64, 1024), 1, None)?);
+        let (measured, error) = mean(&subject.render(&scene, mode, (32, 32), subject.amount(64, 1024), 1, None)?);
         let expected = reflectance(1.0, 1.333, 1.0);
         Ok([Measurement::absolute("R of a black drop", measured, expected, 1e-5).with_noise(error)])
     })?);

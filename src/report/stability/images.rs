@@ -6,7 +6,7 @@ use super::closed_forms::{furnace_deficit, radiance_in_ball, rainbow};
 use super::definition::{CaseDefinition, Measured, Subject, Unmeasured, case, of_each};
 use super::nests::{EVER_DENSER, GLASS_WATER_AIR_DIAMOND};
 use super::outcome::Measurement;
-use super::scenes::{add, empty, mean, mean_and_error, nest, onto_disc, ready, render, render_by, samples_of, sphere};
+use super::scenes::{add, empty, mean, mean_and_error, nest, onto_disc, ready, render_by, samples_of, sphere};
 use crate::render::Estimator;
 use crate::scene::SceneError;
 use crate::scene::description::{Environment, Light, Object, Paint, Shape, Solid};
@@ -15,26 +15,28 @@ use crate::transport::inspect::{Follow, VertexEvent, trace};
 
 pub(super) const CASES: &[CaseDefinition] = &[
     case(26, "Rainbow of a drop of water", "Descartes: 180° + 2 asin b − 4 asin(b/n), b² = (4 − n²)/3", bow),
-    case(27, "Edge of Snell's window", "asin(1/1.333)", snells_window),
-    case(28, "Matched rod that does not absorb", "it is not there", matched_rod),
-    case(29, "Furnace: a lossless nest in a white room, from outside", "radiance 1", furnace),
-    case(30, "Furnace with a cap of 8 interface vertices", "mean of T R⁷ over the disc", capped_furnace),
+    case(27, "Edge of Snell's window", "asin(1/1.333)", snells_window).of_images(),
+    case(28, "Matched rod that does not absorb", "it is not there", matched_rod).of_images(),
+    case(29, "Furnace: a lossless nest in a white room, from outside", "radiance 1", furnace).of_images(),
+    case(30, "Furnace with a cap of 8 interface vertices", "mean of T R⁷ over the disc", capped_furnace).of_images(),
     case(31, "Camera at the centre of a ball of water", "n²: radiance over n² is invariant", |subject| {
         from_centre(subject, 1.0, 1.333, 1.333 * 1.333, 1e-9)
-    }),
+    })
+    .of_images(),
     case(
         32,
         "Camera at 0.9 in a ball of glass, where some directions never escape",
         "n² (1 − √(1 − 1/(0.9 n)²))",
         trapped,
-    ),
+    )
+    .of_images(),
     case(
         33,
         "Camera paths against paths from both ends, camera and lamp in air, water and ice",
         "reciprocity (Veach 1997): paths from the camera, mode rectified",
         both_ends,
     ),
-    case(34, "Camera at the centre of 1.5 in a world of 1.333", "(1.5/1.333)²; naive 1.5²", glass_in_water),
+    case(34, "Camera at the centre of 1.5 in a world of 1.333", "(1.5/1.333)²; naive 1.5²", glass_in_water).of_images(),
 ];
 
 /// Paths through a drop, chosen at random as the renderer does; of those with one reflection inside, the turn is counted in bins of half
@@ -84,7 +86,7 @@ fn snells_window(subject: &Subject) -> Measured {
     let half = f64::from(WIDTH) / 2.0;
     let expected = half * (1.0f64 / 1.333).asin().tan() / (FOV_DEGREES / 2.0).to_radians().tan();
     subject.in_modes(|mode| {
-        let film = render(&scene, mode, (WIDTH, WIDTH), subject.amount(4, 64), 1, None)?;
+        let film = subject.render(&scene, mode, (WIDTH, WIDTH), subject.amount(4, 64), 1, None)?;
         let middle = (WIDTH / 2 * WIDTH) as usize;
         let is_lit = |column: &u32| film.mean(middle + *column as usize).y > 0.0;
         let left = half - (0..WIDTH).find(is_lit).map_or(f64::NAN, f64::from);
@@ -112,7 +114,8 @@ fn matched_rod(subject: &Subject) -> Measured {
     };
     let (with, without) = (scene(true)?, scene(false)?);
     subject.in_modes(|mode| {
-        let [a, b] = [&with, &without].map(|scene| render(scene, mode, (48, 48), subject.amount(4, 64), 1, None));
+        let [a, b] =
+            [&with, &without].map(|scene| subject.render(scene, mode, (48, 48), subject.amount(4, 64), 1, None));
         let differing = a?.sums.iter().zip(&b?.sums).filter(|(a, b)| a != b).count();
         Ok([Measurement::none_of("pixels that differ", differing, "pixels")])
     })
@@ -125,7 +128,7 @@ fn furnace(subject: &Subject) -> Measured {
         description.camera.vertical_fov = 12.0;
         let scene = ready(description)?;
         subject.in_modes(|mode| {
-            let film = render(&scene, mode, (48, 48), samples_of(mode, subject.amount(16, 256)), 1, None)?;
+            let film = subject.render(&scene, mode, (48, 48), samples_of(mode, subject.amount(16, 256)), 1, None)?;
             // Only Russian roulette is random: every path that ends has met the same white room.
             let (measured, error) = mean(&film);
             let events = film.events.total() as usize;
@@ -138,10 +141,10 @@ fn furnace(subject: &Subject) -> Measured {
 }
 
 /// Mean of a figure over images with seeds of their own, and its standard error: for images with structure.
-fn replicated(subject: &Subject, of_seed: impl Fn(u64) -> Result<f64, SceneError>) -> Result<(f64, f64), Unmeasured> {
+fn replicated(subject: &Subject, of_seed: impl Fn(u64) -> Result<f64, Unmeasured>) -> Result<(f64, f64), Unmeasured> {
     let figures = (0..8).map(|seed| {
         subject.go_on()?;
-        Ok(of_seed(seed)?)
+        of_seed(seed)
     });
     Ok(mean_and_error(&figures.collect::<Result<Vec<f64>, Unmeasured>>()?))
 }
@@ -195,7 +198,7 @@ fn capped_furnace(subject: &Subject) -> Measured {
         subject.in_modes(|mode| {
             let samples = samples_of(mode, subject.amount(4, 64));
             let (mean, error) = replicated(subject, |seed| {
-                Ok(mean(&render(&scene, mode, (96, 96), samples, seed, Some(vertices + 1))?).0)
+                Ok(mean(&subject.render(&scene, mode, (96, 96), samples, seed, Some(vertices + 1))?).0)
             })?;
             let measured = (1.0 - mean) / std::f64::consts::FRAC_PI_4;
             let what = format!("deficit with {vertices} vertices");
@@ -212,7 +215,7 @@ fn from_centre(subject: &Subject, world: f64, ior: f64, expected: f64, bound: f6
     description.camera.vertical_fov = 90.0;
     let scene = ready(description)?;
     subject.in_modes(|mode| {
-        let (measured, error) = mean(&render(&scene, mode, (16, 16), subject.amount(16, 256), 1, None)?);
+        let (measured, error) = mean(&subject.render(&scene, mode, (16, 16), subject.amount(16, 256), 1, None)?);
         Ok([Measurement::absolute("mean", measured, expected, bound).with_noise(error)])
     })
 }
@@ -251,7 +254,7 @@ fn trapped(subject: &Subject) -> Measured {
         let (measured, error) = replicated(subject, |seed| {
             let mut sum = 0.0;
             for scene in &scenes {
-                let film = render(scene, mode, (side, side), samples, seed, None)?;
+                let film = subject.render(scene, mode, (side, side), samples, seed, None)?;
                 let pixels = (0..side).flat_map(|row| (0..side).map(move |column| (row, column)));
                 sum += pixels
                     .map(|(row, column)| solid_angle(side, column, row) * film.mean((row * side + column) as usize).y)

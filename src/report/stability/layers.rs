@@ -6,18 +6,18 @@ use rayon::prelude::*;
 use super::closed_forms::{absorbing_slab, prism_deviation, stack_transmittance};
 use super::definition::{CaseDefinition, Measured, Subject, case, of_each};
 use super::outcome::Measurement;
-use super::scenes::{add, downwards, empty, layers, level_lamp, mean, mesh_shape, ready, render, samples_of};
+use super::scenes::{add, downwards, empty, layers, level_lamp, mean, mesh_shape, ready, samples_of};
 use crate::geometry::{Mesh, Ray};
 use crate::scene::description::{Description, Kind};
 use crate::tracking::Mode;
 use crate::transport::inspect::{Follow, VertexEvent, trace};
 
 pub(super) const CASES: &[CaseDefinition] = &[
-    case(12, "Slab of glass at 0°, 45° and 60°", "T = (1 − R)/(1 + R)", slab),
-    case(13, "Five media in nine layers, 45°", "T = 1/(1 + Σ R/(1 − R))", five_media),
-    case(14, "200 interfaces, 45°, no cap on depth", "T = 1/(1 + Σ R/(1 − R))", two_hundred),
+    case(12, "Slab of glass at 0°, 45° and 60°", "T = (1 − R)/(1 + R)", slab).of_images(),
+    case(13, "Five media in nine layers, 45°", "T = 1/(1 + Σ R/(1 − R))", five_media).of_images(),
+    case(14, "200 interfaces, 45°, no cap on depth", "T = 1/(1 + Σ R/(1 − R))", two_hundred).of_images(),
     case(15, "1000 layers, 1.5 | 1.5001, up to 89°", "a ray leaves parallel layers as it came", thousand),
-    case(16, "Absorbing slab of optical depth 1", "geometric series of internal reflections", absorbing),
+    case(16, "Absorbing slab of optical depth 1", "geometric series of internal reflections", absorbing).of_images(),
     case(25, "Prism of 60° at minimum deviation", "2 asin(n sin 30°) − 60°", prism),
 ];
 
@@ -28,7 +28,7 @@ const BIAS: f64 = 1e-6;
 fn image_means(subject: &Subject, description: Description, what: &str, expected: f64, samples: u32) -> Measured {
     let scene = ready(description)?;
     subject.in_modes(|mode| {
-        let (measured, error) = mean(&render(&scene, mode, (32, 32), samples_of(mode, samples), 1, None)?);
+        let (measured, error) = mean(&subject.render(&scene, mode, (32, 32), samples_of(mode, samples), 1, None)?);
         Ok([Measurement::absolute(what, measured, expected, BIAS).with_noise(error)])
     })
 }

@@ -29,7 +29,9 @@ mod sweeps;
 pub use definition::{CaseDefinition, Subject, SweepDefinition};
 pub use formula::{Evaluated, Formula};
 pub use map::maps;
-pub use outcome::{Case, Effort, ErrorKind, Map, Measurement, NOISE_ALLOWANCE, Outcome, Stability, Step, Sweep};
+pub use outcome::{
+    Case, Effort, ErrorKind, Graphics, Map, Measurement, NOISE_ALLOWANCE, Outcome, Stability, Step, Sweep,
+};
 
 pub fn sweeps() -> Vec<SweepDefinition> {
     [contrasts::SWEEPS, sweeps::SWEEPS].concat()

@@ -265,6 +265,20 @@ pub struct Stability {
     pub cases: Vec<Case>,
     pub sweeps: Vec<Sweep>,
     pub maps: Vec<Map>,
+    /// `None` without a graphics processor.
+    #[serde(default)]
+    pub graphics: Option<Graphics>,
+}
+
+/// The cases that are measured in images, by the graphics processor, which computes in f32.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Graphics {
+    /// Name and interface of the graphics processor.
+    pub adapter: String,
+    /// Whether it computes on the CPU.
+    pub is_software: bool,
+    /// What it cannot render is not run.
+    pub cases: Vec<Case>,
 }
 
 impl Stability {

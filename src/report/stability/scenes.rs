@@ -152,7 +152,7 @@ pub fn interfaces(path: &TracedPath) -> Vec<(&str, &str)> {
         .collect()
 }
 
-/// Renders by the scene's camera.
+/// Renders by the scene's camera, on the CPU.
 ///
 /// # Errors
 /// When the camera is impossible.

@@ -16,15 +16,12 @@ use std::sync::Arc;
 
 use iorect::formats;
 use iorect::render::gpu::{GpuDevice, GpuFault};
-use iorect::render::{Backend, Film, ImageSettings, RenderTask};
+use iorect::render::{Backend, Film, GPU_MODES as MODES, ImageSettings, RenderTask};
 use iorect::scene::camera::Camera;
 use iorect::scene::description::Description;
 use iorect::tracking::{Mode, Prepared};
 
 use crate::common::ready;
-
-/// The modes that shaders render.
-const MODES: [Mode; 5] = [Mode::Naive, Mode::Stack, Mode::Priority, Mode::RectifiedObject, Mode::Rectified];
 
 fn device() -> Option<Arc<GpuDevice>> {
     match GpuDevice::shared() {
