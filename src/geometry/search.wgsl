@@ -1,5 +1,9 @@
 // Twin of `search.rs` and `walk.rs`: the first hit along a ray, in a binary tree whose nodes hold the boxes of both children.
 //
+// A tree of four children to a node, made from this one, was held against it in one kernel with the same rays (from the camera, then twice in a
+// random direction, in the built-in scene of iced water, on Mesa's llvmpipe): 16 visits a ray in place of 25, and 0.9 times the rays a second, as the boxes and the order of four
+// cost more than the visits that are saved. All hits were the same. In hardware neither has been measured.
+//
 // Of a direction's component only its magnitude and the order of the two distances to a box's sides are used, so that −0 is no special case.
 
 /// Turns of loops that this thread has taken.
