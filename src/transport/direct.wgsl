@@ -1,8 +1,9 @@
 // Twin of `direct.rs`: light that is looked for where a path scatters. Its shadow rays are walked in `path.wgsl`.
 
-/// Whether there are emitters, whether the environment is sampled, and whether a shadow ray may pass through a refractor unbent, and so must look at
+/// Whether there are emitters, and some from afar that rays see which escape, whether the environment is sampled, and whether a shadow ray may pass through a refractor unbent, and so must look at
 /// each one it meets.
 override EMITTERS: bool = true;
+override SUNS: bool = true;
 override SAMPLED_ENVIRONMENT: bool = true;
 override CAN_PASS: bool = true;
 
@@ -21,7 +22,7 @@ struct Vertex {
     dimensions: u32,
 }
 
-/// A sampled direction with what arrives from it if nothing is in the way; of density 0 if there is nothing.
+/// A sampled direction with what reaches the camera from it if nothing is in the way; of density 0 if there is nothing.
 struct ShadowRay {
     sample: LightSample,
     radiance: vec3f,
@@ -29,24 +30,25 @@ struct ShadowRay {
 
 fn shadow_ray(vertex: Vertex, sampler_: Sampler, light: u32) -> ShadowRay {
     var sample = no_light();
-    var radiance = vec3f(0.0);
     if light == ASK_ENVIRONMENT && SAMPLED_ENVIRONMENT {
         sample = environment_sample(get_2d(sampler_, vertex.dimensions + ENVIRONMENT));
         if sample.pdf > 0.0 {
-            radiance = environment_radiance(sample.direction);
+            sample.radiance = environment_radiance(sample.direction);
         }
     } else if light == ASK_EMITTERS && EMITTERS {
         let choice = get_1d(sampler_, vertex.dimensions + EMITTER_CHOICE);
         sample = emitters_sample(vertex.position, choice, get_2d(sampler_, vertex.dimensions + EMITTER));
-        radiance = objects[sample.object].color;
     }
     let scattered = lambert_pdf(vertex.normals, sample.direction);
     if !(sample.pdf > 0.0 && sample.pdf < FAR && scattered > 0.0) {
         sample.pdf = 0.0;
         return ShadowRay(sample, vec3f(0.0));
     }
-    let weight = power_heuristic(sample.pdf, scattered);
-    return ShadowRay(sample, vertex.factor * radiance * (scattered * weight / sample.pdf));
+    var weight = 1.0;
+    if !sample.is_delta {
+        weight = power_heuristic(sample.pdf, scattered);
+    }
+    return ShadowRay(sample, vertex.factor * sample.radiance * (scattered * weight / sample.pdf));
 }
 
 fn environment_density_of(direction: vec3f) -> f32 {

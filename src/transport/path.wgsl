@@ -126,6 +126,7 @@ fn follow(path: ptr<function, Path>, sampler_: Sampler, most_steps: u32) -> bool
             sent = member_ray(crossing_of(ray, hit));
             only_object = member_object();
         } else if walker == SHADOW {
+            reach = shadow.sample.distance;
             is_any = !CAN_PASS && shadow.sample.object == NOTHING;
         }
         let found = search(sent, reach, only_object, is_any);
@@ -161,6 +162,9 @@ fn follow(path: ptr<function, Path>, sampler_: Sampler, most_steps: u32) -> bool
                         weight = power_heuristic(last_pdf, environment_density_of(ray.direction));
                     }
                     radiance += beta * environment_radiance(ray.direction) * (radiance_scale * weight);
+                    if SUNS {
+                        radiance += beta * suns_radiance(ray.direction, last_pdf) * radiance_scale;
+                    }
                     break;
                 }
                 if shadow.sample.object == NOTHING {
@@ -172,7 +176,9 @@ fn follow(path: ptr<function, Path>, sampler_: Sampler, most_steps: u32) -> bool
                 let object = faces[hit.primitive].object;
                 let kind = objects[object].kind;
                 if walker == SHADOW && (object == shadow.sample.object || !CAN_PASS || kind != REFRACTOR) {
-                    if object == shadow.sample.object && hit.is_front {
+                    if object == shadow.sample.object
+                        && hit.primitive == shadow.sample.primitive
+                        && emits(object, hit.is_front) {
                         radiance += shadow.radiance;
                     }
                     is_over = true;
@@ -180,7 +186,7 @@ fn follow(path: ptr<function, Path>, sampler_: Sampler, most_steps: u32) -> bool
                     events.crossings += u32(walker == PATH);
                     is_known = tracker_ask(walker, crossing_of(ray, hit), walker == PATH);
                 } else if kind == LIGHT {
-                    if hit.is_front {
+                    if emits(object, hit.is_front) {
                         var weight = 1.0;
                         if last_pdf > 0.0 {
                             let point = surface_at(ray, hit);

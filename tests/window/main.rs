@@ -12,6 +12,7 @@ mod export;
 mod gpu;
 mod journey;
 mod layout;
+mod lights;
 mod measuring;
 mod media;
 mod path;

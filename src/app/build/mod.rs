@@ -14,7 +14,7 @@ use super::objects::{decade, rounded};
 use crate::optics::{Ior, Medium, catalog};
 use crate::scene::Description;
 use crate::scene::description::{
-    CameraDescription, Environment, Light, Object, Objects, Paint, Refractor, Role, Shape, Solid, Transform,
+    CameraDescription, Environment, Light, Object, Objects, Paint, Quantity, Refractor, Role, Shape, Solid, Transform,
     WorldMedium,
 };
 use crate::scene::tables::DEFAULT_VERTICAL_FOV;
@@ -61,6 +61,12 @@ pub enum Addition {
     BallLight,
     /// A panel above that shines down.
     PanelLight,
+    /// A point above.
+    PointLight,
+    /// A cone from above.
+    SpotLight,
+    /// Light from afar.
+    Sun,
 }
 
 impl Addition {
@@ -80,6 +86,9 @@ impl Addition {
             },
             Self::BallLight => "ball light",
             Self::PanelLight => "panel light",
+            Self::PointLight => "point light",
+            Self::SpotLight => "spot light",
+            Self::Sun => "sun",
         }
     }
 
@@ -137,6 +146,19 @@ impl Addition {
                 let mut light = Object::new(self.name(), shape, Light::of_radiance([5.0; 3]));
                 light.transform.translate = spot.above(2.5);
                 (light, "")
+            }
+            Self::PointLight => {
+                let shape = Shape::Point { position: spot.above(1.5) };
+                (Object::new(self.name(), shape, Light::of(Quantity::Power, [spot.power(); 3])), "")
+            }
+            Self::SpotLight => {
+                let (position, target) = (spot.above(2.5), spot.above(0.0));
+                let shape = Shape::Spot { position, target, inner_angle: 15.0, outer_angle: 25.0 };
+                (Object::new(self.name(), shape, Light::of(Quantity::Power, [spot.power(); 3])), "")
+            }
+            Self::Sun => {
+                let shape = Shape::Directional { direction: DVec3::new(1.0, -2.0, -1.0), angle: 0.53 };
+                (Object::new(self.name(), shape, Light::of(Quantity::Irradiance, [3.0, 2.8, 2.5])), "")
             }
         };
         Ok(add(description, object, medium))

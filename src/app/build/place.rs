@@ -102,6 +102,12 @@ impl Spot {
         if self.is_ground { self.place } else { self.place - DVec3::Y * (self.size / 2.0) }
     }
 
+    /// The power of a light that makes it bright around: it grows with the square of what is to be lit.
+    pub fn power(&self) -> f64 {
+        let power = 40.0 * self.size * self.size;
+        rounded(power, decade(power)).clamp(1e-30, 1e30)
+    }
+
     /// A place so many sizes above.
     pub fn above(&self, sizes: f64) -> DVec3 {
         self.place + DVec3::Y * rounded(sizes * self.size, 0.1 * decade(self.size))

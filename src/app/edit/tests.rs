@@ -83,8 +83,16 @@ fn random_edit(random: &mut Random, scene: &Description) -> Edit {
         0 => added(Addition::Refractor(random.pick(&Body::ALL))).unwrap_or(kept),
         1 => added(Addition::Vessel(random.pick(&Vessel::ALL))).unwrap_or(kept),
         2 => added(Addition::Liquid(name.clone(), random.number())).unwrap_or(kept),
-        3 => added(random.pick(&[Addition::IceCube, Addition::Floor, Addition::BallLight, Addition::PanelLight]))
-            .unwrap_or(kept),
+        3 => added(random.pick(&[
+            Addition::IceCube,
+            Addition::Floor,
+            Addition::BallLight,
+            Addition::PanelLight,
+            Addition::PointLight,
+            Addition::SpotLight,
+            Addition::Sun,
+        ]))
+        .unwrap_or(kept),
         4 => added(Addition::Solid(random.pick(&Body::ALL))).unwrap_or(kept),
         5 => {
             let mesh = Arc::new(mesh_from_bytes(OBJ, Path::new("m.obj")).unwrap());

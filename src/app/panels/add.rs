@@ -54,6 +54,13 @@ fn groups(state: &State) -> Vec<(&'static str, Vec<Entry>)> {
             vec![
                 entry("ball light", "A glowing ball.", Addition::BallLight),
                 entry("panel light", "A rectangle above that shines down.", Addition::PanelLight),
+                entry(
+                    "point light",
+                    "A point above that shines all around; nothing sees it itself.",
+                    Addition::PointLight,
+                ),
+                entry("spot light", "A cone of light from above, with a smooth edge.", Addition::SpotLight),
+                entry("sun", "Light from afar, from a disc of half a degree.", Addition::Sun),
             ],
         ),
         (

@@ -5,7 +5,7 @@ mod row;
 
 use egui::{CollapsingHeader, ScrollArea, Ui};
 
-use self::found::{outside, patch_of, rows};
+use self::found::{outside, patch_of, rows, shines_into};
 pub use self::row::selectable_row_ui;
 use self::row::{plain_row_ui, refractor_row_ui};
 use super::{medium, object, priorities, role, shape, world};
@@ -96,6 +96,14 @@ fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut
     let role = &object.role;
     let kind = if matches!(role, Role::Solid(solid) if solid.mirror) { "mirror" } else { role.kind().name() };
     section_ui(ui, selected, kind);
+    if let Some(media) = shines_into(state, selected) {
+        fact_ui(
+            ui,
+            "Stands in",
+            media,
+            "The medium around the light, which rectification found. Its radiance or intensity is that in this medium.",
+        );
+    }
     role::show(ui, object, commands);
     object::show(ui, object, commands);
     shape::show(ui, description, object, commands);

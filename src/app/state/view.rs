@@ -87,6 +87,10 @@ impl State {
 
     pub(super) fn frame_object(&mut self, name: &str) {
         let Some(object) = self.document.description().objects.find(name) else { return };
+        if matches!(object.shape, Shape::Directional { .. }) {
+            // It is nowhere.
+            return;
+        }
         let (min, max) = objects::scene_bounds(object);
         let is_ball = matches!(object.shape, Shape::Sphere { .. } | Shape::Icosphere { .. });
         let radius = if is_ball { (max.x - min.x) / 2.0 } else { (max - min).length() / 2.0 };
@@ -116,6 +120,8 @@ impl State {
     /// Keeps the direction of the view and moves the camera so that a sphere of `radius` around `center` fills a good part of the picture.
     pub(super) fn frame(&mut self, center: DVec3, radius: f64) {
         let aspect = f64::from(self.size.film[0].max(1)) / f64::from(self.size.film[1].max(1));
+        // A light without a surface is a point, which is seen with what is around it.
+        let radius = if radius > 0.0 { radius } else { 0.1 * center.distance(self.view.camera.position) };
         let tan_vertical = (self.film_camera().vertical_fov.to_radians() / 2.0).tan();
         self.jump_to(navigation::framed(&self.view.camera, center, radius, tan_vertical * aspect.min(1.0)));
         if self.view.zoom > 1.0 {

@@ -121,13 +121,13 @@ impl Handles {
         }
         let held = self.grip.as_ref().map(|grip| grip.manipulation);
         let wanted = held.or(state.settings.handles);
-        let (Some(object), Some(sight), Some(manipulation)) = (state.selected_object(), Sight::of(state), wanted)
-        else {
+        let (Some(object), Some(sight), Some(wanted)) = (state.selected_object(), Sight::of(state), wanted) else {
             self.pane = None;
             return false;
         };
+        let manipulation = possible(wanted, &object.shape);
         let pivot = objects::pivot(&object.shape);
-        let place = object.transform.matrix().transform_point3(pivot);
+        let place = place_of(object, &sight);
         if sight.film(place).is_none() && held.is_none() {
             self.pane = None;
             return false;
@@ -188,7 +188,9 @@ impl Handles {
         let (Some(object), Some(sight)) = (state.selected_object(), Sight::of(state)) else { return };
         let window = film_window(state.view.zoom, state.view.zoom_center);
         let screen = |place: DVec3| Some(screen_from_film(panes[index].picture, window, sight.film(place)?));
-        paint_box(painter, object, screen);
+        if object.shape.has_surface() {
+            paint_box(painter, object, screen);
+        }
         let Some(pane) = self.pane.filter(|pane| *pane < panes.len()) else { return };
         // All panes have one size and one camera: the handles are the same but for their place.
         let offset = panes[index].picture.min - panes[pane].picture.min;
@@ -213,8 +215,7 @@ impl Handles {
         painter.add(Drawing::mesh(mesh));
         self.paint_letters(painter, object, &sight, screen);
         if let Some(grip) = self.grip.as_ref().filter(|grip| !grip.done.is_empty() && index == pane) {
-            let place = object.transform.matrix().transform_point3(grip.pivot);
-            if let Some(at) = screen(place) {
+            if let Some(at) = screen(place_of(object, &sight)) {
                 super::overlay::paint_note(painter, at + Vec2::new(0.0, SIZE + 22.0), &grip.done);
             }
         }
@@ -227,7 +228,7 @@ impl Handles {
         if self.grip.is_some() || !has_axes {
             return;
         }
-        let place = object.transform.matrix().transform_point3(objects::pivot(&object.shape));
+        let place = place_of(object, sight);
         let depth = (place - sight.camera.position).dot(sight.camera.forward);
         let per_point = 2.0 * depth * sight.camera.tan_half_fov / f64::from(config.viewport.height());
         let axes = match config.orientation {
@@ -250,6 +251,23 @@ impl Handles {
             }
         }
     }
+}
+
+/// What can be done to an object of that shape: a light at a point has no size, and one from afar no place.
+fn possible(wanted: Manipulation, shape: &Shape) -> Manipulation {
+    match (shape, wanted) {
+        (Shape::Point { .. }, _) | (Shape::Spot { .. }, Manipulation::Scale) => Manipulation::Move,
+        (Shape::Directional { .. }, _) => Manipulation::Rotate,
+        _ => wanted,
+    }
+}
+
+/// Where the handles are: in the middle of the object, or for a light from afar where the camera looks.
+fn place_of(object: &Object, sight: &Sight) -> DVec3 {
+    if let Shape::Directional { .. } = object.shape {
+        return sight.camera.position + sight.camera.forward * sight.camera.focus_distance;
+    }
+    object.transform.matrix().transform_point3(objects::pivot(&object.shape))
 }
 
 fn interaction(pos: Pos2, hovered: bool, drag_started: bool, dragging: bool) -> GizmoInteraction {

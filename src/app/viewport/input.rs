@@ -5,7 +5,7 @@ use egui::{CursorIcon, PointerButton, Pos2, Response, Ui};
 use super::handles::film_point;
 use super::layout::{Pane, film_from_screen, film_window, zoomed};
 use super::path::vertex_at;
-use super::{Viewport, is_slice, slice};
+use super::{Viewport, is_slice, lights, slice};
 use crate::app::command::Command;
 use crate::app::settings::Arrangement;
 use crate::app::state::{MAX_ZOOM, Motion, State};
@@ -103,7 +103,10 @@ impl Viewport {
             commands.push(Command::SetActivePane(index));
             let point = film_point(state, &panes[index], pos);
             commands.push(if modifiers.command {
-                Command::SelectAt(point)
+                match lights::at(state, &panes[index], pos) {
+                    Some(light) => Command::SelectObject(Some(light.to_owned())),
+                    None => Command::SelectAt(point),
+                }
             } else if response.double_clicked() {
                 Command::LookAt(point)
             } else {

@@ -5,6 +5,7 @@ mod input;
 mod keyboard;
 mod layout;
 mod legend;
+mod lights;
 mod overlay;
 mod path;
 mod range;
@@ -221,6 +222,8 @@ impl Viewport {
             path::paint(&painter, state, index, pane);
             slice::paint_outline(&painter, state, pane);
             if !self.is_still {
+                let is_choosing = ui.input(|input| input.modifiers.command) && pane_is_hovered(&response, pane);
+                lights::paint(&painter, state, pane, is_choosing);
                 self.handles.paint(&painter, state, &panes, index);
             }
         }
@@ -372,6 +375,10 @@ fn fitted(room: Rect, size: Vec2) -> Rect {
     let fitted = size * scale;
     let is_same = (room.size() - fitted).max_elem() <= 0.01 * room.size().max_elem();
     if is_same { room } else { Rect::from_center_size(room.center(), fitted) }
+}
+
+fn pane_is_hovered(response: &egui::Response, pane: &Pane) -> bool {
+    response.hover_pos().is_some_and(|pos| pane.visible.contains(pos))
 }
 
 fn is_slice(state: &State, index: usize) -> bool {

@@ -59,9 +59,9 @@ layouts! {
         zenith: [f32; 3],
         image_scale: f32,
         horizon: [f32; 3],
-        pad0: u32,
+        first_sun: u32,
         nadir: [f32; 3],
-        pad1: u32,
+        pad0: u32,
     }
 
     /// `render/gpu/scene.wgsl`
@@ -216,7 +216,17 @@ layouts! {
         probability: f32,
         cumulative: f32,
         area: f32,
-        pad: u32,
+        kind: u32,
+        position: [f32; 3],
+        inner: f32,
+        axis: [f32; 3],
+        outer: f32,
+        color: [f32; 3],
+        is_two_sided: u32,
+        next_sun: u32,
+        pad0: u32,
+        pad1: u32,
+        pad2: u32,
     }
 }
 

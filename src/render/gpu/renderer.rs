@@ -19,7 +19,6 @@ use crate::rectify::start::StartRegion;
 use crate::render::film::Film;
 use crate::render::renderer::{RenderTask, Renderer, Unsupported};
 use crate::render::settings::{Backend, Estimator};
-use crate::scene::lights::Light;
 use crate::scene::needs::SceneNeeds;
 use crate::scene::{MediumId, Surface};
 use crate::tracking::{Events, Mode};
@@ -312,16 +311,6 @@ impl Renderer for Gpu {
                 return Err(unsupported(&what, "use the CPU"));
             }
         }
-        for (light, _) in scene.emitters.iter() {
-            let name =
-                |id: Option<crate::scene::ObjectId>| id.map_or_else(String::new, |id| scene.object(id).name.clone());
-            let what = match light {
-                Light::Area(area) if area.two_sided => "a light with two sides",
-                Light::Area(_) | Light::Environment(_) => continue,
-                Light::Point(_) | Light::Spot(_) | Light::Directional(_) => "a light without a surface",
-            };
-            return Err(unsupported(&format!("{what}, {},", name(light.object())), "use the CPU"));
-        }
         let position = camera.position - scene.geometry.origin;
         if starts(task, position).whole().is_none() {
             return Err(unsupported("a camera on the surface of a refractor", "use the CPU, or move the camera"));
@@ -441,6 +430,7 @@ pub(super) fn variant(task: &RenderTask<'_>, tree_depth: u32) -> Variant {
         asked_cells: is_rectified && !flat.asked.is_empty(),
         can_pass: needs.index_matching || can_skip,
         emitters: needs.emitters,
+        suns: scene.emitters.has_suns(),
         sampled_environment: needs.image_environment && settings.sample_environment,
         environment_kind: match &scene.environment {
             crate::scene::lights::EnvironmentLight::Constant(_) => 0,

@@ -35,9 +35,10 @@ struct Scene {
     image_scale: f32,
     /// Of a constant environment its radiance.
     horizon: vec3f,
-    pad0: u32,
+    /// The first emitter from afar that has an extent, or `NOTHING`.
+    first_sun: u32,
     nadir: vec3f,
-    pad1: u32,
+    pad0: u32,
 }
 
 /// An image, and the part of it that one dispatch renders.

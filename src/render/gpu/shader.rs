@@ -35,6 +35,7 @@ const COMMON: &[(&str, &str)] = modules!(
     "scene/lights/sample.wgsl",
     "scene/lights/environment.wgsl",
     "scene/lights/area.wgsl",
+    "scene/lights/bodiless.wgsl",
     "tracking/tracker.wgsl",
     "transport/interaction.wgsl",
     "transport/direct.wgsl",
@@ -76,6 +77,8 @@ pub struct Variant {
     /// Whether shadow rays may pass through refractors.
     pub can_pass: bool,
     pub emitters: bool,
+    /// Whether rays that escape may see directional lights.
+    pub suns: bool,
     pub sampled_environment: bool,
     /// 0: constant; 1: gradient; 2: image.
     pub environment_kind: u32,
@@ -105,6 +108,7 @@ impl Variant {
             asked_cells: true,
             can_pass: true,
             emitters: true,
+            suns: true,
             sampled_environment: true,
             environment_kind: 2,
             independent: false,
@@ -154,6 +158,7 @@ impl Variant {
             ("MASKED", on(self.masked)),
             ("CAN_PASS", on(self.can_pass)),
             ("EMITTERS", on(self.emitters)),
+            ("SUNS", on(self.suns)),
             ("SAMPLED_ENVIRONMENT", on(self.sampled_environment)),
             ("ENVIRONMENT_KIND", f64::from(self.environment_kind)),
             ("INDEPENDENT", on(self.independent)),
@@ -197,7 +202,7 @@ mod tests {
         for mode in Mode::ALL.into_iter().filter(|mode| Variant::has_mode(*mode)) {
             let full = Variant { mode, tracker_room: 8, ..Variant::with_everything() };
             all.push(full);
-            let switches: [fn(&mut Variant); 12] = [
+            let switches: [fn(&mut Variant); 13] = [
                 |v| v.triangles = false,
                 |v| v.spheres = false,
                 |v| v.smooth_normals = false,
@@ -207,6 +212,7 @@ mod tests {
                 |v| v.asked_cells = false,
                 |v| v.can_pass = false,
                 |v| v.emitters = false,
+                |v| v.suns = false,
                 |v| (v.sampled_environment, v.environment_kind) = (false, 0),
                 |v| (v.sampled_environment, v.environment_kind) = (false, 1),
                 |v| v.independent = true,

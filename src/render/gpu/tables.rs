@@ -12,7 +12,7 @@ use crate::geometry::{Geometry, ObjectRange};
 use crate::rectify::flat::FlatLayout;
 use crate::rectify::planes::AskedPlanes;
 use crate::scene::Albedo;
-use crate::scene::lights::{EnvironmentLight, ImageTables};
+use crate::scene::lights::{EnvironmentLight, ImageTables, Light};
 use crate::scene::{ObjectId, Scene, Surface};
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::tracking::Prepared;
@@ -176,7 +176,7 @@ impl FlatWords {
 #[derive(Debug, Default)]
 pub struct LightTables {
     pub words: Vec<u32>,
-    /// Of each emitter that is a mesh, in order: the running sums of its triangles' areas, from 0 to 1, and behind them the triangles' slots.
+    /// Of each emitter, in order, where its words begin: of one that is a mesh the running sums of its triangles' areas, from 0 to 1, and behind them the triangles' slots.
     pub areas: Vec<u32>,
     pub texels: u32,
     pub columns: u32,
@@ -192,9 +192,11 @@ pub struct LightTables {
 impl LightTables {
     pub fn new(scene: &Scene, slots: &[u32]) -> Self {
         let mut tables = Self { rotation: [0.0, 1.0], image_size: [1, 1], ..Self::default() };
-        for (light, _) in scene.emitters.areas() {
+        for (light, _) in scene.emitters.iter() {
             tables.areas.push(tables.words.len() as u32);
-            if let ObjectRange::Triangles(range) = scene.geometry.range(light.object.0) {
+            if let Light::Area(light) = light
+                && let ObjectRange::Triangles(range) = scene.geometry.range(light.object.0)
+            {
                 let mut sum = 0.0;
                 let sums = range.clone().map(|id| {
                     sum += scene.geometry.primitive_area(id);
@@ -241,6 +243,8 @@ pub struct AnswerTables {
     pub media: Vec<layout::Medium>,
     pub interfaces: Vec<layout::Interface>,
     pub emitters: Vec<layout::Emitter>,
+    /// The first emitter from afar that has an extent.
+    pub first_sun: u32,
     pub pairs_of_media: u32,
 }
 
@@ -265,22 +269,25 @@ impl AnswerTables {
         let mut emitter_of = vec![NOTHING; scene.objects.len()];
         let mut cumulative = 0.0;
         let mut emitters = Vec::new();
-        for (index, (light, probability)) in scene.emitters.areas().enumerate() {
-            emitter_of[light.object.0 as usize] = index as u32;
+        let is_sun: Vec<bool> = (scene.emitters.iter())
+            .map(|(light, _)| matches!(light, Light::Directional(light) if !light.is_delta()))
+            .collect();
+        for (index, (light, probability)) in scene.emitters.iter().enumerate() {
+            let Some(object) = light.object() else { continue };
+            emitter_of[object.0 as usize] = index as u32;
             cumulative += probability;
             emitters.push(layout::Emitter {
-                object: light.object.0,
-                sphere: sphere_index(scene, light.object),
+                object: object.0,
                 first: lights.areas[index],
-                triangle_count: match scene.geometry.range(light.object.0) {
-                    ObjectRange::Triangles(range) => range.len() as u32,
-                    ObjectRange::Sphere(_) => 0,
-                },
                 probability: probability as f32,
                 cumulative: cumulative as f32,
-                area: (light.area * scale * scale) as f32,
-                pad: 0,
+                ..emitter(scene, light, scale)
             });
+        }
+        // Each sun names the next one.
+        let mut first_sun = NOTHING;
+        for index in (0..emitters.len()).rev().filter(|&index| is_sun[index]) {
+            emitters[index].next_sun = std::mem::replace(&mut first_sun, index as u32);
         }
         Self {
             answers,
@@ -305,9 +312,45 @@ impl AnswerTables {
                 })
                 .collect(),
             emitters,
+            first_sun,
             pairs_of_media: pairs_of_media as u32,
         }
     }
+}
+
+/// What a light is sampled by; where it stands in tables, and how likely it is, are left open.
+fn emitter(scene: &Scene, light: Light<'_>, scale: f64) -> layout::Emitter {
+    let mut emitter =
+        layout::Emitter { sphere: NOTHING, next_sun: NOTHING, ..<layout::Emitter as bytemuck::Zeroable>::zeroed() };
+    // Per area of the scene as it is scaled here.
+    let scaled = |intensity: Spectrum| rgb(intensity * (scale * scale));
+    match light {
+        Light::Area(light) => {
+            emitter.sphere = sphere_index(scene, light.object);
+            if let ObjectRange::Triangles(range) = scene.geometry.range(light.object.0) {
+                emitter.triangle_count = range.len() as u32;
+            }
+            emitter.area = (light.area * scale * scale) as f32;
+            emitter.color = rgb(light.radiance);
+            emitter.is_two_sided = u32::from(light.two_sided);
+        }
+        Light::Point(light) => {
+            (emitter.kind, emitter.position, emitter.color) =
+                (1, f32s(light.position * scale), scaled(light.intensity));
+        }
+        Light::Spot(light) => {
+            (emitter.kind, emitter.position, emitter.color) =
+                (2, f32s(light.position * scale), scaled(light.intensity));
+            emitter.axis = f32s(light.axis);
+            [emitter.inner, emitter.outer] = light.edges().map(|x| x as f32);
+        }
+        Light::Directional(light) => {
+            (emitter.kind, emitter.axis, emitter.outer) = (3, f32s(light.to_light), light.one_minus_cos() as f32);
+            emitter.color = rgb(if light.is_delta() { light.irradiance } else { light.disc_radiance() });
+        }
+        Light::Environment(_) => {}
+    }
+    emitter
 }
 
 /// The index of the sphere that an object is.
@@ -394,9 +437,9 @@ pub fn scene_of(
         zenith,
         image_scale: lights.image_scale,
         horizon,
-        pad0: 0,
+        first_sun: answers.first_sun,
         nadir,
-        pad1: 0,
+        pad0: 0,
     }
 }
 
@@ -407,9 +450,12 @@ pub fn too_large_for_f32(
     answers: &AnswerTables,
 ) -> Option<&'static str> {
     let is_finite = |v: &[f32; 3]| v.iter().all(|x| x.is_finite());
-    let colors = answers.objects.iter().all(|object| is_finite(&object.color) && is_finite(&object.other_color));
+    let fits = |v: &[f32; 3]| v.iter().all(|x| x.abs() < MOST_LENGTH);
+    let colors = answers.objects.iter().all(|object| is_finite(&object.color) && is_finite(&object.other_color))
+        && answers.emitters.iter().all(|emitter| is_finite(&emitter.color));
+    let are_near = answers.emitters.iter().all(|emitter| fits(&emitter.position));
     let sky = [scene.zenith, scene.horizon, scene.nadir];
-    if geometry.is_too_large {
+    if geometry.is_too_large || !are_near {
         Some("a scene so much larger than what is in its middle")
     } else if !colors || !sky.iter().all(is_finite) || !scene.image_scale.is_finite() {
         Some("light as bright as 3.4e38")

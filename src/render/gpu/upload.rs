@@ -67,7 +67,7 @@ impl Sources {
             geometry: Arc::downgrade(&scene.geometry),
             flat: Arc::downgrade(&prepared.table.flat().layout),
             image: scene.environment.image().map(Arc::downgrade),
-            emitters: scene.emitters.areas().map(|(light, _)| light.object).collect(),
+            emitters: scene.emitters.iter().filter_map(|(light, _)| light.object()).collect(),
             scene: Arc::downgrade(&prepared.scene),
             table: Arc::downgrade(&prepared.table),
             with_outsides: mode == Mode::RectifiedObject,

@@ -1,4 +1,4 @@
-// Twin of `area.rs`, and of the choice among emitters in `mod.rs`.
+// Twin of `area.rs`, and of the choice among emitters in `emitters.rs`.
 
 struct Emitter {
     object: u32,
@@ -11,8 +11,30 @@ struct Emitter {
     /// Sum of the probabilities up to and including this one.
     cumulative: f32,
     area: f32,
-    pad: u32,
+    /// One of those below.
+    kind: u32,
+    /// Of a light at a point.
+    position: vec3f,
+    /// Of a spot, 1 − cos of the half angle within which it is brightest.
+    inner: f32,
+    /// Unit: a spot's, or from afar towards the light.
+    axis: vec3f,
+    /// Of a spot, 1 − cos of the half angle beyond which it is dark; of a light from afar, of half the angle that it is seen under.
+    outer: f32,
+    /// Radiance; intensity of a light at a point; irradiance of one from afar that has no extent.
+    color: vec3f,
+    is_two_sided: u32,
+    /// The next one from afar that has an extent.
+    next_sun: u32,
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
 }
+
+const AREA_LIGHT: u32 = 0u;
+const POINT_LIGHT: u32 = 1u;
+const SPOT_LIGHT: u32 = 2u;
+const DIRECTIONAL_LIGHT: u32 = 3u;
 
 /// A direction from `position` towards a point that emits.
 fn emitters_sample(position: vec3f, choice: f32, u: vec2f) -> LightSample {
@@ -30,18 +52,32 @@ fn emitters_sample(position: vec3f, choice: f32, u: vec2f) -> LightSample {
     let before = emitter.cumulative - emitter.probability;
     let rest = clamp((choice - before) / emitter.probability, 0.0, 0.99999994);
     var sample = no_light();
-    if SPHERES && emitter.sphere != NOTHING {
-        sample = sphere_light_sample(spheres[emitter.sphere], position, u);
+    if emitter.kind == DIRECTIONAL_LIGHT {
+        sample = directional_light_sample(emitter, u);
+    } else if emitter.kind != AREA_LIGHT {
+        sample = point_light_sample(emitter, position);
+    } else if SPHERES && emitter.sphere != NOTHING {
+        sample = sphere_light_sample(emitter.sphere, position, u);
     } else if TRIANGLES {
         sample = mesh_light_sample(emitter, position, vec3f(rest, u));
     }
-    sample.object = emitter.object;
+    if emitter.kind == AREA_LIGHT {
+        sample.object = emitter.object;
+        sample.radiance = emitter.color;
+    }
     sample.pdf *= emitter.probability;
     return sample;
 }
 
+/// Whether a light emits from the side that `is_front` tells.
+fn emits(object: u32, is_front: bool) -> bool {
+    let emitter = objects[object].emitter;
+    return is_front || (emitter != NOTHING && emitters[emitter].is_two_sided != 0u);
+}
+
 /// By the cone under which the sphere is seen.
-fn sphere_light_sample(sphere: Sphere, position: vec3f, u: vec2f) -> LightSample {
+fn sphere_light_sample(index: u32, position: vec3f, u: vec2f) -> LightSample {
+    let sphere = spheres[index];
     let to_center = sphere.center - position;
     let distance = sqrt(dot(to_center, to_center));
     if distance <= sphere.radius {
@@ -54,7 +90,9 @@ fn sphere_light_sample(sphere: Sphere, position: vec3f, u: vec2f) -> LightSample
     let axis = to_center / distance;
     let basis = frame(axis);
     let direction = axis * (1.0 - one_minus_cos) + (basis.tangent * sin_cos.y + basis.bitangent * sin_cos.x) * sine;
-    return LightSample(normalized(direction), 1.0 / (TAU * one_minus_cos_max), NOTHING);
+    var sample = light_from_afar(normalized(direction), 1.0 / (TAU * one_minus_cos_max));
+    sample.primitive = scene.triangle_count + index;
+    return sample;
 }
 
 /// By area.
@@ -73,8 +111,10 @@ fn mesh_light_sample(emitter: Emitter, position: vec3f, u: vec3f) -> LightSample
         return no_light();
     }
     let direction = to_point * (1.0 / sqrt(squared));
-    let pdf = triangle_pdf(emitter.area, squared, direction, faces[triangle.primitive].normal);
-    return LightSample(direction, pdf, NOTHING);
+    let pdf = triangle_pdf(emitter, squared, direction, faces[triangle.primitive].normal);
+    var sample = light_from_afar(direction, pdf);
+    sample.primitive = triangle.primitive;
+    return sample;
 }
 
 /// Density per steradian with which `emitters_sample` gives the `direction` from `position` to a point of an emitter.
@@ -89,15 +129,18 @@ fn emitters_pdf(emitter: Emitter, position: vec3f, direction: vec3f, point: Surf
         return emitter.probability / (TAU * one_minus_cos_of_cone(distance, sphere.radius));
     }
     let to_point = point.position - position;
-    return emitter.probability * triangle_pdf(emitter.area, dot(to_point, to_point), direction, point.normal);
+    return emitter.probability * triangle_pdf(emitter, dot(to_point, to_point), direction, point.normal);
 }
 
-fn triangle_pdf(area: f32, squared_distance: f32, direction: vec3f, normal: vec3f) -> f32 {
-    let cosine = -dot(direction, normal);
+fn triangle_pdf(emitter: Emitter, squared_distance: f32, direction: vec3f, normal: vec3f) -> f32 {
+    var cosine = -dot(direction, normal);
+    if emitter.is_two_sided != 0u {
+        cosine = abs(cosine);
+    }
     if cosine <= 0.0 {
         return 0.0;
     }
-    return squared_distance / (area * cosine);
+    return squared_distance / (emitter.area * cosine);
 }
 
 /// 1 − cos of the half angle under which a sphere is seen from outside.

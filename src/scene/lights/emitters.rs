@@ -95,14 +95,6 @@ impl Emitters {
         self.list.iter().map(|choice| (choice.emitter.light(), choice.probability))
     }
 
-    /// The lights with a surface, likewise.
-    pub fn areas(&self) -> impl Iterator<Item = (&AreaLight, f64)> {
-        self.list.iter().filter_map(|choice| match &choice.emitter {
-            Emitter::Area(light) => Some((light, choice.probability)),
-            _ => None,
-        })
-    }
-
     #[inline]
     pub fn has_suns(&self) -> bool {
         !self.suns.is_empty()

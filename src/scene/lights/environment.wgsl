@@ -87,7 +87,7 @@ fn environment_sample(u: vec2f) -> LightSample {
     if down.x <= 0.0 {
         return no_light();
     }
-    return LightSample(direction, environment_density(column, row, down.x), NOTHING);
+    return light_from_afar(direction, environment_density(column, row, down.x));
 }
 
 /// The first of `count` ascending numbers that is above `u`; `count` if none is.

@@ -70,6 +70,8 @@ const FAULTS: &[Fault] = &[
         "return share * light_number(scene.row_shares + row)",
         "return 1.1 * share * light_number(scene.row_shares + row)",
     ),
+    ("bodiless: spot", Mode::Rectified, "return share * share;", "return share;"),
+    ("bodiless: suns", Mode::Rectified, "radiance += sun.color * weight;", "radiance += 5.0 * sun.color * weight;"),
     ("area", Mode::Rectified, "return sin_squared / (1.0 + sqrt(", "return sin_squared / (2.0 + sqrt("),
     (
         "tracker",

@@ -229,7 +229,7 @@ pub fn rays_at_the_rim(subject: &Subject) -> Vec<Ray> {
         .collect()
 }
 
-/// Radiance, density and samples of the environment, and of emitters of both kinds.
+/// Radiance, density and samples of the environment, and of emitters of all kinds.
 #[test]
 fn lights_are_the_same() {
     let Some(device) = device() else { return };
@@ -249,7 +249,7 @@ fn lights_are_the_same() {
         })
         .collect();
     let body = "fn probe(i: u32) {
-        let at = 14u * i;
+        let at = 22u * i;
         let direction = vector(9u * i + 3u);
         let u = vector(9u * i + 6u);
         put_vector(at, environment_radiance(direction));
@@ -269,11 +269,15 @@ fn lights_are_the_same() {
             pdf = emitter_density_of(ray.origin, ray.direction, lamp.object, surface_at(ray, hit));
         }
         put(at + 13u, pdf);
+        put_vector(at + 14u, lamp.radiance);
+        put(at + 17u, lamp.distance);
+        probe_out[at + 18u] = u32(lamp.is_delta);
+        put_vector(at + 19u, suns_radiance(direction, 0.3));
     }";
-    let words = subject.probe(&gpu, body, &input, cases.len(), 14);
+    let words = subject.probe(&gpu, body, &input, cases.len(), 22);
     let mut others = 0;
-    let mut lamps = [0; 2];
-    for ((position, direction, u), words) in cases.iter().zip(words.chunks(14)) {
+    let mut lamps = [0; 4];
+    for ((position, direction, u), words) in cases.iter().zip(words.chunks(22)) {
         let found = floats(words);
         let case = format!("{position} {direction} {u:?}: {found:?}");
         let near = |a: f64, b: f64, share: f64| (a - b).abs() <= share * (a.abs().max(b.abs()) + 1e-6);
@@ -285,14 +289,30 @@ fn lights_are_the_same() {
         let is_near =
             (DVec3::from_slice(&found[4..7]) - sky.direction).length() < 1e-3 && near(found[7], sky.pdf, 2e-3);
         others += u32::from(!is_near);
+        let mut suns = DVec3::ZERO;
+        for (sun, probability) in scene.emitters.suns() {
+            let sampled = probability * sun.pdf_direct(*direction);
+            suns += DVec3::from(sun.radiance(*direction).to_rgb()) / (1.0 + (sampled / 0.3).powi(2));
+        }
+        others += u32::from(!(0..3).all(|k| near(found[19 + k], suns[k], 1e-3)));
         match scene.emitters.sample_direct(&scene.geometry, *position, u[0], [u[1], u[2]]) {
             None => others += u32::from(found[11] != 0.0),
             Some(lamp) => {
-                let Target::Surface { object, .. } = lamp.target else { panic!("an emitter is an object") };
-                lamps[usize::from(scene.geometry.sphere_of(object.0).is_some())] += 1;
+                let (kind, object, distance) = match lamp.target {
+                    Target::Surface { object, .. } => {
+                        (usize::from(scene.geometry.sphere_of(object.0).is_some()), object.0, 3e38)
+                    }
+                    Target::Point { distance } => (2, u32::MAX, distance * scale),
+                    Target::Environment => (3, u32::MAX, 3e38),
+                };
+                lamps[kind] += 1;
+                let radiance = lamp.radiance.to_rgb();
                 let is_near = (DVec3::from_slice(&found[8..11]) - lamp.direction).length() < 1e-4
                     && near(found[11], lamp.pdf, 1e-3)
-                    && words[12] == object.0;
+                    && words[12] == object
+                    && (0..3).all(|k| near(found[14 + k], radiance[k], 1e-3))
+                    && near(found[17], distance, 1e-5)
+                    && words[18] == u32::from(lamp.is_delta);
                 others += u32::from(!is_near);
                 // Both ways to the density agree.
                 others += u32::from(found[13] > 0.0 && !near(found[13], found[11], 2e-3));

@@ -39,7 +39,7 @@ fn settings(mode: Mode, seed: u64) -> ImageSettings {
 }
 
 /// A scene in which every module of the shaders has something to do: spheres and meshes that nest, overlap and share faces, smooth and flat; absorption; a
-/// mirror, a checkerboard; lamps of both kinds and an image all around; a lens.
+/// mirror, a checkerboard; lights of every kind and an image all around; a lens.
 fn workshop() -> Description {
     const TEXT: &str = r#"
         camera = { position = [0.4, 1.3, 4.6], target = [0.0, -0.1, 0.0], vertical_fov = 38.0, aperture_radius = 0.02 }
@@ -91,11 +91,28 @@ fn workshop() -> Description {
         [[light]]
         name = "panel"
         radiance = [5.0, 4.5, 4.0]
+        two_sided = true
         shape = { quad = { center = [0.6, 2.4, 0.6], edge_u = [1.0, 0.0, 0.0], edge_v = [0.0, 0.0, 1.0] } }
         [[light]]
         name = "bulb"
         radiance = [9.0, 8.0, 6.0]
         shape = { sphere = { center = [-1.7, 0.5, 0.7], radius = 0.18 } }
+        [[light]]
+        name = "spark"
+        point = { position = [1.3, 0.7, 1.1] }
+        intensity = [0.8, 0.9, 1.0]
+        [[light]]
+        name = "spot"
+        spot = { position = [-0.9, -0.1, 0.5], target = [0.2, -0.8, 0.0], inner_angle = 15.0, outer_angle = 50.0 }
+        power = [6.0, 8.0, 9.0]
+        [[light]]
+        name = "sun"
+        directional = { direction = [-0.3, -1.0, -0.6], angle = 20.0 }
+        irradiance = [0.4, 0.3, 0.2]
+        [[light]]
+        name = "star"
+        directional = { direction = [0.8, -1.0, -0.2] }
+        irradiance = [0.1, 0.2, 0.3]
     "#;
     let mut description = formats::parse(TEXT, Path::new("workshop.toml"), &formats::Disk).unwrap();
     description.environment = formats::open("half-submerged").unwrap().environment;

@@ -82,6 +82,20 @@ pub fn mixture(report: &SceneReport, refractor: &str) -> Option<String> {
     ))
 }
 
+/// The media that a light shines into, in words; `None` before the first rectification, and of a hidden light.
+pub fn shines_into(state: &State, light: &str) -> Option<String> {
+    let Prepared { scene, table, .. } = &state.report.as_deref()?.prepared;
+    let patches = table.lights.iter().filter(|patch| scene.object(patch.refractor).name == light);
+    let mut found: Vec<&str> = Vec::new();
+    for patch in patches {
+        let name = patch.outside.map_or("several media", |medium| &scene.medium(medium).name);
+        if !found.contains(&name) {
+            found.push(name);
+        }
+    }
+    (!found.is_empty()).then(|| found.join(", "))
+}
+
 /// What rectification found outside a refractor, in words: where it differs from place to place, everything.
 pub fn outside(state: &State, refractor: &str) -> String {
     let Some(report) = state.report.as_deref() else { return "…".to_owned() };

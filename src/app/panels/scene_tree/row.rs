@@ -3,7 +3,7 @@
 use egui::{Align, Label, Layout, Rect, Response, RichText, Sense, Stroke, TextEdit, Ui, UiBuilder, pos2, vec2};
 
 use super::MOST_INDENT;
-use super::found::{Row, mixture, outside, patch_of};
+use super::found::{Row, mixture, outside, patch_of, shines_into};
 use crate::app::build;
 use crate::app::command::{Command, MediumRef};
 use crate::app::edit::{Edit, ObjectEdit};
@@ -207,6 +207,12 @@ pub fn plain_row_ui(ui: &mut Ui, state: &State, object: &Object, commands: &mut 
     let mut contents = ui.new_child(UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center)));
     swatch_ui(&mut contents, color);
     name_ui(&mut contents, state, name, object.visible, commands);
+    let media = object.light().and_then(|_| shines_into(state, name));
+    let response = response.on_hover_ui(|ui| {
+        ui.strong(name);
+        media.iter().for_each(|media| _ = ui.label(format!("stands in: {media}")));
+        ui.label(format!("shape: {}", shape_name(&object.shape)));
+    });
     if response.clicked() {
         commands.push(Command::SelectObject((!is_selected).then(|| name.clone())));
     }
