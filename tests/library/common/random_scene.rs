@@ -4,7 +4,7 @@ use glam::DVec3;
 use iorect::optics::{Ior, Medium, catalog};
 use iorect::scene::Description;
 use iorect::scene::description::{
-    CameraDescription, Environment, Light, Object, Paint, Refractor, Shape, Solid, Transform, WorldMedium,
+    CameraDescription, Environment, Light, Object, Paint, Quantity, Refractor, Shape, Solid, Transform, WorldMedium,
 };
 use proptest::prelude::*;
 
@@ -86,6 +86,29 @@ fn shape() -> impl Strategy<Value = Shape> {
     ]
 }
 
+/// Of every kind, by either quantity.
+fn light() -> impl Strategy<Value = (Shape, Light)> {
+    let way = || vector().prop_map(|way| way.try_normalize().unwrap_or(DVec3::Y));
+    let shape = prop_oneof![
+        4 => shape(),
+        1 => vector().prop_map(|position| Shape::Point { position }),
+        1 => (vector(), way(), share(), 0.1..180.0_f64).prop_map(|(position, way, share, outer_angle)| Shape::Spot {
+            position,
+            target: position + way,
+            inner_angle: share * outer_angle,
+            outer_angle
+        }),
+        1 => (way(), prop_oneof![Just(0.0), 0.001..180.0_f64])
+            .prop_map(|(direction, angle)| Shape::Directional { direction, angle }),
+    ];
+    (shape, three(positive()), any::<[bool; 2]>()).prop_map(|(shape, rgb, [has_power, two_sided])| {
+        let own = shape.quantity();
+        let quantity = if has_power && own != Quantity::Irradiance { Quantity::Power } else { own };
+        let two_sided = two_sided && shape.has_surface();
+        (shape, Light { two_sided, ..Light::of(quantity, rgb) })
+    })
+}
+
 fn camera() -> impl Strategy<Value = CameraDescription> {
     let optional = prop::option::of(positive());
     (vector(), 1.0..100.0_f64, 1.0..179.0_f64, prop_oneof![Just(0.0), positive()], optional).prop_map(
@@ -138,7 +161,7 @@ pub fn description() -> impl Strategy<Value = Description> {
         0..4,
     );
     let solids = prop::collection::vec((word(), (shape(), paint(), any::<[bool; 3]>(), transform())), 0..3);
-    let lights = prop::collection::vec((word(), (shape(), three(positive()), any::<bool>(), transform())), 0..3);
+    let lights = prop::collection::vec((word(), (light(), any::<bool>(), transform())), 0..3);
     let world = (ior(), three(positive())).prop_map(|(ior, absorption)| WorldMedium { ior, absorption });
     (word(), camera(), world, environment(), media, refractors, solids, lights).prop_map(
         |(name, camera, world, environment, media, refractors, solids, lights)| {
@@ -162,8 +185,8 @@ pub fn description() -> impl Strategy<Value = Description> {
                             Object { name, shape, transform, visible, role }
                         },
                     ))
-                    .chain((named("l", lights).into_iter()).map(|(name, (shape, radiance, visible, transform))| {
-                        Object { name, shape, transform, visible, role: Light::of_radiance(radiance).into() }
+                    .chain((named("l", lights).into_iter()).map(|(name, ((shape, light), visible, transform))| {
+                        Object { name, shape, transform, visible, role: light.into() }
                     }))
                     .collect(),
                 media,
