@@ -184,6 +184,27 @@ mod tests {
             scene.environment = Environment::Color([0.0, brightest, 0.0]);
             assert_eq!(unit_exponent(&scene), exponent - 64, "{brightest}");
         }
+        // A light at a point may light something as near as the smallest object is large; a sun is as bright as its disc is small; power is
+        // spread over a surface.
+        scene.environment = Environment::Color([0.0; 3]);
+        scene.objects.clear(crate::scene::description::Kind::Refractor);
+        let shape = Shape::Sphere { center: glam::DVec3::ZERO, radius: 0.125 };
+        let solid = crate::scene::description::Solid::of(crate::scene::description::Paint::Color([0.5; 3]));
+        scene.objects.clear(crate::scene::description::Kind::Solid);
+        scene.objects.push(Object::new("ball", shape.clone(), solid));
+        let sun = |angle| Shape::Directional { direction: glam::DVec3::NEG_Y, angle };
+        for (shape, quantity, least, most) in [
+            (Shape::Point { position: glam::DVec3::Y }, Quantity::Intensity, 4, 4),
+            (Shape::Point { position: glam::DVec3::Y }, Quantity::Power, 4, 4),
+            (sun(0.0), Quantity::Irradiance, 0, 0),
+            (sun(0.53), Quantity::Irradiance, 13, 16),
+            (shape, Quantity::Power, 3, 5),
+        ] {
+            scene.objects.clear(crate::scene::description::Kind::Light);
+            scene.objects.push(Object::new("lamp", shape, Light::of(quantity, [1.0; 3])));
+            let exponent = unit_exponent(&scene) + 64;
+            assert!((least..=most).contains(&exponent), "{quantity:?}: {exponent}");
+        }
         for exponent in [unit_exponent(&scene), 959] {
             assert!(power_of_two(exponent).is_normal() && power_of_two(-exponent).is_normal());
         }

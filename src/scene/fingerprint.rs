@@ -294,7 +294,7 @@ mod tests {
     use crate::optics::Medium;
     use crate::scene::LoadNote;
     use crate::scene::description::{
-        CameraDescription, Environment, Object, Paint, Refractor, Shape, Solid, WorldMedium,
+        CameraDescription, Environment, Kind, Light, Object, Paint, Quantity, Refractor, Shape, Solid, WorldMedium,
     };
 
     /// A ball of glass in one of water, over a floor.
@@ -363,6 +363,28 @@ mod tests {
         fn solid(d: &mut Description) -> &mut Solid {
             d.objects.solids_mut()[0].solid_mut().unwrap()
         }
+        let spot = |position: DVec3, target: DVec3, inner_angle: f64, outer_angle: f64| {
+            Object::new(
+                "lamp",
+                Shape::Spot { position, target, inner_angle, outer_angle },
+                Light::of(Quantity::Intensity, [1.0; 3]),
+            )
+        };
+        scene.objects.push(spot(DVec3::Y, DVec3::ZERO, 10.0, 20.0));
+        let light = |object: Object| {
+            move |d: &mut Description| {
+                d.objects.clear(Kind::Light);
+                d.objects.push(object.clone());
+            }
+        };
+        let ball = |quantity, two_sided| {
+            let light = Light { two_sided, ..Light::of(quantity, [1.0; 3]) };
+            Object::new("lamp", Shape::Sphere { center: DVec3::Y, radius: 1.0 }, light)
+        };
+        let sun = |angle: f64| {
+            let shape = Shape::Directional { direction: DVec3::NEG_Y, angle };
+            Object::new("lamp", shape, Light::of(Quantity::Irradiance, [1.0; 3]))
+        };
         type Edit<'a> = Box<dyn Fn(&mut Description) + 'a>;
         let edits: Vec<Edit<'_>> = vec![
             Box::new(|_| ()),
@@ -384,6 +406,16 @@ mod tests {
             Box::new(|d| d.environment = Environment::Color([0.25; 3])),
             Box::new(|d| d.environment = with_image(1.0)),
             Box::new(|d| d.environment = with_image(2.0)),
+            Box::new(|d| d.objects.lights_mut()[0].light_mut().unwrap().emission.quantity = Quantity::Power),
+            Box::new(light(spot(DVec3::Y, DVec3::X, 10.0, 20.0))),
+            Box::new(light(spot(DVec3::Z, DVec3::ZERO, 10.0, 20.0))),
+            Box::new(light(spot(DVec3::Y, DVec3::ZERO, 5.0, 20.0))),
+            Box::new(light(spot(DVec3::Y, DVec3::ZERO, 10.0, 25.0))),
+            Box::new(light(ball(Quantity::Radiance, false))),
+            Box::new(light(ball(Quantity::Radiance, true))),
+            Box::new(light(ball(Quantity::Power, false))),
+            Box::new(light(sun(0.0))),
+            Box::new(light(sun(0.53))),
         ];
         let all: BTreeSet<Fingerprint> = (edits.iter())
             .map(|edit| {
