@@ -265,7 +265,7 @@ fn lights_are_the_same() {
         let ray = ray_leaving(vector(9u * i), lamp.direction, NOTHING);
         let hit = search(ray, FAR, lamp.object, false);
         var pdf = 0.0;
-        if lamp.pdf > 0.0 && hit.primitive != NOTHING {
+        if lamp.pdf > 0.0 && lamp.object != NOTHING && hit.primitive != NOTHING {
             pdf = emitter_density_of(ray.origin, ray.direction, lamp.object, surface_at(ray, hit));
         }
         put(at + 13u, pdf);
