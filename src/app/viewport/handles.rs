@@ -214,10 +214,10 @@ impl Handles {
         }
         painter.add(Drawing::mesh(mesh));
         self.paint_letters(painter, object, &sight, screen);
-        if let Some(grip) = self.grip.as_ref().filter(|grip| !grip.done.is_empty() && index == pane) {
-            if let Some(at) = screen(place_of(object, &sight)) {
-                super::overlay::paint_note(painter, at + Vec2::new(0.0, SIZE + 22.0), &grip.done);
-            }
+        if let Some(grip) = self.grip.as_ref().filter(|grip| !grip.done.is_empty() && index == pane)
+            && let Some(at) = screen(place_of(object, &sight))
+        {
+            super::overlay::paint_note(painter, at + Vec2::new(0.0, SIZE + 22.0), &grip.done);
         }
     }
 

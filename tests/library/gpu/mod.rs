@@ -103,7 +103,7 @@ fn workshop() -> Description {
         intensity = [0.8, 0.9, 1.0]
         [[light]]
         name = "spot"
-        spot = { position = [-0.9, -0.1, 0.5], target = [0.2, -0.8, 0.0], inner_angle = 15.0, outer_angle = 50.0 }
+        spot = { position = [1.8, 0.9, 1.6], target = [1.6, -0.85, 1.4], inner_angle = 15.0, outer_angle = 50.0 }
         power = [6.0, 8.0, 9.0]
         [[light]]
         name = "sun"
