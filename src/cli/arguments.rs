@@ -381,7 +381,7 @@ pub struct ReportArguments {
     /// Small images and few runs
     #[arg(long)]
     pub quick: bool,
-    /// What to measure, separated by commas: error, stability, left-out, editing, first-look, growth, backends [default: all of it]
+    /// What to measure, separated by commas: error, stability, left-out, editing, first-look, growth, estimators, backends [default: all of it]
     #[arg(long, value_name = "PARTS", value_delimiter = ',')]
     pub only: Vec<Part>,
     /// Whether a graphics processor is measured beside the CPU, which renders everything else: cpu (no), auto (where it is real hardware), or

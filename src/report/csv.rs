@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::backends::ModeBackends;
 use super::data::Report;
+use super::estimators::{Level, WayErrors};
 use super::growth::Exponent;
 use super::stability::Measurement;
 use super::timing::Ratio;
@@ -48,6 +49,7 @@ pub fn tables(report: &Report) -> Vec<Table> {
         left_out(report),
         editing(report),
         first_look(report),
+        estimators(report),
         backends(report),
         frames(report),
         growth(report),
@@ -177,6 +179,33 @@ fn editing(report: &Report) -> Option<Table> {
         ("pane_height", "pixels down a pane"),
     ];
     Table::new("editing.csv", "How long the picture takes to follow an edit", columns, rows)
+}
+
+fn estimators(report: &Report) -> Option<Table> {
+    let measured = report.scenes.iter().filter_map(|scene| Some((&scene.name, scene.estimators.as_ref()?)));
+    let rows = measured.flat_map(|(scene, found)| {
+        let of_way = move |one: &WayErrors| {
+            let (estimator, adaptive, chosen) = (one.way.estimator, one.way.adaptive, found.chosen);
+            let of_level = |level: &Level| {
+                (scene, estimator, adaptive, chosen, found.size, level.samples, level.secs, level.relmse, level.trimmed)
+            };
+            one.levels.iter().map(of_level).collect::<Vec<_>>()
+        };
+        found.ways.iter().flat_map(of_way).collect::<Vec<_>>()
+    });
+    let columns = [
+        ("scene", "name of the scene"),
+        ("estimator", "how light is transported"),
+        ("adaptive", "whether samples go where they matter"),
+        ("chosen", "the estimator that `auto` chooses, which has made the truth"),
+        ("width", "pixels across"),
+        ("height", "pixels down"),
+        ("samples", "samples per pixel"),
+        ("secs", "seconds of rendering, mean over the runs"),
+        ("relmse", "mean squared error relative to radiance, mean over the runs"),
+        ("relmse_trimmed", "the same without the worst 0.1 % of the pixels"),
+    ];
+    Table::new("estimators.csv", "Error against time of each estimator", columns, rows)
 }
 
 fn backends(report: &Report) -> Option<Table> {

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::backends::Backends;
 use super::editing::Editing;
+use super::estimators::Estimators;
 use super::experiment::SceneErrors;
 use super::first_look::FirstLook;
 use super::frame_times::FrameTimes;
@@ -59,6 +60,7 @@ pub struct SceneReport {
     pub left_out: Option<LeftOut>,
     pub editing: Option<Editing>,
     pub first_look: Option<FirstLook>,
+    pub estimators: Option<Estimators>,
     pub backends: Option<Backends>,
 }
 

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::backends::BackendsPlan;
 use super::editing::EditingPlan;
+use super::estimators::EstimatorsPlan;
 use super::experiment::Effort;
 use super::first_look::{self, FirstLookPlan};
 use super::growth::{GrowthPlan, Timing};
@@ -40,6 +41,7 @@ pub struct Extent {
     pub left_out: LeftOutPlan,
     pub editing: EditingPlan,
     pub first_look: FirstLookPlan,
+    pub estimators: EstimatorsPlan,
     pub backends: BackendsPlan,
     pub growth: GrowthPlan,
 }
@@ -61,6 +63,10 @@ fn sizes(triangles: u64, threads: usize) -> [Vec<u64>; 4] {
     [half_decades(1000, triangles), half_decades(1, 1000), half_decades(1, 10_000), doublings(threads)]
 }
 
+fn estimators(side: u32, secs: f64, seed: u64) -> EstimatorsPlan {
+    EstimatorsPlan { size: [side; 2], runs: 3, secs, most_samples: 1 << 16, truth_factor: 4, seed }
+}
+
 fn backends(size: [u32; 2], slices: usize, slice_secs: f64, seed: u64) -> BackendsPlan {
     BackendsPlan { size, compared_size: [128; 2], compared_samples: 4, seed, slices, slice_secs }
 }
@@ -76,6 +82,7 @@ impl Extent {
             left_out: LeftOutPlan { width: 96, height: 54, seed, pairs: 6, slice_secs: 0.02, each: false },
             editing: EditingPlan { size: PANE, edits: 3, within_secs: 0.1, backend: BackendChoice::Cpu },
             first_look: FirstLookPlan { size: [121, 108], converged_samples: 128, most_secs: 3.0, seed },
+            estimators: EstimatorsPlan { runs: 2, ..estimators(64, 0.1, seed) },
             backends: backends([512; 2], 3, 0.1, seed),
             growth: GrowthPlan {
                 sizes: sizes(1_000_000, threads),
@@ -94,6 +101,7 @@ impl Extent {
             left_out: LeftOutPlan { width: 192, height: 108, seed, pairs: 15, slice_secs: 0.25, each: true },
             editing: EditingPlan { size: PANE, edits: 12, within_secs: 0.7, backend: BackendChoice::Cpu },
             first_look: FirstLookPlan { size: first_look::PANE, converged_samples: 256, most_secs: 600.0, seed },
+            estimators: estimators(256, 4.0, seed),
             backends: backends([1024; 2], 7, 0.5, seed),
             growth: GrowthPlan {
                 sizes: sizes(10_000_000, threads),
@@ -122,6 +130,7 @@ impl Extent {
             left_out: LeftOutPlan { width: 16, height: 9, seed, pairs: 2, slice_secs: 1e-4, each: true },
             editing: EditingPlan { size: [32, 18], edits: 1, within_secs: 0.01, backend: BackendChoice::Cpu },
             first_look: FirstLookPlan { size: [24, 16], converged_samples: 64, most_secs: 1e9, seed },
+            estimators: EstimatorsPlan { most_samples: 4, truth_factor: 1, secs: 1e9, ..estimators(12, 1.0, seed) },
             backends: BackendsPlan { compared_size: [8; 2], compared_samples: 1, ..backends([8; 2], 1, 1e-5, seed) },
             growth: GrowthPlan {
                 sizes: [(0..6).map(|k| 500 << k).collect(), few.clone(), few, doublings(threads.min(2))],

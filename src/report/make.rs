@@ -10,6 +10,7 @@ use serde::de::DeserializeOwned;
 use super::backends;
 use super::data::{Origin, Report, SceneReport};
 use super::editing::{self, EditingError};
+use super::estimators;
 use super::experiment::{ExperimentError, scene_errors};
 use super::extent::{Extent, StabilityPlan};
 use super::first_look;
@@ -41,12 +42,21 @@ pub enum Part {
     Editing,
     FirstLook,
     Growth,
+    Estimators,
     Backends,
 }
 
 impl Part {
-    pub const ALL: [Self; 7] =
-        [Self::Error, Self::Stability, Self::LeftOut, Self::Editing, Self::FirstLook, Self::Growth, Self::Backends];
+    pub const ALL: [Self; 8] = [
+        Self::Error,
+        Self::Stability,
+        Self::LeftOut,
+        Self::Editing,
+        Self::FirstLook,
+        Self::Growth,
+        Self::Estimators,
+        Self::Backends,
+    ];
 
     /// As on the command line.
     pub fn name(self) -> &'static str {
@@ -57,6 +67,7 @@ impl Part {
             Self::Editing => "editing",
             Self::FirstLook => "first-look",
             Self::Growth => "growth",
+            Self::Estimators => "estimators",
             Self::Backends => "backends",
         }
     }
@@ -187,6 +198,7 @@ fn weight_of(request: &Request) -> f64 {
         + has(Part::LeftOut) * LEFT_OUT
         + has(Part::Editing) * EDITING
         + has(Part::FirstLook) * FIRST_LOOK
+        + has(Part::Estimators) * ESTIMATORS
         + backends;
     let checks = stability::cases().len().min(request.extent.stability.cases)
         + stability::sweeps().len().min(request.extent.stability.sweeps)
@@ -200,6 +212,7 @@ const PICTURES: f64 = 1.0;
 const LEFT_OUT: f64 = 0.5;
 const EDITING: f64 = 1.0;
 const FIRST_LOOK: f64 = 5.0;
+const ESTIMATORS: f64 = 3.0;
 const BACKENDS: f64 = 6.0;
 const CHECK: f64 = 0.4;
 /// Largest weight of error against time.
@@ -245,6 +258,11 @@ fn scene(
             Ok(first_look::measure(prepared, &camera, &first_look::modes(description), &extent.first_look, progress)?)
         })
     })?;
+    let estimators = request.asks_for(Part::Estimators, || {
+        tally.piece([name, "each estimator"], ESTIMATORS, "estimators", &(fingerprint, extent.estimators), |progress| {
+            Ok(estimators::measure(prepared, &camera, &extent.estimators, progress)?)
+        })
+    })?;
     let backends = request.measured_adapter().map(|adapter| {
         let inputs = (fingerprint, extent.backends, &adapter.label);
         tally.piece([name, "both backends"], BACKENDS, "backends", &inputs, |progress| {
@@ -275,6 +293,7 @@ fn scene(
         left_out,
         editing,
         first_look,
+        estimators,
         backends,
     })
 }

@@ -8,6 +8,7 @@ pub mod backends;
 pub mod csv;
 pub mod data;
 pub mod editing;
+pub mod estimators;
 pub mod experiment;
 pub mod extent;
 pub mod first_look;

@@ -3,7 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::words::{bytes, fixed, time};
-use super::{backends, editing, files, first_look, growth, left_out, scenes, stability, summary};
+use super::{backends, editing, estimators, files, first_look, growth, left_out, scenes, stability, summary};
 use crate::report::csv::Table;
 use crate::report::data::{Origin, Report};
 
@@ -20,6 +20,7 @@ pub fn html(report: &Report, tables: &[Table]) -> String {
         ("left-out", "What was left out", left_out::section(report)),
         ("first-look", "First look", first_look::section(report)),
         ("editing", "From an edit to the picture", editing::section(report)),
+        ("estimators", "Estimators", estimators::section(report)),
         ("backends", "CPU and graphics processor", backends::section(report)),
         ("growth", "Growth", (!report.growth.is_empty()).then(|| growth::section(report))),
         ("files", "Files, and how to make them again", Some(files::section(report, tables))),

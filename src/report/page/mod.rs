@@ -3,6 +3,7 @@
 mod backends;
 mod editing;
 mod errors;
+mod estimators;
 mod files;
 mod first_look;
 mod frame;
