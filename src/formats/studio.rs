@@ -38,7 +38,7 @@ pub(super) fn around(path: &Path, mesh: Mesh, notes: Vec<LoadNote>) -> Result<De
     let mut objects = Objects::default();
     let shape = Shape::Mesh { path, mesh: Arc::new(mesh), notes };
     objects.push(Object::new(stem.clone(), shape, Refractor { smooth: is_smooth, ..Refractor::of("glass") }));
-    let checker = Paint::Checker { a: [0.55; 3], b: [0.35; 3], size: 0.5 * radius };
+    let checker = Paint::Checker { a: [0.42; 3], b: [0.3; 3], size: 0.5 * radius };
     let reach = 40.0 * radius;
     let name = |name: &str| if name == stem { format!("{name} 2") } else { name.to_owned() };
     objects.push(Object::new(name("floor"), quad(floor, DVec3::Z * reach, DVec3::X * reach), Solid::of(checker)));
@@ -46,7 +46,7 @@ pub(super) fn around(path: &Path, mesh: Mesh, notes: Vec<LoadNote>) -> Result<De
     let away = (softbox - center).normalize();
     let across = DVec3::Y.cross(away).normalize();
     let sheet = quad(softbox, away.cross(across) * 1.6 * radius, across * 2.2 * radius);
-    objects.push(Object::new(name("softbox"), sheet, Light::of_radiance([9.0, 8.7, 8.2])));
+    objects.push(Object::new(name("softbox"), sheet, Light::of_radiance([8.0, 7.7, 7.2])));
     let distance = 1.1 * radius / (VERTICAL_FOV.to_radians() / 2.0).sin();
     Ok(Description {
         name: stem,
@@ -59,7 +59,7 @@ pub(super) fn around(path: &Path, mesh: Mesh, notes: Vec<LoadNote>) -> Result<De
             focus_distance: None,
         },
         world: WorldMedium { ior: Ior::Constant(1.0), absorption: [0.0; 3] },
-        environment: Environment::Gradient { zenith: [0.9, 0.95, 1.0], horizon: [0.45, 0.47, 0.5], nadir: [0.2; 3] },
+        environment: Environment::Gradient { zenith: [0.5, 0.54, 0.6], horizon: [0.22, 0.23, 0.25], nadir: [0.1; 3] },
         media: vec![Medium { name: "glass".into(), ior: glass, absorption: [0.0; 3] }],
         objects,
         source: None,
