@@ -151,6 +151,7 @@ impl App {
         let has_samples = |content: &&PaneContent| !matches!(content, PaneContent::Slice(_));
         let counts = panes.iter().filter(has_samples).map(|content| self.viewport.source(*content).samples());
         let mut text = crate::export::metadata(&report.prepared, &modes, counts.min().unwrap_or(0), 0);
+        text.extend(self.state.estimator().filter(|_| !modes.is_empty()).map(crate::export::estimator));
         let titles: Vec<String> = panes.iter().map(ToString::to_string).collect();
         text.push(("Panes".to_owned(), titles.join("; ")));
         for id in

@@ -379,7 +379,8 @@ fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
     };
     let modes: Vec<Mode> = films.iter().map(|film| film.mode).collect();
     let samples = films.iter().map(|film| film.samples).min().unwrap_or(0);
-    let text = export::metadata(&job.prepared, &modes, samples, job.seed);
+    let mut text = export::metadata(&job.prepared, &modes, samples, job.seed);
+    text.push(export::estimator(first.estimator));
     match job.kind {
         ExportKind::PaneExr => export::exr(&job.path, &picture_of(first), &text),
         ExportKind::PanePng if films.len() == 1 && truth.is_none() => {

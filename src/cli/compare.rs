@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::arguments::CompareArguments;
 use super::image::{DEFAULT_SPP, ImageReport, Job, Rendered, mega_samples_per_second, output_path};
 use super::table::Table;
-use super::{Failure, print, print_json};
+use super::{Failure, by_estimator, print, print_json};
 use crate::export::escape::{short_name, shown};
 use crate::export::words::{brief, duration, events_in_words};
 use crate::export::{self, Comparison, Format, LabelledPane, Picture};
@@ -127,12 +127,14 @@ fn write_picture(
     let modes: Vec<Mode> = rendered.iter().map(|image| image.mode).collect();
     let mut text = export::metadata(&job.prepared, &modes, rendered[0].film.samples, seed);
     text.push(job.renderer(rendered));
+    text.push(export::estimator(job.estimator));
     export::image_png(path, &sheet, &text).map_err(Failure::output)
 }
 
-/// The graphics processor, where one was used.
+/// The estimator, where it is no usual one, and the graphics processor, where one was used.
 fn by(job: &Job<'_>, rendered: &[Rendered]) -> String {
-    job.adapter(rendered).map_or_else(String::new, |adapter| format!(" · {}", short_name(adapter)))
+    let adapter = job.adapter(rendered).map_or_else(String::new, |adapter| format!(" · {}", short_name(adapter)));
+    by_estimator(job.estimator) + &adapter
 }
 
 fn summary(job: &Job<'_>, rendered: &[Rendered], differences: &[PairDifference], output: Option<&Path>) -> String {

@@ -123,9 +123,10 @@ fn write(path: &Path, merged: &Partial, display: &Display) -> Result<(), Failure
         Format::Png => {
             let recipe = &merged.recipe;
             let picture = Picture { width: recipe.width, height: recipe.height, rgb: merged.to_rgb() };
-            let ImageSettings { mode, backend, seed, .. } = recipe.settings;
+            let ImageSettings { mode, backend, estimator, seed, .. } = recipe.settings;
             let mut text = export::metadata_for_media(&recipe.scene, &[], &[mode], merged.samples(), seed);
             text.push(export::renderer(&[backend], recipe.adapter.as_deref()));
+            text.push(export::estimator(estimator));
             export::png(path, &picture, display, &text)
         }
     }

@@ -27,6 +27,7 @@ use clap::Parser;
 use self::arguments::{Arguments, Command};
 use crate::export::ExportError;
 use crate::export::escape::{elided, escaped_json, escaped_lines};
+use crate::render::Estimator;
 use crate::scene::SceneError;
 use crate::writing::clean_up_when_interrupted;
 
@@ -132,6 +133,11 @@ fn shell_word(word: &str) -> String {
 fn not_yet(command: &str) -> Result<ExitCode, Failure> {
     let advice = "see `iorect --help` for those that are";
     Err(Failure::wrong(format!("the command `{command}` is not yet supported; {advice}")))
+}
+
+/// The estimator in a heading, where it is another than paths from the camera.
+fn by_estimator(estimator: Estimator) -> String {
+    if estimator == Estimator::Path { String::new() } else { format!(" · {}", estimator.name()) }
 }
 
 /// The ending of a noun that is counted.

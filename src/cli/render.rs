@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use super::arguments::{RenderArguments, Switch};
 use super::image::{DEFAULT_SPP, ImageReport, Job, Rendered, Seconds, mega_samples_per_second, output_path};
-use super::{Failure, plural, print, print_json};
+use super::{Failure, by_estimator, plural, print, print_json};
 use crate::export::escape::{short_name, shown};
 use crate::export::tev::{PATIENCE, Tev};
 use crate::export::words::{brief, duration, events_in_words};
@@ -53,6 +53,7 @@ pub fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
         } else {
             let mut text = export::metadata(&job.prepared, &[arguments.mode], rendered.film.samples, image.seed);
             text.push(job.renderer(std::slice::from_ref(&rendered)));
+            text.push(export::estimator(job.estimator));
             export::save(path, &Picture::from(&rendered.film), &job.display(), &text).map_err(Failure::output)?;
         }
     }
@@ -77,7 +78,8 @@ fn summary(job: &Job<'_>, rendered: &Rendered, output: Option<&std::path::Path>)
     let [load, bvh, rectify, render] = [load, bvh, rectify, render].map(duration);
     let left_out = if report.left_out.is_empty() { "nothing".into() } else { report.left_out.join(", ") };
     let scene = short_name(&job.prepared.description.name);
-    let mut text = format!("{scene} · {mode} · {width}×{height} · {spp} spp · seed {seed}\n");
+    let by = by_estimator(report.settings.estimator);
+    let mut text = format!("{scene} · {mode}{by} · {width}×{height} · {spp} spp · seed {seed}\n");
     let compile = report.adapter.map_or_else(String::new, |_| format!(" · compile {}", duration(compile)));
     text += &format!("  time      load {load} · tree {bvh} · rectify {rectify}{compile} · render {render}\n");
     let by = match report.settings.backend {

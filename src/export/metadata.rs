@@ -1,7 +1,7 @@
 //! What a picture shows, in words that travel with it.
 
 use super::escape::escaped;
-use crate::render::Backend;
+use crate::render::{Backend, Estimator};
 use crate::scene::{MediumId, SceneMedium};
 use crate::tracking::Mode;
 use crate::tracking::Prepared;
@@ -47,6 +47,11 @@ pub fn renderer(backends: &[Backend], adapter: Option<&str>) -> (String, String)
     let cpu = has(Backend::Cpu).then_some("CPU");
     let words: Vec<&str> = gpu.into_iter().chain(cpu).collect();
     ("Renderer".to_owned(), escaped(&words.join(" and ")).into_owned())
+}
+
+/// How light was transported, for [`metadata`].
+pub fn estimator(estimator: Estimator) -> (String, String) {
+    ("Estimator".to_owned(), estimator.name().to_owned())
 }
 
 /// As few digits as tell the IOR apart from its neighbours at nine decimals: 1 + (n − 1) must not read 1.3329999999999997.

@@ -20,7 +20,7 @@ pub mod words;
 
 pub use comparison::{Comparison, LabelledPane, comparison};
 pub use error::ExportError;
-pub use metadata::{metadata, metadata_for_media, renderer};
+pub use metadata::{estimator, metadata, metadata_for_media, renderer};
 pub use picture::{Format, Picture, exr, image_png, png, png_bytes, save};
 pub use slices::slices;
 pub use sums::{Head, SumsError, read_sums, read_sums_head, write_sums};
