@@ -8,8 +8,10 @@ use crate::scene::ObjectId;
 use crate::scene::lights::{EmittedRay, Light};
 use crate::tracking::Tracker;
 
-/// Probability of the environment where there are emitters too. Neither is known to bring more to what the camera sees.
-const ENVIRONMENT_SHARE: f64 = 0.5;
+/// Probability of the environment where there are emitters too: of an image, which may have a sun in it, and of light that is the same all around,
+/// which paths from the camera meet without any help.
+const IMAGE_SHARE: f64 = 0.5;
+const EVEN_SHARE: f64 = 0.1;
 
 /// A light of a scene, with the probabilities that it is chosen.
 #[derive(Debug, Clone, Copy)]
@@ -36,7 +38,8 @@ impl<T: Tracker> TrackedScene<'_, T> {
         match (is_dark, scene.emitters.is_empty()) {
             (true, _) => 0.0,
             (false, true) => 1.0,
-            (false, false) => ENVIRONMENT_SHARE,
+            (false, false) if scene.environment.is_image() => IMAGE_SHARE,
+            (false, false) => EVEN_SHARE,
         }
     }
 
