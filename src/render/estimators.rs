@@ -58,5 +58,7 @@ pub fn caustic_noise(prepared: &Prepared, camera: &Camera) -> CausticNoise {
     let mut film = Film::new(SIDE, SIDE);
     super::cpu::Cpu.pass(&task, &mut film, SAMPLES, &AtomicBool::new(false));
     let radiance: Vec<f64> = (0..film.sums.len()).map(|pixel| film.mean(pixel).element_sum() / 3.0).collect();
+    let settings = ImageSettings { estimator: Estimator::Merging, ..settings };
+    let task = RenderTask { settings: &settings, ..task };
     super::cpu::caustic_noise(&task, [SIDE; 2], LIGHT_PATHS, &radiance)
 }

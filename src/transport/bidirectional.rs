@@ -12,6 +12,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 
+use super::aim::Aims;
 use super::connection::End;
 use super::dimension;
 use super::emission::ChosenLight;
@@ -54,6 +55,8 @@ pub struct Bidirectional<'a, T> {
     /// Local coordinates.
     pub camera: Camera,
     pub lens: &'a StartRegion,
+    /// What subpaths from lights are aimed at.
+    pub aims: &'a Aims,
     /// How a medium is found at a point; see [`crate::rectify::start`].
     pub ask: Ask<'a>,
     /// Width and height of the image in pixels.
@@ -184,8 +187,8 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         let sampler = Sampler::of(self.sequence, self.seed ^ LIGHT_SEED, pixel, sample);
         let (light, rest) = tracked.choose_light(sampler.get_1d(dimension::LIGHT_CHOICE))?;
         let [u, v] = sampler.get_2d(dimension::LIGHT_START);
-        let emitted = tracked.emit(&light, [rest, u, v], sampler.get_2d(dimension::LIGHT_DIRECTION))?;
-        let density = light.emission * emitted.pdf_position * emitted.pdf_direction;
+        let (aim, direction) = (sampler.get_1d(dimension::LIGHT_AIM), sampler.get_2d(dimension::LIGHT_DIRECTION));
+        let (emitted, density) = tracked.emit(&light, self.aims, aim, [rest, u, v], direction)?;
         let flux = emitted.radiance * (emitted.cosine / density);
         let start = self.start_from_light(&emitted);
         let mut walk = Walk::new(tracked.tracker, &start, sampler, Transport::Importance);
@@ -361,7 +364,8 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         let from = walk.last.map_or(walk.ray.origin, |(position, _)| position);
         // Nobody meets a light at a point, so the distance does not matter.
         let direct = self.tracked.direct_pdf(light, from, direction, point, 0.0);
-        let emission = self.tracked.emission_pdf(light, point.map_or(-direction, |point| point.normal), -direction);
+        let (place, normal) = point.map_or((walk.ray.origin, -direction), |point| (point.position, point.normal));
+        let emission = self.tracked.emission_pdf(light, self.aims, place, normal, -direction);
         power(direct) * walk.weights.connection + power(emission) * walk.weights.earlier
     }
 
@@ -428,7 +432,12 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         };
         let around = patch.and_then(|patch| patch.outside);
         events.inconsistent += u64::from(around.is_some_and(|m| !tracked.scene.is_consistent(arrival.medium, m)));
-        let emission = tracked.emission_pdf(light, arrival.point.map_or(-wi, |point| point.normal), -wi);
+        let (place, normal) = match (arrival.point, sample.target) {
+            (Some(point), _) => (point.position, point.normal),
+            (None, Target::Point { distance }) => (vertex.point.position + wi * distance, -wi),
+            (None, _) => (vertex.point.position, -wi),
+        };
+        let emission = tracked.emission_pdf(light, self.aims, place, normal, -wi);
         let cosine = wi.dot(normals.face).abs();
         let by_scattering = if sample.is_delta { 0.0 } else { power(scattering.pdf(normals, wo, wi) / sample.pdf) };
         // Of a light at a point, in the units of [`TrackedScene::direct_pdf`].

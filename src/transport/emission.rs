@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
+use super::aim::{Aims, SHARE};
 use super::interaction::TrackedScene;
-use crate::geometry::SurfacePoint;
+use crate::geometry::{Ray, SurfacePoint};
 use crate::scene::ObjectId;
 use crate::scene::lights::{EmittedRay, Light};
 use crate::tracking::Tracker;
@@ -96,20 +97,92 @@ impl<T: Tracker> TrackedScene<'_, T> {
         light.direct * pdf
     }
 
-    /// Density with which subpaths begin at a light along unit `direction`, over the cosine to the `normal` of the surface that they start from,
-    /// which is across `direction` for all lights but those with a surface. In the same units as [`Self::direct_pdf`].
-    pub fn emission_pdf(&self, light: &ChosenLight<'_>, normal: DVec3, direction: DVec3) -> f64 {
-        let [position, mut of_direction] = light.light.pdf_ray(&self.scene.geometry, normal, direction);
+    /// Density with which subpaths begin at `light` along the line from `place` in unit `direction`, in the units of [`Self::direct_pdf`]. `place` is
+    /// where the light stands; of light from afar any point of the line. `normal` is that of the light's surface, if it has one.
+    fn emission_density(
+        &self,
+        light: &ChosenLight<'_>,
+        aims: &Aims,
+        place: DVec3,
+        normal: DVec3,
+        direction: DVec3,
+    ) -> f64 {
+        let [mut of_place, mut of_direction] = light.light.pdf_ray(&self.scene.geometry, normal, direction);
         if light.light.is_delta_direction() {
             of_direction = 1.0;
         }
-        let cosine = if matches!(light.light, Light::Area(_)) { normal.dot(direction).abs() } else { 1.0 };
-        if cosine > 0.0 { light.emission * position * of_direction / cosine } else { 0.0 }
+        if !aims.is_empty() {
+            if is_afar(&light.light) {
+                of_place = (1.0 - SHARE) * of_place + SHARE * aims.pdf_place(place, direction);
+            } else {
+                let (aimed, none) = aims.pdf_direction(place, direction);
+                of_direction = (1.0 - SHARE + SHARE * none) * of_direction + SHARE * aimed;
+            }
+        }
+        light.emission * of_place * of_direction
     }
 
-    /// A ray that leaves a light, for numbers uniform in [0, 1).
-    pub fn emit(&self, light: &ChosenLight<'_>, start: [f64; 3], direction: [f64; 2]) -> Option<EmittedRay> {
-        let emitted = light.light.sample_ray(&self.scene.geometry, start, direction)?;
-        (emitted.cosine > 0.0 && emitted.pdf_position > 0.0 && emitted.pdf_direction > 0.0).then_some(emitted)
+    /// [`Self::emission_density`] over the cosine to `normal`; of a light without a surface over 1.
+    pub fn emission_pdf(
+        &self,
+        light: &ChosenLight<'_>,
+        aims: &Aims,
+        place: DVec3,
+        normal: DVec3,
+        direction: DVec3,
+    ) -> f64 {
+        let cosine = if matches!(light.light, Light::Area(_)) { normal.dot(direction).abs() } else { 1.0 };
+        if cosine > 0.0 { self.emission_density(light, aims, place, normal, direction) / cosine } else { 0.0 }
     }
+
+    /// A ray that leaves a light, for numbers uniform in [0, 1), and the density with which it does, per area and steradian.
+    pub fn emit(
+        &self,
+        light: &ChosenLight<'_>,
+        aims: &Aims,
+        aim: f64,
+        start: [f64; 3],
+        direction: [f64; 2],
+    ) -> Option<(EmittedRay, f64)> {
+        let geometry = &self.scene.geometry;
+        let mut emitted = light.light.sample_ray(geometry, start, direction)?;
+        if aim < SHARE && !aims.is_empty() {
+            let select = aim / SHARE;
+            if is_afar(&light.light) {
+                let along = emitted.ray.direction;
+                let place = aims.sample_place(along, select, [start[1], start[2]])?;
+                // In the plane from which all such rays start.
+                let origin = place - along * (place - emitted.ray.origin).dot(along);
+                emitted.ray = Ray { origin, ..emitted.ray };
+            } else if let Some(along) = aims.sample_direction(emitted.ray.origin, select, direction) {
+                emitted = aimed(light, emitted, along)?;
+            }
+        }
+        let EmittedRay { ray, cosine, .. } = emitted;
+        let normal = emitted.start.map_or(ray.direction, |point| point.normal);
+        let density = self.emission_density(light, aims, ray.origin, normal, ray.direction);
+        (cosine > 0.0 && density > 0.0 && !emitted.radiance.is_black()).then_some((emitted, density))
+    }
+}
+
+/// Whether light comes from beyond the scene.
+fn is_afar(light: &Light<'_>) -> bool {
+    matches!(light, Light::Directional(_) | Light::Environment(_))
+}
+
+/// The ray that leaves in another direction from where `emitted` does. `None` where the light does not shine there.
+fn aimed(light: &ChosenLight<'_>, mut emitted: EmittedRay, direction: DVec3) -> Option<EmittedRay> {
+    emitted.ray = Ray { direction, ..emitted.ray };
+    emitted.radiance = light.light.emitted(direction);
+    if let (Light::Area(area), Some(point)) = (light.light, &mut emitted.start) {
+        if point.normal.dot(direction) < 0.0 {
+            if !area.two_sided {
+                return None;
+            }
+            point.normal = -point.normal;
+            emitted.is_front = !emitted.is_front;
+        }
+        emitted.cosine = point.normal.dot(direction);
+    }
+    Some(emitted)
 }

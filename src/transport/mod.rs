@@ -12,6 +12,7 @@
 //! [`inspect`] tells one path vertex by vertex, [`parting`] where and why the paths of two modes part, and [`sampler`] has the random numbers
 //! of each.
 
+pub mod aim;
 pub mod bidirectional;
 pub mod caustics;
 pub mod connection;
@@ -44,6 +45,7 @@ pub mod dimension {
     pub const LIGHT_START: u32 = 0;
     pub const LIGHT_DIRECTION: u32 = 1;
     pub const LIGHT_CHOICE: u32 = u32::MAX;
+    pub const LIGHT_AIM: u32 = u32::MAX - 1;
 
     /// The first of the block of a segment, counted from 1.
     #[inline]

@@ -34,6 +34,7 @@ pub(super) fn bidirectional<'a, T>(
         table: &prepared.table,
         camera: view.camera,
         lens: &view.lens,
+        aims: &view.aims,
         ask: view.ask,
         size,
         max_depth: settings.max_depth.unwrap_or(u32::MAX),

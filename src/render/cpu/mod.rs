@@ -13,6 +13,7 @@ use crate::rectify::start::{Ask, StartRegion};
 use crate::scene::camera::Camera;
 use crate::scene::needs::SceneNeeds;
 use crate::tracking::{Tracker, WithTracker};
+use crate::transport::aim::Aims;
 use crate::transport::bidirectional::Bidirectional;
 use crate::transport::caustics::CausticNoise;
 use crate::transport::interaction::TrackedScene;
@@ -75,6 +76,8 @@ struct View<'a, T> {
     camera: Camera,
     lens: StartRegion,
     ask: Ask<'a>,
+    /// What subpaths from lights are aimed at.
+    aims: Aims,
 }
 
 fn with_view<T: Tracker, R>(task: &RenderTask<'_>, tracker: &T, work: impl FnOnce(View<'_, T>) -> R) -> R {
@@ -86,5 +89,6 @@ fn with_view<T: Tracker, R>(task: &RenderTask<'_>, tracker: &T, work: impl FnOnc
     let camera = Camera { position: camera.position - scene.geometry.origin, ..*camera };
     let ask = |point| tracker.medium_at(point).unwrap_or_else(|| medium_at(scene, point));
     let lens = StartRegion::by_asking(scene, camera.position, camera.aperture_radius, &ask);
-    work(View { tracked: TrackedScene { scene, tracker, needs }, camera, lens, ask: &ask })
+    let aims = if settings.estimator == Estimator::Path { Aims::default() } else { Aims::of(scene) };
+    work(View { tracked: TrackedScene { scene, tracker, needs }, camera, lens, ask: &ask, aims })
 }

@@ -14,7 +14,7 @@ use crate::transport::sampler::Sampler;
 impl Pass<'_, '_> {
     /// Adds samples by [`PathTracer`].
     pub(super) fn paths<T: Tracker>(self, view: &View<'_, T>) -> bool {
-        let View { tracked, camera, lens, ask } = view;
+        let View { tracked, camera, lens, ask, .. } = view;
         let settings = self.task.settings;
         let scene = tracked.scene;
         let tracer = PathTracer {
