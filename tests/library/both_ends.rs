@@ -430,3 +430,93 @@ fn images_made_elsewhere() {
         }
     }
 }
+
+/// Share of unpolarised light that goes through from a medium of index 1 into one of `n`, where it comes at `theta` and goes on at `behind`.
+fn through(n: f64, theta: f64, behind: f64) -> f64 {
+    let (a, b) = (theta.cos(), behind.cos());
+    let (s, p) = ((a - n * b) / (a + n * b), (n * a - b) / (n * a + b));
+    1.0 - (s * s + p * p) / 2.0
+}
+
+/// Irradiance over the intensity of a light at a point, at a distance `rho` from its foot, on a plane behind a flat surface: `above` the surface the
+/// light, `below` it the plane, where the index is `n` times as large.
+fn behind_flat_surface(n: f64, above: f64, below: f64, rho: f64) -> f64 {
+    let refracted = |theta: f64| (theta.sin() / n).asin();
+    let reach = |theta: f64| above * theta.tan() + below * refracted(theta).tan();
+    // Light from the denser side arrives up to the critical angle.
+    let (mut low, mut high) = (0.0, if n < 1.0 { n.asin() } else { std::f64::consts::FRAC_PI_2 } - 1e-9);
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if reach(middle) < rho { low = middle } else { high = middle }
+    }
+    let theta = 0.5 * (low + high);
+    let behind = refracted(theta);
+    let slope = above / theta.cos().powi(2) + below * theta.cos() / (n * behind.cos().powi(3));
+    let transmitted = if n >= 1.0 {
+        through(n, theta, behind)
+    } else {
+        // The same both ways.
+        through(1.0 / n, behind, theta)
+    };
+    transmitted * theta.sin() / (rho * slope)
+}
+
+/// Light at a point that reaches a plane through interfaces, by closed forms: into water, out of it, and out of the middle of concentric balls.
+#[test]
+fn light_at_a_point_through_interfaces() {
+    // Dark, so that hardly any light comes back to it.
+    const ALBEDO: f64 = 0.05;
+    // The closed form itself, against figures worked out elsewhere.
+    for (n, rho, expected) in [(1.333, 0.5, 0.2924695132), (1.333, 2.0, 0.1083298287), (1.0 / 1.333, 1.0, 0.1202921708)]
+    {
+        let found = behind_flat_surface(n, 1.0, 1.0, rho);
+        assert!((found / expected - 1.0).abs() < 1e-6, "{n}, {rho}: {found}");
+    }
+    let water = |description: &mut Description, bottom: f64| {
+        let (min, max) = (DVec3::new(-4.0, bottom, -4.0), DVec3::new(4.0, 0.0, 4.0));
+        add(description, Shape::Box { min, max }, 1.333, 0.0);
+    };
+    let balls = |description: &mut Description| {
+        for (radius, ior) in [(0.8, 1.5), (0.6, 1.0), (0.5, 1.333)] {
+            add(description, sphere(DVec3::new(0.0, 1.0, 0.0), radius), ior, 0.0);
+        }
+    };
+    // Where the light is, on which height the plane, where the camera, how much light arrives.
+    type Case<'a> = (&'a str, &'a dyn Fn(&mut Description), f64, f64, f64, &'a dyn Fn(f64) -> f64);
+    let cases: [Case<'_>; 3] = [
+        ("into water", &|d| water(d, -1.2), 1.0, -1.0, -0.3, &|rho| behind_flat_surface(1.333, 1.0, 1.0, rho)),
+        ("out of water", &|d| water(d, -2.0), -1.0, 1.0, 0.3, &|rho| behind_flat_surface(1.0 / 1.333, 1.0, 1.0, rho)),
+        ("out of balls", &balls, 1.0, -0.5, -0.1, &|rho| 1.5 / (1.5_f64.powi(2) + rho * rho).powf(1.5)),
+    ];
+    for (name, fill, light, plane, camera, expected) in cases {
+        let mut description = empty(1.0);
+        description.environment = Environment::Color([0.0; 3]);
+        fill(&mut description);
+        let screen = Shape::Quad { center: DVec3::Y * plane, edge_u: DVec3::Z * 7.0, edge_v: DVec3::X * 7.0 };
+        description.objects.push(Object::new("screen", screen, Solid::of(Paint::Color([ALBEDO; 3]))));
+        let emission = Emission { quantity: Quantity::Intensity, rgb: [1.0; 3] };
+        let at = Shape::Point { position: DVec3::Y * light };
+        description.objects.push(Object::new("light", at, Light { emission, two_sided: false }));
+        description.camera.position = DVec3::new(0.9, camera, 0.1);
+        description.camera.target = DVec3::new(0.6, plane, 0.0);
+        description.camera.vertical_fov = 70.0;
+        let camera = Camera::new(&description.camera).unwrap();
+        let prepared = ready(description);
+        let (width, height) = (64, 64);
+        // Of flat surfaces the closed form is that of light which goes through once; balls let everything out in the end.
+        let max_depth = (name != "out of balls").then_some(3);
+        for estimator in BOTH_ENDS {
+            let film = Way { max_depth, ..Way::of(estimator) }.film(&prepared, (width, height), 96);
+            let (mut measured, mut truth) = (0.0, 0.0);
+            for pixel in 0..film.sums.len() {
+                let place = DVec2::new((pixel as u32 % width) as f64 + 0.5, (pixel as u32 / width) as f64 + 0.5);
+                let ray = camera.ray(place, DVec2::new(width.into(), height.into()), DVec2::ZERO);
+                let hit = ray.at((plane - ray.origin.y) / ray.direction.y);
+                measured += film.mean(pixel).y * std::f64::consts::PI / ALBEDO;
+                truth += expected(hit.x.hypot(hit.z));
+            }
+            let ratio = measured / truth;
+            assert!((ratio - 1.0).abs() < 0.03, "{name}, {estimator:?}: {ratio}");
+        }
+    }
+}
