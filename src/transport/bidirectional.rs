@@ -417,30 +417,27 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         if scattered.is_black() {
             return Spectrum::ZERO;
         }
-        let (end, distance) = match sample.target {
-            Target::Environment => (End::Escape, 1.0),
-            Target::Surface { primitive, .. } => (End::Surface(primitive), 1.0),
-            Target::Point { distance } => (End::Point(distance), distance),
-        };
-        let Some(arrival) = tracked.connect_from(vertex, wi, end, &walk.traveller(), room) else {
+        let Some(arrival) = tracked.connect_from(vertex, wi, sample.target.into(), &walk.traveller(), room) else {
             return Spectrum::ZERO;
         };
+        let point = arrival.point(&tracked.scene.geometry);
         // The medium that rectification found around the light.
-        let patch = match arrival.point {
+        let patch = match point {
             Some(point) => self.table.patch_of(&tracked.scene.geometry, point.primitive),
             None => light.light.object().and_then(|object| self.table.place_of(object)),
         };
         let around = patch.and_then(|patch| patch.outside);
         events.inconsistent += u64::from(around.is_some_and(|m| !tracked.scene.is_consistent(arrival.medium, m)));
-        let (place, normal) = match (arrival.point, sample.target) {
+        // Densities of a light at a point are per squared distance: see [`TrackedScene::direct_pdf`].
+        let distance = if let Target::Point { distance } = sample.target { distance } else { 1.0 };
+        let (place, normal) = match (point, sample.target) {
             (Some(point), _) => (point.position, point.normal),
-            (None, Target::Point { distance }) => (vertex.point.position + wi * distance, -wi),
+            (None, Target::Point { .. }) => (vertex.point.position + wi * distance, -wi),
             (None, _) => (vertex.point.position, -wi),
         };
         let emission = tracked.emission_pdf(light, self.aims, place, normal, -wi);
         let cosine = wi.dot(normals.face).abs();
         let by_scattering = if sample.is_delta { 0.0 } else { power(scattering.pdf(normals, wo, wi) / sample.pdf) };
-        // Of a light at a point, in the units of [`TrackedScene::direct_pdf`].
         let direct = sample.pdf * distance * distance;
         let from_light = power(emission * cosine / direct) * walk.weights.before(scattering.pdf(normals, wi, wo), 0.0);
         let weight = 1.0 / (1.0 + by_scattering + from_light);

@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::interaction::{Interaction, TrackedScene, Traveller, Vertex};
-use crate::geometry::{PrimitiveId, Ray, SurfacePoint};
+use crate::geometry::{Geometry, Hit, PrimitiveId, Ray, SurfacePoint};
+use crate::scene::lights::Target;
 use crate::scene::{MediumId, ObjectId};
 use crate::spectrum::Spectrum;
 use crate::tracking::{Events, Tracker};
@@ -19,6 +20,16 @@ pub enum End {
     Escape,
 }
 
+impl From<Target> for End {
+    fn from(target: Target) -> Self {
+        match target {
+            Target::Surface { primitive, .. } => Self::Surface(primitive),
+            Target::Environment => Self::Escape,
+            Target::Point { distance } => Self::Point(distance),
+        }
+    }
+}
+
 /// How light arrives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrival {
@@ -26,8 +37,15 @@ pub struct Arrival {
     pub transmittance: Spectrum,
     /// The medium that it arrives in.
     pub medium: MediumId,
-    /// Where, if on an object.
-    pub point: Option<SurfacePoint>,
+    /// What has met the end, and where, if it is on a surface.
+    hit: Option<(Ray, Hit)>,
+}
+
+impl Arrival {
+    /// The place on a surface.
+    pub fn point(&self, geometry: &Geometry) -> Option<SurfacePoint> {
+        self.hit.map(|(ray, hit)| geometry.surface(&ray, &hit))
+    }
 }
 
 impl<T: Tracker> TrackedScene<'_, T> {
@@ -69,7 +87,7 @@ impl<T: Tracker> TrackedScene<'_, T> {
         let can_pass = self.needs.index_matching || self.tracker.can_skip();
         let arrive = |transmittance: Spectrum, medium, ray: &Ray, t| {
             let transmittance = transmittance * self.transmittance(medium, ray, t);
-            Some(Arrival { transmittance, medium, point: None })
+            Some(Arrival { transmittance, medium, hit: None })
         };
         let reach = match end {
             End::Escape => Some(f64::INFINITY),
@@ -93,8 +111,8 @@ impl<T: Tracker> TrackedScene<'_, T> {
                 return reach.and_then(|reach| arrive(transmittance, medium, &ray, reach));
             };
             if end == End::Surface(hit.primitive) {
-                let point = Some(scene.geometry.surface(&ray, &hit));
-                return arrive(transmittance, medium, &ray, hit.t).map(|arrival| Arrival { point, ..arrival });
+                let arrival = arrive(transmittance, medium, &ray, hit.t);
+                return arrival.map(|arrival| Arrival { hit: Some((ray, hit)), ..arrival });
             }
             if !can_pass || !scene.is_refractor(ObjectId(scene.geometry.object_of(hit.primitive))) {
                 return None;

@@ -3,14 +3,14 @@
 use glam::DVec3;
 
 use super::dimension;
-use super::interaction::{Interaction, TrackedScene, Traveller, Vertex};
+use super::interaction::{TrackedScene, Traveller, Vertex};
 use super::sampler::Sampler;
 use crate::geometry::SurfacePoint;
 use crate::scatter::Transport;
 use crate::scene::ObjectId;
 use crate::scene::lights::{DirectSample, Target};
 use crate::spectrum::Spectrum;
-use crate::tracking::{Events, Tracker};
+use crate::tracking::Tracker;
 
 impl<T: Tracker> TrackedScene<'_, T> {
     /// Light that reaches `vertex` directly and leaves it along `wo`, by sampling lights. `traveller` is the path before the vertex, and `shadow`
@@ -65,88 +65,14 @@ impl<T: Tracker> TrackedScene<'_, T> {
         if scattered.is_black() {
             return Spectrum::ZERO;
         }
-        let Some(transmittance) = self.visibility(vertex, sample, traveller, shadow) else { return Spectrum::ZERO };
+        let Some(arrival) = self.connect_from(vertex, sample.direction, sample.target.into(), traveller, shadow) else {
+            return Spectrum::ZERO;
+        };
         let weight = match sample.is_delta {
             true => 1.0,
             false => power_heuristic(sample.pdf, scattering.pdf(normals, wo, sample.direction)),
         };
-        sample.radiance * transmittance * scattered * (weight / sample.pdf)
-    }
-
-    /// Transmittance from `vertex` to the light that was sampled, through surfaces that do not bend light and those that the mode skips; `None`
-    /// when something else is in the way.
-    #[inline]
-    fn visibility(
-        &self,
-        vertex: &Vertex,
-        sample: &DirectSample,
-        traveller: &Traveller<'_, T::State>,
-        shadow: &mut T::State,
-    ) -> Option<Spectrum> {
-        let scene = self.scene;
-        let mut ray = vertex.leave(sample.direction);
-        let mut medium = traveller.medium;
-        let mut has_state = false;
-        // Behind a refractor's surface, if its scattering function sends light there.
-        if let Some((crossing, sides)) = &vertex.crossing
-            && sample.direction.dot(vertex.normals.face) < 0.0
-        {
-            shadow.clone_from(traveller.state);
-            self.tracker.transmit(shadow, crossing);
-            (has_state, medium) = (true, sides.to);
-        }
-        // Whether the ray may pass through a refractor unbent, and so must look at each one it meets.
-        let can_pass = self.needs.index_matching || self.tracker.can_skip();
-        // How far nothing may be in the way; `None` to a surface, which is met itself.
-        let open_to = match sample.target {
-            Target::Environment => Some(f64::INFINITY),
-            Target::Point { distance } => Some(distance),
-            Target::Surface { .. } => None,
-        };
-        if let Some(distance) = open_to
-            && !can_pass
-        {
-            let is_open = match self.tracker.mask() {
-                Some(mask) => !scene.geometry.is_occluded_but(&ray, distance, mask),
-                None => !scene.geometry.is_occluded(&ray, distance),
-            };
-            return is_open.then(|| self.transmittance(medium, &ray, distance));
-        }
-        let mut transmittance = Spectrum::ONE;
-        loop {
-            let hit = self.closest(&ray);
-            if let Some(distance) = open_to
-                && hit.is_none_or(|hit| hit.t >= distance)
-            {
-                return Some(transmittance * self.transmittance(medium, &ray, distance));
-            }
-            let hit = hit?;
-            transmittance *= self.transmittance(medium, &ray, hit.t);
-            let object = ObjectId(scene.geometry.object_of(hit.primitive));
-            if let Target::Surface { object: target, primitive } = sample.target
-                && target == object
-            {
-                return (hit.primitive == primitive && scene.emits(object, hit.is_front)).then_some(transmittance);
-            }
-            if !can_pass || !scene.is_refractor(object) {
-                return None;
-            }
-            if !has_state {
-                shadow.clone_from(traveller.state);
-                has_state = true;
-            }
-            // Events are counted along camera paths only.
-            let here = Traveller { state: &*shadow, medium, ..*traveller };
-            match self.interaction(&ray, Some(&hit), &here, &mut Events::default()) {
-                Interaction::Grazes { ray: behind } => ray = behind,
-                Interaction::Passes { ray: behind, crossing, sides } => {
-                    medium = sides.map_or(medium, |sides| sides.to);
-                    self.tracker.transmit(shadow, &crossing);
-                    ray = behind;
-                }
-                Interaction::Escapes { .. } | Interaction::Emits { .. } | Interaction::Scatters(_) => return None,
-            }
-        }
+        sample.radiance * arrival.transmittance * scattered * (weight / sample.pdf)
     }
 
     /// Density per steradian with which the environment is sampled.
