@@ -283,24 +283,28 @@ fn a_cancelled_pass_loses_nothing() {
     let task = RenderTask { prepared: &scene, camera: &camera, settings: &settings };
     let mut whole = Film::new(96, 64);
     assert!(task.pass(&mut whole, 12, &AtomicBool::new(false)));
-    let mut film = Film::new(96, 64);
-    let mut cancelled = 0;
-    for attempt in 0.. {
-        let cancel = AtomicBool::new(false);
-        let slice = [5, 1, 4][attempt % 3].min(12 - film.samples);
-        std::thread::scope(|scope| {
-            scope.spawn(|| {
-                std::thread::sleep(std::time::Duration::from_micros(500 + 400 * attempt as u64));
-                cancel.store(true, std::sync::atomic::Ordering::Relaxed);
+    let interrupted = || {
+        let mut film = Film::new(96, 64);
+        let mut cancelled = 0;
+        for attempt in 0.. {
+            let cancel = AtomicBool::new(false);
+            let slice = [5, 1, 4][attempt % 3].min(12 - film.samples);
+            std::thread::scope(|scope| {
+                scope.spawn(|| {
+                    std::thread::sleep(std::time::Duration::from_micros(500 + 400 * attempt as u64));
+                    cancel.store(true, std::sync::atomic::Ordering::Relaxed);
+                });
+                cancelled += usize::from(!task.pass(&mut film, slice, &cancel));
             });
-            cancelled += usize::from(!task.pass(&mut film, slice, &cancel));
-        });
-        assert!(film.counts.chunks(96).all(|row| row.iter().all(|count| *count == row[0])), "a row is whole");
-        if film.samples == 12 {
-            break;
+            assert!(film.counts.chunks(96).all(|row| row.iter().all(|count| *count == row[0])), "a row is whole");
+            if film.samples == 12 {
+                break;
+            }
         }
-    }
-    assert!(cancelled > 0);
+        (cancelled > 0).then_some(film)
+    };
+    // On a busy machine the one who cancels may always come too late.
+    let film = (0..50).find_map(|_| interrupted()).expect("some pass is cancelled");
     assert_eq!((film.sums, film.counts), (whole.sums, whole.counts));
     assert_eq!(film.events, whole.events);
     assert!(film.ahead.iter().all(|ahead| *ahead == 0));
