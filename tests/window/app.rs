@@ -232,7 +232,7 @@ fn a_built_in_scene_is_opened_from_the_gallery() {
     let mut harness = window("nested-spheres");
     harness.key_press_modifiers(Modifiers::COMMAND, Key::B);
     harness.run_steps(3);
-    harness.get_by_label("plain-glass").click();
+    harness.get_by_label("camera-in-water").click();
     until(&mut harness, "it is open", |app| app.state().document.description().name != "Nested spheres");
     assert!(!harness.state().state().windows.gallery);
     until(&mut harness, "it is shown", every_pane_has_an_image);

@@ -23,10 +23,10 @@ fn the_scene_chooses_and_so_does_the_user() {
     let mut caustic = window(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/truth/B1.toml"));
     until(&mut caustic, "caustics are merged", |app| shows(app, Estimator::Merging));
     caustic.get_by_label("Merging: paths alone would hardly find the caustics.");
-    caustic.get_by_label("Paths").click();
+    caustic.get_by_label("Path").click();
     caustic.run_steps(3);
     until(&mut caustic, "paths render", |app| shows(app, Estimator::Path));
-    caustic.get_by_label("Both ends").click();
+    caustic.get_by_label("Bidir.").click();
     caustic.run_steps(3);
     until(&mut caustic, "both ends render", |app| shows(app, Estimator::Bidirectional));
     let words = serde_json::to_string(&caustic.state().state().settings).expect("settings are written");

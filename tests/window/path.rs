@@ -228,7 +228,7 @@ fn the_light_of_a_lamp_is_followed() {
     for mode in [Mode::Stack, Mode::Rectified] {
         assert_eq!(light_of(&harness, mode).as_ref(), Some(&lamp));
     }
-    harness.get_by_label("Path of light");
+    harness.get_by_label("PATH OF LIGHT");
     let before = harness.state().state().path_options.seed;
     harness.get_by_label("Next sample").click();
     wait(&mut harness);

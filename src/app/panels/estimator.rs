@@ -13,15 +13,19 @@ const ABOUT: &str = "How light finds its way between the lights and the camera."
 const OPTIONS: [(EstimatorChoice, &str, &str); 4] = [
     (
         EstimatorChoice::Auto,
-        "Automatic",
+        "Auto",
         "Merging where caustics of small lights would be too noisy for paths from the camera, else those.",
     ),
-    (EstimatorChoice::Path, "Paths", "Paths from the camera, which look for lights where they scatter."),
-    (EstimatorChoice::Bidirectional, "Both ends", "Paths from the lights too, joined with those from the camera."),
+    (EstimatorChoice::Path, "Path", "Paths from the camera, which look for lights where they scatter."),
+    (
+        EstimatorChoice::Bidirectional,
+        "Bidir.",
+        "Bidirectional: paths from the lights too, joined with those from the camera.",
+    ),
     (
         EstimatorChoice::Merging,
         "Merging",
-        "Both ends, and light that has come to places nearby: for caustics seen through glass or water. Caustics are a little blurred at \
+        "Bidirectional, and light that has come to places nearby: for caustics seen through glass or water. Caustics are a little blurred at \
          first, less with every sample.",
     ),
 ];
@@ -41,7 +45,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 fn words(estimator: Estimator) -> &'static str {
     match estimator {
         Estimator::Path => "Paths: no caustics here that they cannot find.",
-        Estimator::Bidirectional => "Both ends.",
+        Estimator::Bidirectional => "Bidirectional.",
         Estimator::Merging => "Merging: paths alone would hardly find the caustics.",
     }
 }
