@@ -1,5 +1,6 @@
 //! How light is transported, chosen by the scene and by hand.
 
+use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use iorect::app::{App, Command, Settings};
@@ -23,11 +24,12 @@ fn the_scene_chooses_and_so_does_the_user() {
     let mut caustic = window(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/truth/B1.toml"));
     until(&mut caustic, "caustics are merged", |app| shows(app, Estimator::Merging));
     caustic.get_by_label("Merging: paths alone would hardly find the caustics.");
-    caustic.get_by_label("Path").click();
+    caustic.get_by_role_and_label(Role::ComboBox, "Light").click();
+    caustic.run_steps(3);
+    caustic.get_by_label("paths").click();
     caustic.run_steps(3);
     until(&mut caustic, "paths render", |app| shows(app, Estimator::Path));
-    caustic.get_by_label("Bidir.").click();
-    caustic.run_steps(3);
+    apply(&mut caustic, Command::SetEstimator(EstimatorChoice::Bidirectional));
     until(&mut caustic, "both ends render", |app| shows(app, Estimator::Bidirectional));
     let words = serde_json::to_string(&caustic.state().state().settings).expect("settings are written");
     assert!(words.contains(r#""estimator":"bidirectional""#), "{words}");

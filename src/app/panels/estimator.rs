@@ -4,7 +4,7 @@ use egui::Ui;
 
 use crate::app::command::Command;
 use crate::app::state::State;
-use crate::app::widgets::{note, row_ui, segmented_where_ui};
+use crate::app::widgets::{combo_ui, note, row_ui};
 use crate::render::{Estimator, EstimatorChoice};
 
 const NAME: &str = "Light";
@@ -13,10 +13,10 @@ const ABOUT: &str = "How light finds its way between the lights and the camera."
 const OPTIONS: [(EstimatorChoice, &str, &str); 4] = [
     (
         EstimatorChoice::Auto,
-        "Auto",
+        "automatic",
         "Merging where caustics of small lights would be too noisy for paths from the camera, else those.",
     ),
-    (EstimatorChoice::Path, "Path", "Paths from the camera, which look for lights where they scatter."),
+    (EstimatorChoice::Path, "paths", "Paths from the camera, which look for lights where they scatter."),
     (
         EstimatorChoice::Bidirectional,
         "Bidir.",
@@ -24,7 +24,7 @@ const OPTIONS: [(EstimatorChoice, &str, &str); 4] = [
     ),
     (
         EstimatorChoice::Merging,
-        "Merging",
+        "merging",
         "Bidirectional, and light that has come to places nearby: for caustics seen through glass or water. Caustics are a little blurred at \
          first, less with every sample.",
     ),
@@ -32,8 +32,16 @@ const OPTIONS: [(EstimatorChoice, &str, &str); 4] = [
 
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let chosen = state.settings.estimator;
-    let clicked = row_ui(ui, NAME, ABOUT, |ui| segmented_where_ui(ui, chosen, &OPTIONS, |_| true));
-    commands.extend(clicked.map(Command::SetEstimator));
+    let name = OPTIONS.iter().find(|(choice, ..)| *choice == chosen).map_or("", |(_, name, _)| name);
+    row_ui(ui, NAME, ABOUT, |ui| {
+        combo_ui(ui, "light", name, |ui| {
+            for (choice, name, about) in OPTIONS {
+                if ui.selectable_label(choice == chosen, name).on_hover_text(about).clicked() {
+                    commands.push(Command::SetEstimator(choice));
+                }
+            }
+        });
+    });
     if chosen == EstimatorChoice::Auto
         && let Some(estimator) = state.estimator()
     {
