@@ -127,6 +127,8 @@ fn shapes_and_lights_are_edited_by_typing() {
         assert!(harness.query_by_label(&format!("Move {name} along z")).is_some(), "{name} has a card");
     }
     apply(&mut harness, Command::Add(Addition::BallLight));
+    // Its card has a line more once it is known what the light stands in.
+    until(&mut harness, "the scene is prepared", |app| app.state().is_prepared());
     type_into(&mut harness, Role::SpinButton, "Strength of ball light", "7");
     let radiance =
         |harness: &Harness<'_, App>| scene(harness).objects.find("ball light").unwrap().light().unwrap().emission.rgb;

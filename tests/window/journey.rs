@@ -102,6 +102,8 @@ impl Journey {
                 && [Mode::Stack, Mode::Rectified]
                     .iter()
                     .all(|mode| verdicts.get(mode).is_some_and(|verdict| verdict.paths >= 1024))
+                // An edit's verdicts come after those of the scene before it.
+                && verdicts.get(&Mode::Stack).is_some_and(|verdict| !verdict.is_right())
         });
         assert_eq!(self.verdict(2).as_deref(), Some("right"));
         let wrong = self.verdict(1).expect("the stack has a verdict");
