@@ -89,6 +89,15 @@ pub enum Environment {
 }
 
 impl Description {
+    /// Whether it was read from `source`, edited since or not.
+    pub fn is_of(&self, source: Option<&Arc<Source>>) -> bool {
+        match (source, &self.source) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (None, None) => true,
+            _ => false,
+        }
+    }
+
     pub fn medium(&self, name: &str) -> Option<&Medium> {
         self.media.iter().find(|m| m.name == name)
     }

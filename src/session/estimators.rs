@@ -30,11 +30,8 @@ impl Estimators {
     fn automatic(&mut self, prepared: &Prepared, camera: &Camera) -> Estimator {
         let description = &prepared.description;
         let known = self.automatic.as_ref().filter(|(before, _)| {
-            let is_of_same_scene = match (&before.source, &description.source) {
-                (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-                (a, b) => a.is_none() && b.is_none(),
-            };
-            is_of_same_scene && before.objects.of(Kind::Light) == description.objects.of(Kind::Light)
+            description.is_of(before.source.as_ref())
+                && before.objects.of(Kind::Light) == description.objects.of(Kind::Light)
         });
         if let Some((_, estimator)) = known {
             return *estimator;

@@ -71,11 +71,7 @@ impl Job {
 
     /// Whether its scene was read from `source`, edited since or not.
     pub(super) fn is_of(&self, source: Option<&Arc<Source>>) -> bool {
-        match (source, &self.prepared.description.source) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (None, None) => true,
-            _ => false,
-        }
+        self.prepared.description.is_of(source)
     }
 
     /// Whether the graphics processor renders its films.

@@ -23,7 +23,7 @@ use super::walk::{Met, Walk};
 use super::weights::{Merges, Weights, power};
 use crate::geometry::{Ray, SurfacePoint};
 use crate::rectify::InterfaceTable;
-use crate::rectify::start::{Ask, Start, StartRegion, start_by_asking, start_from_light};
+use crate::rectify::start::{Ask, Start, StartRegion};
 use crate::scatter::{Normals, Scattering, Transport};
 use crate::scene::MediumId;
 use crate::scene::camera::Camera;
@@ -158,18 +158,8 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
 
     /// The number of subpaths from lights that are expected to be merged at `point` if they come there: the area times their number. Only those
     /// are merged that come from a mirror or an interface: others can be connected instead, which has no bias.
-    fn merges(&self, iteration: &Iteration, point: DVec3) -> f64 {
+    pub(super) fn merges(&self, iteration: &Iteration, point: DVec3) -> f64 {
         iteration.radius.map_or(0.0, |radius| PI * radius.at(point).powi(2) * f64::from(self.light_paths))
-    }
-
-    /// How a ray starts that a light emits. A mode that has a way of its own to find media is asked.
-    fn start_from_light(&self, emitted: &EmittedRay) -> Start {
-        let scene = self.tracked.scene;
-        if self.tracked.tracker.medium_at(emitted.ray.origin).is_some() {
-            start_by_asking(scene, emitted.ray, self.ask)
-        } else {
-            start_from_light(scene, self.table, emitted)
-        }
     }
 
     /// Traces a subpath from a light and adds what it leaves to `paths`.
@@ -190,7 +180,7 @@ impl<'a, T: Tracker> Bidirectional<'a, T> {
         let (aim, direction) = (sampler.get_1d(dimension::LIGHT_AIM), sampler.get_2d(dimension::LIGHT_DIRECTION));
         let (emitted, density) = tracked.emit(&light, self.aims, aim, [rest, u, v], direction)?;
         let flux = emitted.radiance * (emitted.cosine / density);
-        let start = self.start_from_light(&emitted);
+        let start = tracked.start_from_light(self.table, self.ask, &emitted);
         let mut walk = Walk::new(tracked.tracker, &start, sampler, Transport::Importance);
         // Only what is met by chance is found in another way.
         walk.weights.earlier = if light.is_delta() { 0.0 } else { power(emitted.cosine / density) };

@@ -4,13 +4,14 @@
 //! from lights find the same paths, and know the density with which the camera's would find them ([`super::weights`]): so a few of them
 //! tell what those that have not been found yet would do to the image.
 
+use glam::DVec2;
 use rayon::prelude::*;
 
-use super::bidirectional::{Bidirectional, LightPaths, LightVertex};
+use super::bidirectional::{Bidirectional, Iteration, LightPaths, LightVertex};
 use super::photon_map::{Photon, PhotonMap};
 use super::sampler::Sampler;
 use super::walk::{Met, Walk};
-use super::weights::Weights;
+use super::weights::{Merges, Weights};
 use crate::geometry::Ray;
 use crate::scatter::Transport;
 use crate::tracking::{Events, Tracker};
@@ -49,7 +50,7 @@ impl<T: Tracker> Bidirectional<'_, T> {
         let sums = (radiance.par_iter().enumerate())
             .map(|(pixel, radiance)| {
                 let (column, row) = (pixel as u32 % width, pixel as u32 / width);
-                let (moment, missed) = self.caustics_at([column, row], &map);
+                let (moment, missed) = self.caustics_at(&iteration, [column, row], &map);
                 [moment / (radiance * radiance + DARK), missed, *radiance]
             })
             .reduce(|| [0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
@@ -59,11 +60,11 @@ impl<T: Tracker> Bidirectional<'_, T> {
     }
 
     /// The second moment of what a sample of a pixel may find, and the mean of what it cannot.
-    fn caustics_at(&self, [column, row]: [u32; 2], map: &PhotonMap) -> (f64, f64) {
+    fn caustics_at(&self, iteration: &Iteration, [column, row]: [u32; 2], map: &PhotonMap) -> (f64, f64) {
         let nothing = (0.0, 0.0);
         let [width, height] = self.size.map(f64::from);
         let at = [f64::from(column) + 0.5, f64::from(row) + 0.5].into();
-        let ray: Ray = self.camera.ray(at, [width, height].into(), glam::DVec2::ZERO);
+        let ray: Ray = self.camera.ray(at, [width, height].into(), DVec2::ZERO);
         let start = self.lens.start_by_asking(self.tracked.scene, ray, self.ask);
         let sampler = Sampler::of(self.sequence, self.seed, row * self.size[0] + column, 0);
         let mut walk = Walk::new(self.tracked.tracker, &start, sampler, Transport::Radiance);
@@ -72,8 +73,7 @@ impl<T: Tracker> Bidirectional<'_, T> {
             if !vertex.scattering.is_delta() {
                 let wo = -walk.ray.direction;
                 let scale = walk.throughput.sum() / 3.0 * walk.radiance_scale;
-                let per_area =
-                    std::f64::consts::PI * map.radius(vertex.point.position).powi(2) * f64::from(self.light_paths);
+                let per_area = self.merges(iteration, vertex.point.position);
                 let (mut moment, mut missed) = nothing;
                 map.for_each_near(vertex.point.position, |photon| {
                     let cosine = photon.wo.dot(vertex.normals.face);
@@ -92,9 +92,7 @@ impl<T: Tracker> Bidirectional<'_, T> {
                 });
                 return (moment, missed);
             }
-            if walk.segment >= MOST_SEGMENTS
-                || !walk.leave(self.tracked.tracker, &vertex, super::weights::Merges::Here(0.0))
-            {
+            if walk.segment >= MOST_SEGMENTS || !walk.leave(self.tracked.tracker, &vertex, Merges::Here(0.0)) {
                 return nothing;
             }
         }

@@ -5,6 +5,8 @@ use glam::DVec3;
 use super::aim::{Aims, SHARE};
 use super::interaction::TrackedScene;
 use crate::geometry::{Ray, SurfacePoint};
+use crate::rectify::InterfaceTable;
+use crate::rectify::start::{Ask, Start, start_by_asking, start_from_light};
 use crate::scene::ObjectId;
 use crate::scene::lights::{EmittedRay, Light};
 use crate::tracking::Tracker;
@@ -133,6 +135,14 @@ impl<T: Tracker> TrackedScene<'_, T> {
     ) -> f64 {
         let cosine = if matches!(light.light, Light::Area(_)) { normal.dot(direction).abs() } else { 1.0 };
         if cosine > 0.0 { self.emission_density(light, aims, place, normal, direction) / cosine } else { 0.0 }
+    }
+
+    /// How a ray starts that a light emits. A mode that has a way of its own to find media is asked, by `ask`.
+    pub fn start_from_light(&self, table: &InterfaceTable, ask: Ask<'_>, emitted: &EmittedRay) -> Start {
+        match self.tracker.medium_at(emitted.ray.origin) {
+            Some(_) => start_by_asking(self.scene, emitted.ray, ask),
+            None => start_from_light(self.scene, table, emitted),
+        }
     }
 
     /// A ray that leaves a light, for numbers uniform in [0, 1), and the density with which it does, per area and steradian.

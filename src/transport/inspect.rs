@@ -7,7 +7,7 @@ use super::interaction::{Interaction, TrackedScene, Traveller};
 use super::sampler::Sampler;
 use crate::geometry::{Hit, NO_PRIMITIVE, PrimitiveId, Ray};
 use crate::rectify::containment::medium_at;
-use crate::rectify::start::{Start, start_by_asking, start_from_light};
+use crate::rectify::start::{Start, start_by_asking};
 use crate::scatter::{Choice, Normals, Transport};
 use crate::scene::lights::EmittedRay;
 use crate::scene::{MediumId, ObjectId, Scene, SceneMedium, Surface};
@@ -191,10 +191,11 @@ impl WithTracker for Inspection<'_> {
                 start_by_asking(scene, ray, &ask)
             }
             PathStart::Light(light) => match self.emitted(light) {
-                Some(emitted) if tracker.medium_at(emitted.ray.origin).is_some() => {
-                    start_by_asking(scene, emitted.ray, &ask)
-                }
-                Some(emitted) => start_from_light(scene, &self.prepared.table, &emitted),
+                Some(emitted) => TrackedScene { scene, tracker, needs: scene.needs }.start_from_light(
+                    &self.prepared.table,
+                    &ask,
+                    &emitted,
+                ),
                 // A light that emits nothing sends no path: from beyond the scene, out of it.
                 None => {
                     let reach = scene
