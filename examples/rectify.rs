@@ -38,7 +38,7 @@ pub fn sides<'a>(world: f64, meshes: impl IntoIterator<Item = (&'a str, Mesh, f6
     let mut description = empty(world);
     for (name, mesh, ior) in meshes {
         description.media.push(Medium { name: name.into(), ior: Ior::Constant(ior), absorption: [0.0; 3] });
-        let shape = Shape::Mesh { path: name.into(), mesh: Arc::new(mesh), notes: Vec::new() };
+        let shape = Shape::mesh(name, Arc::new(mesh));
         description.objects.push(Object::new(name, shape, Refractor::of(name)));
     }
     let prepared = &prepare(Arc::new(description), None)?;

@@ -84,7 +84,7 @@ impl App {
                     self.apply(ctx, Command::Edit(edit));
                 }
                 Outcome::Reloaded(path, read) => {
-                    if self.state.document.path.as_ref() == Some(&path) {
+                    if self.state.document.watched_path() == Some(&path) {
                         self.state.reload(read.map(|description| *description));
                     }
                 }

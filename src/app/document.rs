@@ -1,6 +1,6 @@
 //! The scene being edited, with its history.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::edit::EditKey;
@@ -34,7 +34,7 @@ pub struct Document {
 
 impl Document {
     pub fn new(description: Arc<Description>) -> Self {
-        let path = description.source.as_ref().filter(|source| !source.is_builtin).map(|source| source.path.clone());
+        let path = description.source.as_ref().filter(|source| source.is_own_file()).map(|source| source.path.clone());
         Self {
             current: Version { description, revision: 0 },
             saved_revision: 0,
@@ -54,6 +54,12 @@ impl Document {
         document.next_revision += 1;
         document.path = path;
         document
+    }
+
+    /// The file that is read again when it has changed: the scene's own, or that of another format.
+    pub fn watched_path(&self) -> Option<&Path> {
+        let source = self.current.description.source.as_deref().filter(|source| source.import.is_some());
+        self.path.as_deref().or_else(|| source.map(|source| &*source.path))
     }
 
     pub fn description(&self) -> &Arc<Description> {

@@ -16,8 +16,8 @@ use crate::scene;
 impl App {
     /// Reads the scene's file again, which another program has changed.
     pub(super) fn reload(&self) {
-        if let Some(path) = self.state.document.path.clone() {
-            self.files.reload(path);
+        if let Some(path) = self.state.document.watched_path() {
+            self.files.reload(path.to_owned());
         }
     }
 

@@ -23,7 +23,7 @@ use crate::tracking::Mode;
 impl App {
     pub(super) fn ask(&self, purpose: Purpose) {
         let document = &self.state.document;
-        let folder = document.path.as_deref().and_then(Path::parent).map(Path::to_owned).unwrap_or_default();
+        let folder = document.watched_path().and_then(Path::parent).map(Path::to_owned).unwrap_or_default();
         let source = document.description().source.as_ref();
         let stem = source.and_then(|source| source.path.file_stem()).map_or("scene".into(), |s| s.to_string_lossy());
         let name = match purpose {

@@ -17,7 +17,7 @@ use crate::export::{self, Comparison, ExportError, LabelledPane, Picture};
 use crate::formats::{MESH_ENDINGS, disk};
 use crate::render::Display;
 use crate::render::slice::Slice;
-use crate::scene::description::Shape;
+use crate::scene::description::{MeshPart, Shape};
 use crate::scene::environment::EnvironmentImage;
 use crate::scene::{Description, SceneError};
 use crate::session::Snapshot;
@@ -268,7 +268,7 @@ impl Files {
         self.attempt(move || {
             let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
             let (mesh, notes) = crate::formats::mesh_from_file(&path)?;
-            let shape = Shape::Mesh { path: written, mesh: Arc::new(mesh), notes };
+            let shape = Shape::Mesh { path: written, part: MeshPart::default(), mesh: Arc::new(mesh), notes };
             Ok::<_, SceneError>(Outcome::Mesh(name, Box::new(shape)))
         });
     }

@@ -177,10 +177,11 @@ mod tests {
 
     #[test]
     fn bounds_of_the_last_mesh_are_those_of_the_mesh() {
-        let mesh = |x: f64| Shape::Mesh {
-            path: "m.obj".into(),
-            mesh: Arc::new(Mesh { positions: vec![DVec3::ZERO, DVec3::X * x, DVec3::Y], ..Mesh::default() }),
-            notes: Vec::new(),
+        let mesh = |x: f64| {
+            Shape::mesh(
+                "m.obj",
+                Arc::new(Mesh { positions: vec![DVec3::ZERO, DVec3::X * x, DVec3::Y], ..Mesh::default() }),
+            )
         };
         let (a, b) = (mesh(2.0), mesh(3.0));
         for shape in [&a, &a, &b, &b, &a] {

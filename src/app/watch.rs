@@ -90,7 +90,12 @@ impl Watched {
 pub fn files_of(description: &Description, path: Option<&Path>) -> Vec<PathBuf> {
     let source = description.source.as_ref().filter(|source| !source.is_builtin);
     let folder = source.and_then(|source| source.path.parent());
-    let mut files: Vec<PathBuf> = path.map(Path::to_owned).into_iter().collect();
+    let import = source.and_then(|source| Some((source, source.import.as_ref()?)));
+    let imported = import.map(|(source, import)| std::iter::once(&source.path).chain(&import.files).cloned());
+    let mut files: Vec<PathBuf> = match path {
+        Some(path) => vec![path.to_owned()],
+        None => imported.into_iter().flatten().collect(),
+    };
     let mut add = |named: &Path| {
         let file = match folder {
             Some(folder) => folder.join(named),

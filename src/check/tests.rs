@@ -8,7 +8,7 @@ use crate::formats::{self, builtin};
 use crate::geometry::Mesh;
 use crate::optics::Ior;
 use crate::scene::LoadNote;
-use crate::scene::description::{Description, Shape};
+use crate::scene::description::{Description, MeshPart, Shape};
 use crate::tracking::prepare;
 
 const HEAD: &str = r#"
@@ -62,7 +62,7 @@ fn tetrahedron() -> Mesh {
 fn with_mesh(mesh: Mesh, notes: &[LoadNote]) -> Description {
     let mut scene = scene(&(sphere("a", "glass", 0.0, 1.0) + &sphere("b", "water", 5.0, 1.0)));
     scene.objects.refractors_mut()[0].shape =
-        Shape::Mesh { path: "m.obj".into(), mesh: Arc::new(mesh), notes: notes.to_vec() };
+        Shape::Mesh { path: "m.obj".into(), part: MeshPart::default(), mesh: Arc::new(mesh), notes: notes.to_vec() };
     scene
 }
 

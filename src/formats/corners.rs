@@ -3,7 +3,7 @@
 use super::polygon::{MAX_CORNERS, too_many_corners};
 
 /// Lists of indices of vertices, one after the other: polygons, or strips of triangles.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct CornerLists {
     pub corners: Vec<u32>,
     /// Where each list ends.
@@ -20,6 +20,11 @@ pub(super) struct CornerList<'a> {
 }
 
 impl CornerLists {
+    /// How many lists are closed.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
     /// How many corners the list has that is not yet closed.
     pub fn open_corners(&self) -> usize {
         self.corners.len() - self.start_of_open()
@@ -59,6 +64,15 @@ impl CornerLists {
             corners: &self.corners[start..end],
             line: self.lines.get(i).map(|&line| line as usize),
         })
+    }
+
+    /// One list by its number.
+    pub fn get(&self, index: usize) -> CornerList<'_> {
+        let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
+        CornerList {
+            corners: &self.corners[start..self.ends[index]],
+            line: self.lines.get(index).map(|&line| line as usize),
+        }
     }
 
     /// The corners of lists that make a face.

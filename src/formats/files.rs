@@ -23,6 +23,13 @@ pub trait Files {
     }
 }
 
+/// A file that was read, and where others that it names are found.
+pub(super) struct Input<'a> {
+    pub bytes: &'a [u8],
+    pub path: &'a Path,
+    pub files: &'a dyn Files,
+}
+
 /// Files in memory, by paths without `.` and `..`: for programs that have no disk, such as in a browser.
 #[derive(Debug, Clone, Default)]
 pub struct Memory(pub HashMap<PathBuf, Vec<u8>>);

@@ -4,21 +4,24 @@ use std::path::Path;
 
 use super::encoding::without_mark;
 use super::ending::{Format, by_ending, list};
+use super::files::Input;
+use super::parts::NoSuchPart;
 use super::polygons::{Fault, Polygons};
 use super::{obj, ply, stl};
 use crate::geometry::Mesh;
-use crate::scene::LoadNote;
+use crate::scene::description::MeshPart;
+use crate::scene::{LoadNote, SceneError};
 
-pub(super) type MeshFormat = Format<Result<Polygons, Fault>>;
+pub(super) type MeshFormat = Format<fn(&Input<'_>) -> Result<Polygons, Fault>>;
 
 /// The endings of files that meshes are read from, in lower case.
 pub const MESH_ENDINGS: &[&str] = &["obj", "ply", "stl"];
 
 /// Every mesh format that is read.
 const FORMATS: &[MeshFormat] = &[
-    MeshFormat { endings: &["obj"], read: obj::read },
-    MeshFormat { endings: &["ply"], read: ply::read },
-    MeshFormat { endings: &["stl"], read: stl::read },
+    MeshFormat { endings: &["obj"], read: |input| obj::read(input.bytes) },
+    MeshFormat { endings: &["ply"], read: |input| ply::read(input.bytes) },
+    MeshFormat { endings: &["stl"], read: |input| stl::read(input.bytes) },
 ];
 
 /// The format that a file's ending names; an error lists those that are read.
@@ -33,9 +36,57 @@ pub(super) fn format_of(path: &Path) -> Result<&'static MeshFormat, String> {
     })
 }
 
-/// Reads a mesh, and says what was passed over.
-pub(super) fn read(bytes: &[u8], format: &MeshFormat) -> Result<(Mesh, Vec<LoadNote>), Fault> {
-    (format.read)(&without_mark(bytes))?.finish()
+/// A mesh's file as it was read, of which parts can be taken.
+#[derive(Debug)]
+pub(super) struct MeshFile(Polygons);
+
+/// Why a part cannot be had.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum PartFault {
+    NoSuchPart(NoSuchPart),
+    Fault(Fault),
+}
+
+impl MeshFile {
+    pub fn read(input: &Input<'_>, format: &MeshFormat) -> Result<Self, Fault> {
+        let bytes = &*without_mark(input.bytes);
+        (format.read)(&Input { bytes, ..*input }).map(Self)
+    }
+
+    /// The whole mesh, and what was passed over.
+    pub fn whole(self) -> Result<(Mesh, Vec<LoadNote>), Fault> {
+        self.0.finish()
+    }
+
+    /// A part of the mesh, and what was passed over.
+    pub fn part(&self, part: &MeshPart) -> Result<(Mesh, Vec<LoadNote>), PartFault> {
+        self.0.part(part).map_err(PartFault::NoSuchPart)?.finish().map_err(PartFault::Fault)
+    }
+
+    /// The parts that together are the whole, each face in one: by materials, or else by groups. Fewer than two: it is all of one piece.
+    pub fn pieces(&self) -> Vec<MeshPart> {
+        let Polygons { parts, faces, .. } = &self.0;
+        let count = faces.len();
+        let materials = parts.materials(count);
+        if materials.len() > 1 {
+            return materials.into_iter().map(MeshPart::of_material).collect();
+        }
+        let groups = if parts.has_one_group_each(count) { parts.groups(count) } else { Vec::new() };
+        groups.into_iter().map(MeshPart::of_group).collect()
+    }
+}
+
+/// Reads a whole mesh, and says what was passed over.
+pub(super) fn read(input: &Input<'_>, format: &MeshFormat) -> Result<(Mesh, Vec<LoadNote>), Fault> {
+    MeshFile::read(input, format)?.whole()
+}
+
+/// What is wrong in the file `path`.
+pub(super) fn error_in(path: &Path, fault: Fault) -> SceneError {
+    match fault.line {
+        Some(line) => SceneError::at(path, line, 1, fault.message),
+        None => SceneError::in_file(path, fault.message),
+    }
 }
 
 #[cfg(test)]

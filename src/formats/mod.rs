@@ -13,10 +13,12 @@ pub(crate) mod image;
 mod lines;
 mod mesh;
 mod obj;
+mod parts;
 mod passed_over;
 mod ply;
 mod polygon;
 mod polygons;
+mod scenes;
 mod stl;
 mod studio;
 mod suggest;
@@ -28,6 +30,7 @@ pub use self::builtin::BuiltIn;
 pub use self::disk::Disk;
 pub use self::files::{Files, Memory};
 pub use self::mesh::MESH_ENDINGS;
+pub use self::scenes::SCENE_ENDINGS;
 pub use self::suggest::closest;
 use self::suggest::suggestion;
 pub use self::toml::{parse, save, to_text};
@@ -62,21 +65,21 @@ pub fn open(name_or_path: impl AsRef<Path>) -> Result<Description, SceneError> {
 /// # Errors
 /// When the file or one that it names cannot be read or used.
 pub fn file(path: &Path) -> Result<Description, SceneError> {
-    if is_mesh(path) {
+    if scenes::format_of(path).is_none() && is_mesh(path) {
         let (mesh, notes) = mesh_from_file(path)?;
         return studio::around(path, mesh, notes);
     }
-    let bytes = disk::read_or_receive(path, disk::MAX_SCENE_BYTES);
+    let bytes = disk::read_or_receive(path, scenes::most_bytes(path));
     read(&bytes.map_err(|error| SceneError::in_file(path, error.to_string()))?, path, &Disk)
 }
 
-/// A scene from the bytes of its file. `path` names it in errors, and the files that it names are looked for in its folder, among
-/// `files`. All scenes are TOML so far, whatever the ending.
+/// A scene from the bytes of its file. `path` names it in errors, its ending tells the format (TOML where it is that of none), and the files that
+/// it names are looked for in its folder, among `files`.
 ///
 /// # Errors
 /// When the scene or a file that it names cannot be used.
 pub fn read(bytes: &[u8], path: &Path, files: &dyn Files) -> Result<Description, SceneError> {
-    toml::read(bytes, path, files)
+    scenes::read(&files::Input { bytes, path, files })
 }
 
 /// Whether a path's ending is that of a mesh format that is read.
@@ -89,7 +92,8 @@ pub fn is_mesh(path: &Path) -> bool {
 /// # Errors
 /// When the ending names no mesh format that is read, or the bytes hold no mesh: says why, with the line in text formats.
 pub fn mesh_from_bytes(bytes: &[u8], name: &Path) -> Result<Mesh, String> {
-    match mesh::read(bytes, mesh::format_of(name)?) {
+    let input = files::Input { bytes, path: name, files: &Memory::default() };
+    match mesh::read(&input, mesh::format_of(name)?) {
         Ok((mesh, _)) => Ok(mesh),
         Err(fault) => Err(fault.line.map(|line| format!("line {line}: ")).unwrap_or_default() + &fault.message),
     }
@@ -102,10 +106,8 @@ pub fn mesh_from_bytes(bytes: &[u8], name: &Path) -> Result<Mesh, String> {
 pub fn mesh_from_file(path: &Path) -> Result<(Mesh, Vec<LoadNote>), SceneError> {
     let format = mesh::format_of(path).map_err(|message| SceneError::in_file(path, message))?;
     let bytes = Disk.read(path).map_err(|message| SceneError::in_file(path, message))?;
-    mesh::read(&bytes, format).map_err(|fault| match fault.line {
-        Some(line) => SceneError::at(path, line, 1, fault.message),
-        None => SceneError::in_file(path, fault.message),
-    })
+    let input = files::Input { bytes: &bytes, path, files: &Disk };
+    mesh::read(&input, format).map_err(|fault| mesh::error_in(path, fault))
 }
 
 /// An environment image from a file on the disk.

@@ -22,7 +22,7 @@ named! {
     }
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Entry {
     kind: Kind,
     count: u64,
@@ -32,7 +32,7 @@ struct Entry {
 }
 
 /// In the order in which they were met, each kind once.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct PassedOver(Vec<Entry>);
 
 impl PassedOver {

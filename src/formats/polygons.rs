@@ -3,10 +3,12 @@
 use glam::DVec3;
 
 use super::corners::CornerLists;
+use super::parts::{NoSuchPart, Parts};
 use super::passed_over::{Kind, PassedOver};
 use super::polygon::{PATIENCE, triangulate};
 use crate::geometry::Mesh;
 use crate::scene::LoadNote;
+use crate::scene::description::MeshPart;
 use crate::scene::shapes::MAX_LENGTH;
 
 /// What is wrong in a mesh file.
@@ -36,6 +38,8 @@ pub(super) struct Polygons {
     pub faces: CornerLists,
     /// Strips of triangles, each of which shares two corners with the one before.
     pub strips: CornerLists,
+    /// Of the faces; strips belong to none.
+    pub parts: Parts,
     pub passed_over: PassedOver,
     /// Vertices that cannot be corners, by index and line: allowed as long as they are none.
     unusable: Vec<(usize, Option<usize>)>,
@@ -83,6 +87,37 @@ impl Polygons {
         keep(&mut self.positions);
         keep(&mut self.normals);
         Ok(())
+    }
+
+    /// The faces of a part, with the vertices that they use.
+    pub fn part(&self, part: &MeshPart) -> Result<Self, NoSuchPart> {
+        const UNUSED: u32 = u32::MAX;
+        let faces = self.parts.faces(part, self.faces.len())?;
+        let mut taken = Self { passed_over: self.passed_over.clone(), ..Self::default() };
+        let mut new_index = vec![UNUSED; self.positions.len()];
+        let mut old_index = Vec::new();
+        for list in faces.into_iter().flatten().map(|face| self.faces.get(face)) {
+            for &corner in list.corners {
+                // Lists that make no face may name anything.
+                taken.faces.corners.push(match new_index.get_mut(corner as usize) {
+                    Some(new) if *new == UNUSED && list.is_face() => {
+                        *new = old_index.len() as u32;
+                        old_index.push(corner as usize);
+                        *new
+                    }
+                    Some(new) => *new,
+                    None => UNUSED,
+                });
+            }
+            taken.faces.close(list.line);
+        }
+        taken.positions = old_index.iter().map(|&old| self.positions[old]).collect();
+        if self.normals.len() == self.positions.len() {
+            taken.normals = old_index.iter().map(|&old| self.normals[old]).collect();
+        }
+        let unusable = self.unusable.iter().map(|&(vertex, line)| (new_index[vertex], line));
+        taken.unusable = unusable.filter(|(new, _)| *new != UNUSED).map(|(new, line)| (new as usize, line)).collect();
+        Ok(taken)
     }
 
     fn used_vertices(&self) -> Vec<bool> {

@@ -52,7 +52,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Polygons, Fault> {
     Ok(facets.polygons)
 }
 
-/// Several solids in one file are one surface.
+/// Several solids in one file are one surface, each a group of it.
 fn read_text(bytes: &[u8]) -> Result<Polygons, Fault> {
     let mut facets = Facets::default();
     let mut lines = Lines::new(bytes);
@@ -87,7 +87,12 @@ fn read_text(bytes: &[u8]) -> Result<Polygons, Fault> {
                 }
                 facets.polygons.faces.close(Some(begun));
             }
-            "solid" | "endsolid" | "outer" | "endloop" => {}
+            "solid" => {
+                let name = text[first.len()..].trim();
+                let Polygons { parts, faces, .. } = &mut facets.polygons;
+                parts.begin(faces.len(), Some(name).filter(|name| !name.is_empty()).into_iter(), None);
+            }
+            "endsolid" | "outer" | "endloop" => {}
             _ => {
                 let message = format!("{} is no statement of an STL file", shown(first.as_bytes()));
                 return Err(Fault::at(at, message));

@@ -8,7 +8,7 @@ use glam::DVec3;
 use crate::geometry::Mesh;
 use crate::optics::{Ior, Medium, catalog};
 use crate::scene::description::{
-    CameraDescription, Environment, Light, Object, Objects, Paint, Refractor, Shape, Solid, WorldMedium,
+    CameraDescription, Environment, Light, MeshPart, Object, Objects, Paint, Refractor, Shape, Solid, WorldMedium,
 };
 use crate::scene::{Description, LoadNote, SceneError};
 
@@ -36,7 +36,7 @@ pub(super) fn around(path: &Path, mesh: Mesh, notes: Vec<LoadNote>) -> Result<De
     let floor = center.with_y(min.y - 1e-3 * radius);
     let quad = |center: DVec3, edge_u: DVec3, edge_v: DVec3| Shape::Quad { center, edge_u, edge_v };
     let mut objects = Objects::default();
-    let shape = Shape::Mesh { path, mesh: Arc::new(mesh), notes };
+    let shape = Shape::Mesh { path, part: MeshPart::default(), mesh: Arc::new(mesh), notes };
     objects.push(Object::new(stem.clone(), shape, Refractor { smooth: is_smooth, ..Refractor::of("glass") }));
     let checker = Paint::Checker { a: [0.42; 3], b: [0.3; 3], size: 0.5 * radius };
     let reach = 40.0 * radius;

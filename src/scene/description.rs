@@ -12,8 +12,9 @@ use std::sync::Arc;
 use glam::DVec3;
 
 pub use self::objects::{Emission, Kind, Light, Object, Objects, Paint, Quantity, Refractor, Role, Solid};
-pub use self::shape::{Shape, Transform};
+pub use self::shape::{MeshPart, Shape, Transform};
 use super::environment::EnvironmentImage;
+use super::note::LoadNote;
 use crate::optics::{Ior, Medium};
 
 /// The most radiance, intensity, irradiance and power of lights, and the most radiance of environments. What can be made of it, such as squares of sums over all samples, stays finite.
@@ -39,10 +40,35 @@ pub struct Source {
     /// Path of the scene file; relative paths in the scene are relative to its folder. For a built-in scene a path that does not
     /// exist, ending in `NAME.toml`.
     pub path: PathBuf,
-    /// The file's text as read.
+    /// The file's text as read; empty where it is of another format than the program's own.
     pub text: String,
     /// Whether the scene is compiled into the program and has no file of its own.
     pub is_builtin: bool,
+    /// What became of a file of another format, which is read and never written; `None` for the program's own.
+    pub import: Option<Import>,
+}
+
+/// How a scene of another format was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Import {
+    /// For people, such as `glTF`.
+    pub format: &'static str,
+    /// What has no counterpart and was approximated or left out, once a kind.
+    pub notes: Vec<LoadNote>,
+    /// All files that were read beside the scene's own, except for meshes and images that the description names.
+    pub files: Vec<PathBuf>,
+}
+
+impl Source {
+    /// A file of another format.
+    pub fn imported(path: PathBuf, import: Import) -> Self {
+        Self { path, text: String::new(), is_builtin: false, import: Some(import) }
+    }
+
+    /// Whether it is a file of the program's own format, which edits may be written back to.
+    pub fn is_own_file(&self) -> bool {
+        !self.is_builtin && self.import.is_none()
+    }
 }
 
 /// The camera as written: a thin lens, or a pinhole when `aperture_radius` is 0.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::description::MeshPart;
 use super::environment::EnvironmentImage;
 use super::error::Fault;
 use super::note::LoadNote;
@@ -58,8 +59,12 @@ pub enum Slot<'a> {
     Name(&'a mut String),
     /// The name of a medium of the scene.
     Medium(&'a mut String),
+    /// The name of a part of a mesh's file, which may be left out.
+    PartName(&'a mut Option<String>),
     Mesh {
         path: &'a mut PathBuf,
+        /// Keys beside this one name it.
+        part: &'a mut MeshPart,
         mesh: &'a mut Arc<Mesh>,
         notes: &'a mut Vec<LoadNote>,
     },
@@ -141,6 +146,7 @@ values! {
     DVec3: |value, _| Slot::Vector(value);
     Vec<[f64; 2]>: |value, _| Slot::Points(value);
     Ior: |value, _| Slot::Ior(value);
+    Option<String>: |value, _| Slot::PartName(value);
 }
 
 impl dyn Visitor + '_ {
@@ -223,6 +229,7 @@ impl Slot<'_> {
             Self::Vector(value) | Self::Scale(value) => numbers(&value.to_array()),
             Self::Points(value) => Plain::List(value.iter().map(|point| numbers(point)).collect()),
             Self::Ior(value) => plain_ior(value),
+            Self::PartName(value) => Plain::Text((*value).clone()?),
             Self::Name(value) | Self::Medium(value) => Plain::Text(value.clone()),
             Self::Mesh { path: value, .. } | Self::Image { path: value, .. } => path(value),
             Self::Table(fields) => Plain::Table(entries(fields)),

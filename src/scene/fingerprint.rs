@@ -206,7 +206,8 @@ struct FieldHasher {
 
 impl Visitor for FieldHasher {
     fn field(&mut self, Field { key, slot, is_default: _ }: Field<'_>) -> bool {
-        if matches!(slot, Slot::Name(_)) {
+        // What a part of a file holds is hashed with its mesh.
+        if matches!(slot, Slot::Name(_) | Slot::PartName(_)) {
             return true;
         }
         let hasher = &mut self.hasher;
@@ -349,7 +350,7 @@ mod tests {
             })
         };
         let mut scene = described();
-        scene.objects[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(1.0), notes: Vec::new() };
+        scene.objects[0].shape = Shape::mesh("a.ply", mesh(1.0));
         let image = |blue: f32| EnvironmentImage { width: 1, height: 1, pixels: vec![[1.0, 1.0, blue]], notes: vec![] };
         let with_image = |blue: f32| Environment::Image {
             path: "e.hdr".into(),
@@ -394,7 +395,7 @@ mod tests {
             Box::new(|d| d.media[0].ior = Ior::Cauchy([1.5, 0.0, 0.0])),
             Box::new(|d| d.media[0].ior = Ior::Sellmeier(vec![[1.5, 0.0]].into())),
             Box::new(|d| refractor(d, 0).medium = refractor(d, 1).medium.clone()),
-            Box::new(|d| d.objects[0].shape = Shape::Mesh { path: "a.ply".into(), mesh: mesh(2.0), notes: Vec::new() }),
+            Box::new(|d| d.objects[0].shape = Shape::mesh("a.ply", mesh(2.0))),
             Box::new(|d| refractor(d, 0).priority -= 7),
             Box::new(|d| refractor(d, 0).smooth ^= true),
             Box::new(|d| d.objects[0].visible ^= true),

@@ -334,7 +334,7 @@ impl Shape {
             "torus" => Self::Torus { center, major: 1.0, minor: 0.5, segments, rings },
             "lathe" => Self::Lathe { profile: Vec::new(), segments },
             "quad" => Self::Quad { center, edge_u: DVec3::X, edge_v: DVec3::Z },
-            "mesh" => Self::Mesh { path: PathBuf::new(), mesh: Arc::default(), notes: Vec::new() },
+            "mesh" => Self::mesh(PathBuf::new(), Arc::default()),
             "point" => Self::Point { position: center },
             "spot" => Self::Spot { position: DVec3::Y, target: center, inner_angle: 20.0, outer_angle: 30.0 },
             "directional" => Self::Directional { direction: DVec3::NEG_Y, angle: 0.0 },
@@ -347,8 +347,9 @@ impl Shape {
         if form != self.form() {
             *self = Self::blank(form);
         }
-        if let Self::Mesh { path, mesh, notes } = self {
-            v.slot("mesh", Slot::Mesh { path, mesh, notes });
+        if let Self::Mesh { path, part, mesh, notes } = self {
+            v.slot("mesh", Slot::Mesh { path, part, mesh, notes });
+            v.optional("group", &mut part.group, None, ANY).optional("material", &mut part.material, None, ANY);
             return v.check(&|| shapes::validate(self).map_err(|fault| Fault { key: "mesh", ..fault }));
         }
         v.table(form, |v| self.form_fields(v));

@@ -90,7 +90,8 @@ impl Checker<'_> {
             (numbers.iter().enumerate()).try_for_each(|(i, &x)| limits.require(&name(i), x))
         };
         match slot {
-            Slot::Flag(_) | Slot::Integer(_) | Slot::Count(_) | Slot::Maybe(None, _) => Ok(()),
+            Slot::Flag(_) | Slot::Integer(_) | Slot::Count(_) | Slot::Maybe(None, _) | Slot::PartName(None) => Ok(()),
+            Slot::PartName(Some(name)) => require_words(key, name),
             Slot::Number(value, limits) | Slot::Maybe(Some(value), limits) => {
                 limits.require(&format!("`{key}`"), *value)
             }

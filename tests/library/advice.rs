@@ -348,7 +348,7 @@ fn without(mut mesh: Mesh, is_dropped: impl Fn(usize) -> bool) -> Mesh {
 fn of_mesh(mesh: Mesh) -> Description {
     let mut description = air();
     add(&mut description, sphere(DVec3::ZERO, 1.6), 1.2, 0.0);
-    let shape = Shape::Mesh { path: "m.obj".into(), mesh: Arc::new(mesh), notes: Vec::new() };
+    let shape = Shape::mesh("m.obj", Arc::new(mesh));
     add(&mut description, shape, 1.6, 0.1);
     description
 }
@@ -422,7 +422,7 @@ fn a_part_in_a_part_becomes_a_cavity_or_an_object() {
         after.objects = cavity.objects.clone();
     });
     let mut apart = of_mesh(ball(1.0));
-    add(&mut apart, Shape::Mesh { path: "n.obj".into(), mesh: Arc::new(ball(0.5)), notes: Vec::new() }, 1.1, 0.0);
+    add(&mut apart, Shape::mesh("n.obj", Arc::new(ball(0.5))), 1.1, 0.0);
     follow("nested_components", &before, &apart, Effect::Mends, |_, after| *after = apart.clone());
     // The cavity is filled again.
     let filled = of_mesh(ball(1.0));
@@ -558,8 +558,7 @@ fn lights_are_turned_over() {
     // A box that shines inward.
     let mut meant = before;
     let mesh = tessellate(&block([-0.2, -0.2, 1.5], [0.2, 0.2, 1.9])).unwrap().unwrap();
-    meant.objects.lights_mut()[0].shape =
-        Shape::Mesh { path: "l.obj".into(), mesh: Arc::new(Mesh { normals: Vec::new(), ..mesh }), notes: Vec::new() };
+    meant.objects.lights_mut()[0].shape = Shape::mesh("l.obj", Arc::new(Mesh { normals: Vec::new(), ..mesh }));
     assert_eq!(kinds(&meant), Vec::<&str>::new());
     let mut before = meant.clone();
     turn_over(&mut before.objects.lights_mut()[0].shape);

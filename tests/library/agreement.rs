@@ -211,7 +211,7 @@ fn unions(numbers: &mut Numbers) -> Description {
             all.positions.extend(part.positions.iter().map(|p| rotate.matrix().transform_point3(*p)));
             all.triangles.extend(part.triangles.iter().map(|t| t.map(|i| i + first)));
         }
-        let shape = Shape::Mesh { path: "made.ply".into(), mesh: Arc::new(all), notes: Vec::new() };
+        let shape = Shape::mesh("made.ply", Arc::new(all));
         let at = numbers.direction() * numbers.between(0.0, 1.0);
         place(numbers, &mut description, shape, at);
     }

@@ -309,7 +309,7 @@ fn f05_siblings_and_opaque_things() {
 fn f05_instances_and_one_material() {
     let mut description = empty(1.0);
     let shared = Arc::new(mesh_of(&icosphere(DVec3::ZERO, 1.0)));
-    let instance = || Shape::Mesh { path: "shared.ply".into(), mesh: Arc::clone(&shared), notes: Vec::new() };
+    let instance = || Shape::mesh("shared.ply", Arc::clone(&shared));
     add(&mut description, instance(), 1.5, 0.0);
     add(&mut description, instance(), 1.5, 0.0);
     add(&mut description, cuboid([-1.8, -1.5, -1.5], [1.4, 1.5, 1.5]), 1.2, 0.0);

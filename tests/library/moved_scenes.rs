@@ -263,7 +263,7 @@ fn copies_are_told_from_what_is_flush() {
     }
     let mut description = empty(1.0);
     add(&mut description, cuboid, 1.5, 0.0);
-    add(&mut description, Shape::Mesh { path: "made.ply".into(), mesh: finer.into(), notes: Vec::new() }, 1.4, 0.0);
+    add(&mut description, Shape::mesh("made.ply", finer), 1.4, 0.0);
     assert_eq!(coincident(&description).len(), 1);
     // Larger by a tenth on one side, it is another.
     description.objects.refractors_mut()[1].transform.scale.x = 1.1;

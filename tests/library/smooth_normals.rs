@@ -75,7 +75,7 @@ fn rounded_cube() -> Mesh {
 }
 
 fn given(mesh: Mesh) -> Shape {
-    Shape::Mesh { path: "made.obj".into(), mesh: Arc::new(mesh), notes: Vec::new() }
+    Shape::mesh("made.obj", Arc::new(mesh))
 }
 
 /// Coarse shapes of every kind, with a name; with their own normals and with those that the program works out.

@@ -452,12 +452,7 @@ fn slits_slivers_and_edges_of_many_faces() {
 /// A scene of one refractor made of a mesh.
 fn scene(mesh: Mesh) -> Description {
     let mut description = common::empty(1.0);
-    common::add(
-        &mut description,
-        Shape::Mesh { path: "m.ply".into(), mesh: Arc::new(mesh), notes: Vec::new() },
-        1.5,
-        0.0,
-    );
+    common::add(&mut description, Shape::mesh("m.ply", Arc::new(mesh)), 1.5, 0.0);
     description
 }
 
@@ -655,7 +650,7 @@ fn scenes_of_nothing_but_bad_meshes() {
     });
     let mut description = common::empty(1.33);
     for mesh in [flat, grid(4), scraps, soup, reversed(grid(3))] {
-        let shape = Shape::Mesh { path: "m.obj".into(), mesh: Arc::new(mesh), notes: Vec::new() };
+        let shape = Shape::mesh("m.obj", Arc::new(mesh));
         common::add(&mut description, shape, 1.5, 0.1);
     }
     let prepared = common::ready(description);
@@ -678,7 +673,7 @@ fn many_objects() {
     for i in 0..20_000_u32 {
         let place = DVec3::new(f64::from(i % 50), f64::from(i / 50 % 50), f64::from(i / 2500));
         let shape = match i % 3 {
-            0 => Shape::Mesh { path: "m.obj".into(), mesh: Arc::clone(&mesh), notes: Vec::new() },
+            0 => Shape::mesh("m.obj", Arc::clone(&mesh)),
             1 => Shape::Box { min: DVec3::ZERO, max: DVec3::splat(0.5) },
             _ => common::sphere(DVec3::splat(0.25), 0.25),
         };

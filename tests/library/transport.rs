@@ -489,7 +489,7 @@ mod against_another_renderer {
         }
         let volume = water.signed_volume();
         assert!((volume - 2.63).abs() < 0.05, "closed, and outward: {volume}");
-        let shape = Shape::Mesh { path: "water.ply".into(), mesh: Arc::new(water), notes: Vec::new() };
+        let shape = Shape::mesh("water.ply", Arc::new(water));
         description.objects.refractors_mut().iter_mut().find(|r| r.name == "water").expect("s2 has water").shape =
             shape;
         description

@@ -96,7 +96,7 @@ fn random_edit(random: &mut Random, scene: &Description) -> Edit {
         4 => added(Addition::Solid(random.pick(&Body::ALL))).unwrap_or(kept),
         5 => {
             let mesh = Arc::new(mesh_from_bytes(OBJ, Path::new("m.obj")).unwrap());
-            let shape = Shape::Mesh { path: "m.obj".into(), mesh, notes: Vec::new() };
+            let shape = Shape::mesh("m.obj", mesh);
             mesh_edit(scene, &scene.camera, Some(&name), "m", shape)
         }
         6 => duplicate(scene, &name).unwrap_or(kept),

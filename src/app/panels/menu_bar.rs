@@ -29,6 +29,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let hint = match (&state.document.path, is_dirty) {
                 (Some(path), false) => path.display().to_string(),
                 (Some(path), true) => format!("{}\nEdited: not saved yet.", path.display()),
+                (None, is_dirty) if let Some(path) = state.document.watched_path() => {
+                    let edited = if is_dirty { "Edited: not saved yet.\n" } else { "" };
+                    format!("{}\n{edited}Saving makes a scene file of it.", path.display())
+                }
                 (None, _) if state.document.description().source.is_none() => "A new scene: not saved yet.".to_owned(),
                 (None, false) => "A built-in scene.".to_owned(),
                 (None, true) => "A built-in scene, edited: not saved yet.".to_owned(),

@@ -98,8 +98,13 @@ pub fn show(ui: &mut Ui, description: &Description, object: &Object, commands: &
             let direction = rows.vector(ui, "Direction", about, *direction).unwrap_or(*direction);
             Some(Shape::Directional { direction, angle: rows.angle(ui, "Angle", sun, *angle, 180.0) })
         }
-        Shape::Mesh { path, mesh, .. } => {
+        Shape::Mesh { path, part, mesh, .. } => {
             fact_ui(ui, "Mesh", format!("{} triangles", mesh.triangles.len()), &path.display().to_string());
+            for (label, name) in [("Group", &part.group), ("Material", &part.material)] {
+                if let Some(name) = name {
+                    fact_ui(ui, label, name.clone(), &format!("The part of {} that is shown", path.display()));
+                }
+            }
             None
         }
     };

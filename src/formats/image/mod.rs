@@ -16,7 +16,7 @@ use std::path::Path;
 use super::ending::{Format, by_ending, list};
 use crate::scene::environment::EnvironmentImage;
 
-pub(super) type ImageFormat = Format<Result<EnvironmentImage, String>>;
+pub(super) type ImageFormat = Format<fn(&[u8]) -> Result<EnvironmentImage, String>>;
 
 /// Every image format that is read.
 const FORMATS: &[ImageFormat] = &[

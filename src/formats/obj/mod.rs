@@ -1,4 +1,5 @@
-//! Wavefront OBJ: positions, normals and faces. Materials, texture coordinates, groups, lines and points are passed over.
+//! Wavefront OBJ: positions, normals and faces, and the names of their groups, objects and materials. Texture coordinates, lines and
+//! points are passed over.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -86,6 +87,10 @@ struct Reader {
     /// The normal of each corner of the faces.
     corner_normals: Vec<u32>,
     names_normals: bool,
+    /// What the next faces belong to.
+    object: Option<String>,
+    groups: Vec<String>,
+    material: Option<String>,
 }
 
 impl Reader {
@@ -108,6 +113,21 @@ impl Reader {
             }
             // `fo` is how the first versions of the format wrote it.
             "f" | "fo" => self.face(words, line)?,
+            "g" => {
+                let name = rest_of(text, word);
+                self.groups = words.map(str::to_owned).collect();
+                // Several groups; some programs mean one, whose name has spaces.
+                self.groups.extend((self.groups.len() > 1).then(|| name.to_owned()));
+                self.begin_part();
+            }
+            "o" => {
+                self.object = Some(rest_of(text, word).to_owned()).filter(|name| !name.is_empty());
+                self.begin_part();
+            }
+            "usemtl" => {
+                self.material = Some(rest_of(text, word).to_owned()).filter(|name| !name.is_empty());
+                self.begin_part();
+            }
             word if NAMES.contains(&word) || PASSED_OVER.contains(&word) => {}
             word if FREE_FORM.contains(&word) => {
                 return Err(format!("`{word}` is a free-form surface, which is not read: convert it to faces"));
@@ -116,6 +136,12 @@ impl Reader {
             word => self.polygons.passed_over.add_named(Kind::UnknownStatement, word, line),
         }
         Ok(())
+    }
+
+    fn begin_part(&mut self) {
+        let Polygons { parts, faces, .. } = &mut self.polygons;
+        let groups = self.groups.iter().chain(&self.object).map(String::as_str);
+        parts.begin(faces.len(), groups, self.material.as_deref());
     }
 
     fn face(&mut self, words: SplitAsciiWhitespace<'_>, line: usize) -> Result<(), String> {
@@ -198,6 +224,11 @@ impl Reader {
         }
         missing.0 + unusable.0 + without.0 == 0
     }
+}
+
+/// What follows a statement's first word.
+fn rest_of<'t>(text: &'t str, word: &str) -> &'t str {
+    text.trim_ascii_start()[word.len()..].trim_ascii()
 }
 
 /// Three numbers. What may follow is a weight, or a colour.

@@ -6,7 +6,9 @@ use crate::geometry::Mesh;
 use crate::scene::LoadNote;
 
 fn read_mesh(bytes: &[u8]) -> Result<(Mesh, Vec<LoadNote>), Fault> {
-    mesh::read(bytes, format_of(Path::new("m.obj")).unwrap())
+    let path = Path::new("m.obj");
+    let input = crate::formats::files::Input { bytes, path, files: &crate::formats::Memory::default() };
+    mesh::read(&input, format_of(path).unwrap())
 }
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";

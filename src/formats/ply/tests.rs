@@ -6,7 +6,9 @@ use crate::geometry::Mesh;
 use crate::scene::LoadNote;
 
 fn read_mesh(bytes: &[u8]) -> Result<(Mesh, Vec<LoadNote>), Fault> {
-    mesh::read(bytes, format_of(Path::new("m.ply")).unwrap())
+    let path = Path::new("m.ply");
+    let input = crate::formats::files::Input { bytes, path, files: &crate::formats::Memory::default() };
+    mesh::read(&input, format_of(path).unwrap())
 }
 
 const ASCII: &str = "ply\r\nformat ascii 1.0\ncomment a pyramid\nelement vertex 4\nproperty float x\nproperty double y\n\

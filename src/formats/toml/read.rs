@@ -115,6 +115,7 @@ fn parse_with(text: &str, path: &Path, files: Option<&dyn Files>) -> Result<Desc
             path: path.to_path_buf(),
             text: text.to_owned(),
             is_builtin: files.is_some_and(Files::is_builtin),
+            import: None,
         })),
     })
 }

@@ -6,11 +6,14 @@ use std::sync::Arc;
 
 use super::ior;
 use super::node::{Node, Table};
-use crate::formats::files::Files;
+use crate::formats::files::{Files, Input};
+use crate::formats::image;
+use crate::formats::mesh::{self, MeshFile, PartFault};
+use crate::formats::parts::NoSuchPart;
 use crate::formats::suggest::suggestion;
-use crate::formats::{image, mesh};
 use crate::geometry::Mesh;
 use crate::optics::{Medium, catalog, medium};
+use crate::scene::description::MeshPart;
 use crate::scene::environment::EnvironmentImage;
 use crate::scene::fields::{Field, Slot, Visitor};
 use crate::scene::{Fault, LoadNote, SceneError, validate};
@@ -29,7 +32,9 @@ pub(super) struct Context<'a> {
     /// Names so far, each with what it names.
     names: HashMap<String, &'static str>,
     /// Meshes read so far, with what was passed over in their files: objects that name one file share it.
-    meshes: HashMap<PathBuf, (Arc<Mesh>, Vec<LoadNote>)>,
+    meshes: HashMap<(PathBuf, MeshPart), (Arc<Mesh>, Vec<LoadNote>)>,
+    /// Files of which parts were taken, for more of them.
+    mesh_files: HashMap<PathBuf, MeshFile>,
     /// In the order in which they were found.
     pub errors: Vec<SceneError>,
 }
@@ -37,8 +42,9 @@ pub(super) struct Context<'a> {
 impl<'a> Context<'a> {
     pub fn new(files: Option<&'a dyn Files>, folder: &'a Path) -> Self {
         let (names, meshes, errors) = (HashMap::new(), HashMap::new(), Vec::new());
-        let known_media = HashSet::new();
-        Self { files, folder, media: Vec::new(), known_media, has_lost_media: false, names, meshes, errors }
+        let (known_media, mesh_files) = (HashSet::new(), HashMap::new());
+        let has_lost_media = false;
+        Self { files, folder, media: Vec::new(), known_media, has_lost_media, names, meshes, mesh_files, errors }
     }
 
     /// Keeps an error; whatever stands for the value that could not be read.
@@ -74,20 +80,43 @@ impl<'a> Context<'a> {
         Err(node.error(format!("the scene has no medium `{name}`{hint}; {list}")))
     }
 
-    fn mesh(&mut self, node: &Node<'_>, path: PathBuf) -> Result<(Arc<Mesh>, Vec<LoadNote>), SceneError> {
+    /// `part_node`: where the part is named, by its key.
+    fn mesh<'n>(
+        &mut self,
+        node: &Node<'n>,
+        path: PathBuf,
+        part: &MeshPart,
+        part_node: impl Fn(&str) -> Option<Node<'n>>,
+    ) -> Result<(Arc<Mesh>, Vec<LoadNote>), SceneError> {
         let format = mesh::format_of(&path).map_err(|message| node.error(message))?;
-        if let Some(found) = self.meshes.get(&path) {
+        let key = (path, part.clone());
+        if let Some(found) = self.meshes.get(&key) {
             return Ok(found.clone());
         }
+        let path = &key.0;
         let Some(files) = self.files else { return Ok((Arc::default(), Vec::new())) };
-        let file = files.locate(&self.folder.join(&path));
-        let bytes =
-            files.read(&file).map_err(|message| node.error(format!("the mesh {} {message}", file.display())))?;
-        let (mesh, notes) = mesh::read(&bytes, format).map_err(|fault| match fault.line {
-            Some(line) => SceneError::at(file, line, 1, fault.message),
-            None => SceneError::in_file(file, fault.message),
-        })?;
-        Ok(self.meshes.entry(path).insert_entry((Arc::new(mesh), notes)).get().clone())
+        let file = files.locate(&self.folder.join(path));
+        let read = || {
+            let bytes =
+                files.read(&file).map_err(|message| node.error(format!("the mesh {} {message}", file.display())))?;
+            let input = Input { bytes: &bytes, path: &file, files };
+            MeshFile::read(&input, format).map_err(|fault| mesh::error_in(&file, fault))
+        };
+        let (mesh, notes) = if part.is_whole() {
+            read()?.whole().map_err(|fault| mesh::error_in(&file, fault))?
+        } else {
+            if !self.mesh_files.contains_key(path) {
+                self.mesh_files.insert(path.clone(), read()?);
+            }
+            self.mesh_files[path].part(part).map_err(|fault| match fault {
+                PartFault::Fault(fault) => mesh::error_in(&file, fault),
+                PartFault::NoSuchPart(NoSuchPart { key, message }) => {
+                    let message = format!("the mesh {} {message}", path.display());
+                    part_node(key).as_ref().unwrap_or(node).error(message)
+                }
+            })?
+        };
+        Ok(self.meshes.entry(key).insert_entry((Arc::new(mesh), notes)).get().clone())
     }
 
     fn image(&self, node: &Node<'_>, path: PathBuf) -> Result<Option<EnvironmentImage>, SceneError> {
@@ -198,9 +227,16 @@ impl Reader<'_, '_, '_> {
             Slot::Ior(value) => *value = ior::ior(node)?,
             Slot::Name(value) => *value = self.name(node)?,
             Slot::Medium(value) => *value = self.context.medium(node)?,
-            Slot::Mesh { path, mesh, notes } => {
+            Slot::PartName(value) => *value = Some(node.words()?.to_owned()),
+            Slot::Mesh { path, part, mesh, notes } => {
                 *path = node.words()?.into();
-                (*mesh, *notes) = self.context.mesh(node, path.clone())?;
+                let words = |key| self.table.get(key).map(|node| node.words().map(str::to_owned)).transpose();
+                // A name that is none is an error where its own field is read.
+                if let (Ok(group), Ok(material)) = (words("group"), words("material")) {
+                    *part = MeshPart { group, material };
+                    let table = self.table.clone();
+                    (*mesh, *notes) = self.context.mesh(node, path.clone(), part, |key| table.get(key))?;
+                }
             }
             Slot::Image { path, image } => {
                 *path = node.words()?.into();

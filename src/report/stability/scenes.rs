@@ -55,7 +55,7 @@ pub fn icosphere(radius: f64, subdivisions: u32) -> Shape {
 }
 
 pub fn mesh_shape(mesh: Mesh) -> Shape {
-    Shape::Mesh { path: "made.ply".into(), mesh: Arc::new(mesh), notes: Vec::new() }
+    Shape::mesh("made.ply", Arc::new(mesh))
 }
 
 /// The triangles of a shape.

@@ -31,6 +31,28 @@ impl Transform {
     }
 }
 
+/// Which part of a mesh's file is meant, by the names that the file gives: what has all that is named here. Without names it is the whole.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
+pub struct MeshPart {
+    /// A group or an object of OBJ, a solid of STL, a node or a mesh of glTF.
+    pub group: Option<String>,
+    pub material: Option<String>,
+}
+
+impl MeshPart {
+    pub fn of_group(name: impl Into<String>) -> Self {
+        Self { group: Some(name.into()), material: None }
+    }
+
+    pub fn of_material(name: impl Into<String>) -> Self {
+        Self { group: None, material: Some(name.into()) }
+    }
+
+    pub fn is_whole(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// The surface of an object, in object space; of lights alone, also where one stands that has no surface.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
@@ -78,6 +100,7 @@ pub enum Shape {
     Mesh {
         /// As written in the file.
         path: PathBuf,
+        part: MeshPart,
         mesh: Arc<Mesh>,
         /// What of the file was passed over.
         notes: Vec<LoadNote>,
@@ -106,6 +129,11 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// The whole mesh of a file.
+    pub fn mesh(path: impl Into<PathBuf>, mesh: impl Into<Arc<Mesh>>) -> Self {
+        Self::Mesh { path: path.into(), part: MeshPart::default(), mesh: mesh.into(), notes: Vec::new() }
+    }
+
     /// Whether there is something to be met.
     pub fn has_surface(&self) -> bool {
         !matches!(self, Self::Point { .. } | Self::Spot { .. } | Self::Directional { .. })

@@ -249,7 +249,7 @@ mod tests {
             (Shape::Torus { center: o, major: 1.0, minor: 0.5, segments: 8000, rings: 8000 }, "segments"),
             (Shape::Quad { center: o, edge_u: DVec3::X, edge_v: DVec3::X * 3.0 }, "edge_v"),
             (Shape::Quad { center: o, edge_u: o, edge_v: DVec3::X }, "edge_u"),
-            (Shape::Mesh { path: PathBuf::new(), mesh: Arc::new(Mesh::default()), notes: Vec::new() }, ""),
+            (Shape::mesh(PathBuf::new(), Arc::new(Mesh::default())), ""),
             (Shape::Point { position: nan }, "position"),
             (spot(o, o, 10.0, 20.0), "target"),
             (spot(o, nan, 10.0, 20.0), "target"),

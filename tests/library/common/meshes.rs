@@ -512,7 +512,7 @@ impl Case {
         );
         let roles: Vec<Role> = assembly.parts.iter().map(|(_, role)| *role).collect();
         let has_holes = !assembly.holed.is_empty();
-        let shape = Shape::Mesh { path: "made.ply".into(), mesh: Arc::new(mesh), notes: Vec::new() };
+        let shape = Shape::mesh("made.ply", Arc::new(mesh));
         self.add(numbers, shape);
         self.description.objects.refractors_mut().last_mut().unwrap().transform = transform;
         let refractor = self.description.objects.refractors().len() - 1;
@@ -552,7 +552,7 @@ impl Case {
             triangles: part.triangles.clone(),
         };
         let triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().map(|t| t.map(|i| mesh.positions[i as usize])).collect();
-        self.add(numbers, Shape::Mesh { path: "other.ply".into(), mesh: Arc::new(mesh), notes: Vec::new() });
+        self.add(numbers, Shape::mesh("other.ply", Arc::new(mesh)));
         let refractor = self.description.objects.refractors().len() - 1;
         let volume = Shell::new(triangles.clone()).volume();
         let (triangles, roles) = (vec![triangles], vec![Role::Solid]);

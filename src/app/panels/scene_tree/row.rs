@@ -248,6 +248,9 @@ fn shape_name(shape: &Shape) -> String {
         Shape::Spot { outer_angle, .. } => format!("spot, {outer_angle}° from its axis"),
         Shape::Directional { angle: 0.0, .. } => "directional".to_owned(),
         Shape::Directional { angle, .. } => format!("directional, {angle}° across"),
-        Shape::Mesh { path, mesh, .. } => format!("{} ({} triangles)", path.display(), mesh.triangles.len()),
+        Shape::Mesh { path, part, mesh, .. } => {
+            let names: String = part.group.iter().chain(&part.material).map(|name| format!(", {name}")).collect();
+            format!("{}{names} ({} triangles)", path.display(), mesh.triangles.len())
+        }
     }
 }

@@ -23,7 +23,8 @@ use crate::scene::description::Description;
 /// The scene as a file's text. Relative paths stay as they are. A scene that has not been edited is the text that was read, to the byte.
 pub fn to_text(description: &Description) -> String {
     let new = Tree::of(description);
-    let original = description.source.as_deref().and_then(|source| {
+    let source = description.source.as_deref().filter(|source| source.import.is_none());
+    let original = source.and_then(|source| {
         let old = parse_text_only(&source.text, &source.path).ok()?;
         Some((source.text.as_str(), source.text.parse::<DocumentMut>().ok()?, Tree::of(&old)))
     });

@@ -54,6 +54,9 @@ pub(super) fn relocate(description: &mut Description, target: &Path) -> Result<(
 
 /// The absolute paths in a scene's file.
 fn absolute_paths(source: &Source) -> Vec<PathBuf> {
+    if source.import.is_some() {
+        return Vec::new();
+    }
     let Ok(description) = parse_text_only(&source.text, &source.path) else { return Vec::new() };
     let meshes = description.objects.iter().filter_map(|object| match &object.shape {
         Shape::Mesh { path, .. } => Some(path),

@@ -4,7 +4,7 @@ use super::*;
 use crate::formats::{self, builtin};
 use crate::optics::{Ior, Medium};
 use crate::scene::description::{
-    Environment, Kind, Light, Object, Paint, Quantity, Refractor, Shape, Source, Transform, WorldMedium,
+    Environment, Kind, Light, MeshPart, Object, Paint, Quantity, Refractor, Shape, Source, Transform, WorldMedium,
 };
 
 const TEXT: &str = r#"# A scene with remarks.
@@ -201,7 +201,7 @@ fn what_is_added_goes_with_the_scene() {
     for mut scene in [fresh, saved, built_in] {
         let (mesh, notes) = formats::mesh_from_file(&file).unwrap();
         let ball = scene.objects.iter_mut().find(|object| object.name == "ball").unwrap();
-        ball.shape = Shape::Mesh { path: file.clone(), mesh: mesh.into(), notes };
+        ball.shape = Shape::Mesh { path: file.clone(), part: MeshPart::default(), mesh: mesh.into(), notes };
         for (target, expected) in
             [("a/s.toml", Path::new("meshes/m.obj")), ("a/meshes/s.toml", Path::new("m.obj")), ("b/s.toml", &*file)]
         {
@@ -464,4 +464,58 @@ fn lights_of_every_kind_are_read_and_written() {
     light(&mut other, "bulb").shape = Shape::Sphere { center: at, radius: 0.25 };
     let text = assert_faithful(&other);
     assert!(text.contains("sphere") && !text.contains("point ="), "{text}");
+}
+
+const WINE: &str = "o glass\nusemtl clear\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no drink\nusemtl red\nv 0 0 1\nv 5 0 1\nv 0 5 1\nf 4 5 6\nf 6 5 4\n";
+
+fn wine(shapes: &[&str]) -> Result<Description, SceneError> {
+    let mut text = "[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n".to_owned();
+    for (number, shape) in shapes.iter().enumerate() {
+        text += &format!("[[solid]]\nname = \"s{number}\"\nshape = {{ {shape} }}\n");
+    }
+    let files = formats::Memory([("wine.obj".into(), WINE.into())].into());
+    formats::parse(&text, Path::new("s.toml"), &files)
+}
+
+#[test]
+fn parts_of_a_file_are_objects_of_their_own() {
+    let whole = r#"mesh = "wine.obj""#;
+    let glass = r#"mesh = "wine.obj", group = "glass""#;
+    let red = r#"mesh = "wine.obj", material = "red""#;
+    let both = r#"mesh = "wine.obj", group = "drink", material = "red""#;
+    let scene = wine(&[whole, glass, red, both, glass]).unwrap();
+    let mesh = |index: usize| match &scene.objects[index].shape {
+        Shape::Mesh { mesh, .. } => mesh,
+        other => panic!("no mesh: {other:?}"),
+    };
+    let sizes = [0, 1, 2, 3].map(|index| (mesh(index).triangles.len(), mesh(index).positions.len()));
+    assert_eq!(sizes, [(3, 6), (1, 3), (2, 3), (2, 3)]);
+    assert_eq!(mesh(2).positions[1], DVec3::new(5.0, 0.0, 1.0));
+    assert!(std::sync::Arc::ptr_eq(mesh(1), mesh(4)), "one part is read once");
+    // The text says the same again, and so does one that is written anew.
+    assert_eq!(to_text(&scene), scene.source.as_ref().unwrap().text);
+    let anew = to_text(&Description { source: None, ..scene.clone() });
+    for shape in [glass, red, both] {
+        assert!(anew.contains(&format!("shape = {{ {shape} }}")), "{anew}");
+    }
+    // What is in the file counts, not by which name it was taken.
+    let as_one = |shape| wine(&[shape]).unwrap().fingerprint();
+    assert_eq!(as_one(red), as_one(both));
+    assert_ne!(as_one(red), as_one(glass));
+    // Another part takes the place of one.
+    let mut edited = scene.clone();
+    edited.objects[1].shape = scene.objects[2].shape.clone();
+    assert!(to_text(&edited).contains(&format!("name = \"s1\"\nshape = {{ {red} }}")), "{}", to_text(&edited));
+}
+
+#[test]
+fn a_part_that_is_not_there_is_told_where_it_is_named() {
+    let message = |shape| wine(&[shape]).unwrap_err().to_string();
+    assert_eq!(
+        message(r#"mesh = "wine.obj", group = "drnik""#),
+        "s.toml:6:38: the mesh wine.obj has no group `drnik`; did you mean `drink`?; groups: glass, drink"
+    );
+    assert!(message(r#"mesh = "wine.obj", material = """#).starts_with("s.toml:6:41: `material` is empty"));
+    assert!(message(r#"mesh = "wine.obj", groop = "glass""#).contains("did you mean `group`?"));
+    assert!(message(r#"sphere = { center = [0, 0, 0], radius = 1 }, group = "glass""#).contains("unknown key `group`"));
 }

@@ -1,0 +1,53 @@
+//! Scenes from files, whatever their format.
+
+use std::path::Path;
+
+use super::disk::{MAX_DATA_BYTES, MAX_SCENE_BYTES};
+use super::ending::{Format, by_ending};
+use super::files::Input;
+use super::toml;
+use crate::scene::{Description, SceneError};
+
+pub(super) type SceneFormat = Format<fn(&Input<'_>) -> Result<Description, SceneError>>;
+
+/// The endings of files that scenes are read from, in lower case.
+pub const SCENE_ENDINGS: &[&str] = &["toml"];
+
+/// The program's own format, which files of any other ending are taken for too.
+const OWN: SceneFormat =
+    SceneFormat { endings: &["toml"], read: |input| toml::read(input.bytes, input.path, input.files) };
+
+/// Every scene format that is read.
+const FORMATS: &[SceneFormat] = &[OWN];
+
+/// The format that a file's ending names; `None` where it names none.
+pub(super) fn format_of(path: &Path) -> Option<&'static SceneFormat> {
+    by_ending(FORMATS, path)
+}
+
+/// Most bytes of a scene's file: those of other programs may hold their meshes.
+pub(super) fn most_bytes(path: &Path) -> u64 {
+    match format_of(path) {
+        Some(format) if format.endings != OWN.endings => MAX_DATA_BYTES,
+        _ => MAX_SCENE_BYTES,
+    }
+}
+
+pub(super) fn read(input: &Input<'_>) -> Result<Description, SceneError> {
+    (format_of(input.path).unwrap_or(&OWN).read)(input)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_by_ending() {
+        let endings: Vec<&str> = FORMATS.iter().flat_map(|format| format.endings).copied().collect();
+        assert_eq!(endings, SCENE_ENDINGS);
+        assert!(format_of(Path::new("a/b.TOML")).is_some());
+        assert!(format_of(Path::new("toml")).is_none());
+        assert_eq!(most_bytes(Path::new("a.toml")), MAX_SCENE_BYTES);
+        assert_eq!(most_bytes(Path::new("/dev/stdin")), MAX_SCENE_BYTES);
+    }
+}
