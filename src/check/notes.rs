@@ -8,7 +8,8 @@ use crate::scene::description::Shape;
 use crate::tracking::Prepared;
 
 /// Kinds of notes that leave a mesh as its author meant it.
-const ADVICE: [&str; 1] = ["degenerate_triangles"];
+const ADVICE: [&str; 7] =
+    ["degenerate_triangles", "material_library", "material_values", "no_glass", "filter", "texture", "part"];
 
 pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
     let description = &*prepared.description;

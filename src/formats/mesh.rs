@@ -63,6 +63,17 @@ impl MeshFile {
         self.0.part(part).map_err(PartFault::NoSuchPart)?.finish().map_err(PartFault::Fault)
     }
 
+    /// The files of materials that it names.
+    pub fn libraries(&self) -> &[String] {
+        &self.0.libraries
+    }
+
+    /// The material of all faces, if they have the same.
+    pub fn only_material(&self) -> Option<String> {
+        let materials = self.0.parts.materials(self.0.faces.len());
+        if let [only] = materials[..] { Some(only.to_owned()) } else { None }
+    }
+
     /// The parts that together are the whole, each face in one: by materials, or else by groups. Fewer than two: it is all of one piece.
     pub fn pieces(&self) -> Vec<MeshPart> {
         let Polygons { parts, faces, .. } = &self.0;

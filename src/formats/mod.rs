@@ -12,9 +12,11 @@ mod files;
 pub(crate) mod image;
 mod lines;
 mod mesh;
+mod names;
 mod obj;
 mod parts;
 mod passed_over;
+mod pieces;
 mod ply;
 mod polygon;
 mod polygons;
@@ -66,8 +68,7 @@ pub fn open(name_or_path: impl AsRef<Path>) -> Result<Description, SceneError> {
 /// When the file or one that it names cannot be read or used.
 pub fn file(path: &Path) -> Result<Description, SceneError> {
     if scenes::format_of(path).is_none() && is_mesh(path) {
-        let (mesh, notes) = mesh_from_file(path)?;
-        return studio::around(path, mesh, notes);
+        return studio::open(path, &Disk);
     }
     let bytes = disk::read_or_receive(path, scenes::most_bytes(path));
     read(&bytes.map_err(|error| SceneError::in_file(path, error.to_string()))?, path, &Disk)

@@ -40,6 +40,8 @@ pub(super) struct Polygons {
     pub strips: CornerLists,
     /// Of the faces; strips belong to none.
     pub parts: Parts,
+    /// Files of materials that are named, as they are written.
+    pub libraries: Vec<String>,
     pub passed_over: PassedOver,
     /// Vertices that cannot be corners, by index and line: allowed as long as they are none.
     unusable: Vec<(usize, Option<usize>)>,

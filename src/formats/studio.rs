@@ -1,76 +1,112 @@
-//! A scene around a mesh that comes alone: the mesh in glass on a floor, lit from above.
+//! A scene around a mesh that comes alone: the mesh, in glass where nothing else is said of it, on a floor and lit from above.
 
 use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::files::{Files, Input};
+use super::mesh::{self, MeshFile};
+use super::names::Names;
+use super::pieces::{Piece, pieces};
 use crate::geometry::Mesh;
-use crate::optics::{Ior, Medium, catalog};
 use crate::scene::description::{
-    CameraDescription, Environment, Light, MeshPart, Object, Objects, Paint, Refractor, Shape, Solid, WorldMedium,
+    CameraDescription, Environment, Light, Object, Objects, Paint, Shape, Solid, WorldMedium,
 };
-use crate::scene::{Description, LoadNote, SceneError};
+use crate::scene::{Description, SceneError};
 
 /// Where the camera looks from, as the mesh sees it.
 const VIEW: DVec3 = DVec3::new(0.55, 0.5, 1.0);
 const VERTICAL_FOV: f64 = 34.0;
 
-/// The scene around the mesh of a file. All lengths are in proportion to the mesh.
+/// What surrounds scenes that bring no light of their own.
+pub(super) const SKY: Environment =
+    Environment::Gradient { zenith: [0.5, 0.54, 0.6], horizon: [0.22, 0.23, 0.25], nadir: [0.1; 3] };
+
+/// The scene around the mesh in a file: each of its materials, or else of its groups, is an object.
 ///
 /// # Errors
-/// When the mesh has no extent.
-pub(super) fn around(path: &Path, mesh: Mesh, notes: Vec<LoadNote>) -> Result<Description, SceneError> {
-    let used = || mesh.triangles.iter().flatten().map(|&corner| mesh.positions[corner as usize]);
-    let (min, max) = used().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p)));
+/// When the file cannot be read, or the mesh has no extent.
+pub(super) fn open(path: &Path, files: &dyn Files) -> Result<Description, SceneError> {
+    let in_file = |message: String| SceneError::in_file(path, message);
+    let format = mesh::format_of(path).map_err(in_file)?;
+    let bytes = files.read(path).map_err(in_file)?;
+    let input = Input { bytes: &bytes, path, files };
+    let file = MeshFile::read(&input, format).map_err(|fault| mesh::error_in(path, fault))?;
+    let stem = path.file_stem().map_or_else(|| "mesh".into(), |stem| stem.to_string_lossy().into_owned());
+    around(path, &stem, pieces(file, &stem, &input)?)
+}
+
+/// The scene around pieces of a file. All lengths are in proportion to them together.
+fn around(path: &Path, stem: &str, pieces: Vec<Piece>) -> Result<Description, SceneError> {
+    let used = |mesh: &Mesh| bounds(mesh.triangles.iter().flatten().map(|&corner| mesh.positions[corner as usize]));
+    let corners = pieces.iter().map(|piece| used(&piece.mesh)).flat_map(|(min, max)| [min, max]);
+    let (min, max) = bounds(corners);
     let (center, radius) = ((min + max) / 2.0, (max - min).length() / 2.0);
     if !(radius > 0.0 && radius.is_finite()) {
         return Err(SceneError::in_file(path, "the mesh has no extent"));
     }
-    let stem = path.file_stem().map_or_else(|| "mesh".into(), |stem| stem.to_string_lossy().into_owned());
     // Saved elsewhere, the scene must still find its mesh.
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    let is_smooth = !mesh.normals.is_empty();
-    let glass = catalog::find("glass").map_or(Ior::Constant(1.5), Ior::Catalog);
+    let (mut objects, mut media, mut names) = (Objects::default(), Vec::new(), Names::default());
+    for Piece { name, part, mesh, notes, role, medium } in pieces {
+        let shape = Shape::Mesh { path: path.clone(), part, mesh: Arc::new(mesh), notes };
+        objects.push(Object::new(names.give(&name, stem), shape, role));
+        media.extend(medium);
+    }
     // Not flush with it: what touches the floor is in optical contact.
     let floor = center.with_y(min.y - 1e-3 * radius);
     let quad = |center: DVec3, edge_u: DVec3, edge_v: DVec3| Shape::Quad { center, edge_u, edge_v };
-    let mut objects = Objects::default();
-    let shape = Shape::Mesh { path, part: MeshPart::default(), mesh: Arc::new(mesh), notes };
-    objects.push(Object::new(stem.clone(), shape, Refractor { smooth: is_smooth, ..Refractor::of("glass") }));
     let checker = Paint::Checker { a: [0.42; 3], b: [0.3; 3], size: 0.5 * radius };
     let reach = 40.0 * radius;
-    let name = |name: &str| if name == stem { format!("{name} 2") } else { name.to_owned() };
-    objects.push(Object::new(name("floor"), quad(floor, DVec3::Z * reach, DVec3::X * reach), Solid::of(checker)));
+    let floor = quad(floor, DVec3::Z * reach, DVec3::X * reach);
+    objects.push(Object::new(names.give("floor", ""), floor, Solid::of(checker)));
     let softbox = center + DVec3::new(-1.6, 2.6, 1.2) * radius;
     let away = (softbox - center).normalize();
     let across = DVec3::Y.cross(away).normalize();
     let sheet = quad(softbox, away.cross(across) * 1.6 * radius, across * 2.2 * radius);
-    objects.push(Object::new(name("softbox"), sheet, Light::of_radiance([8.0, 7.7, 7.2])));
-    let distance = 1.1 * radius / (VERTICAL_FOV.to_radians() / 2.0).sin();
+    objects.push(Object::new(names.give("softbox", ""), sheet, Light::of_radiance([8.0, 7.7, 7.2])));
     Ok(Description {
-        name: stem,
-        camera: CameraDescription {
-            position: center + VIEW.normalize() * distance,
-            target: center,
-            up: DVec3::Y,
-            vertical_fov: VERTICAL_FOV,
-            aperture_radius: 0.0,
-            focus_distance: None,
-        },
-        world: WorldMedium { ior: Ior::Constant(1.0), absorption: [0.0; 3] },
-        environment: Environment::Gradient { zenith: [0.5, 0.54, 0.6], horizon: [0.22, 0.23, 0.25], nadir: [0.1; 3] },
-        media: vec![Medium { name: "glass".into(), ior: glass, absorption: [0.0; 3] }],
+        name: stem.to_owned(),
+        camera: camera_at(center, radius),
+        world: WorldMedium::DEFAULT,
+        environment: SKY,
+        media,
         objects,
         source: None,
     })
 }
 
+/// The lowest and the highest coordinates.
+pub(super) fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+    points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p)))
+}
+
+/// A camera that sees a whole ball, from in front and above.
+pub(super) fn camera_at(center: DVec3, radius: f64) -> CameraDescription {
+    let distance = 1.1 * radius / (VERTICAL_FOV.to_radians() / 2.0).sin();
+    CameraDescription {
+        position: center + VIEW.normalize() * distance,
+        target: center,
+        vertical_fov: VERTICAL_FOV,
+        ..CameraDescription::blank()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats::Memory;
+    use crate::optics::{Ior, Medium};
     use crate::scene::compile::compile;
+    use crate::scene::description::{MeshPart, Refractor};
     use crate::scene::shapes::tessellate;
+
+    fn alone(mesh: Mesh) -> Piece {
+        let medium = Medium { name: "floor".into(), ior: Ior::Constant(1.5), absorption: [0.0; 3] };
+        let (part, notes, role) = (MeshPart::default(), Vec::new(), Refractor::of("floor").into());
+        Piece { name: "floor".into(), part, mesh, notes, role, medium: Some(medium) }
+    }
 
     /// Whatever its size and place, the mesh is in the middle of the picture, and its light faces it.
     #[test]
@@ -79,7 +115,7 @@ mod tests {
             let center = DVec3::splat(offset);
             let shape = Shape::Box { min: center - scale, max: center + DVec3::new(1.0, 3.0, 0.2) * scale };
             let mesh = tessellate(&shape).unwrap().unwrap();
-            let scene = around(Path::new("a/floor.stl"), mesh, Vec::new()).unwrap();
+            let scene = around(Path::new("a/floor.stl"), "floor", vec![alone(mesh)]).unwrap();
             let names: Vec<&str> = scene.objects.iter().map(|object| object.name.as_str()).collect();
             assert_eq!((scene.name.as_str(), names.len()), ("floor", 3));
             assert!(names.contains(&"floor 2"), "{names:?}");
@@ -90,6 +126,77 @@ mod tests {
             assert!(edge_u.cross(edge_v).dot(scene.camera.target - center) > 0.0);
         }
         let flat = Mesh { positions: vec![DVec3::ONE; 3], normals: Vec::new(), triangles: vec![[0, 1, 2]] };
-        assert!(around(Path::new("a.stl"), flat, Vec::new()).is_err());
+        assert!(around(Path::new("a.stl"), "a", vec![alone(flat)]).is_err());
+    }
+
+    /// Four tetrahedra, each with a statement before it.
+    fn obj(statements: [&str; 4]) -> String {
+        let mut text = "mtllib table set.mtl\n".to_owned();
+        for (number, statement) in statements.iter().enumerate() {
+            let x = 2 * number;
+            text += &format!("{statement}\nv {x} 0 0\nv {} 0 0\nv {x} 1 0\nv {x} 0 1\n", x + 1);
+            text += "f -4 -2 -3\nf -4 -1 -2\nf -4 -3 -1\nf -3 -2 -1\n";
+        }
+        text
+    }
+
+    fn opened(text: &str, library: Option<&str>) -> Description {
+        let mut files = Memory([("a/set.obj".into(), text.into())].into());
+        files.0.extend(library.map(|text| ("a/table set.mtl".into(), text.into())));
+        open(Path::new("a/set.obj"), &files).unwrap()
+    }
+
+    fn media(scene: &Description) -> Vec<(&str, f64)> {
+        scene.media.iter().map(|medium| (medium.name.as_str(), medium.ior.ior())).collect()
+    }
+
+    fn notes(scene: &Description) -> Vec<&str> {
+        let Shape::Mesh { notes, .. } = &scene.objects[0].shape else { panic!("a mesh") };
+        notes.iter().map(|note| note.kind).collect()
+    }
+
+    #[test]
+    fn each_material_of_a_file_is_an_object_with_its_medium() {
+        let text = obj(["usemtl cup", "usemtl wine", "usemtl table", "usemtl lamp"]);
+        let library = "newmtl cup\nNi 1.46\nd 0.1\nnewmtl wine\nNi 1.36\nTf 0.5 0.1 0.1\nillum 6\nnewmtl table\nKd 0.3 0.2 0.1\n\
+                       newmtl lamp\nKe 3 3 2\n";
+        let scene = opened(&text, Some(library));
+        assert_eq!(media(&scene), [("cup", 1.46), ("wine", 1.36)]);
+        let names = |objects: &[Object]| objects.iter().map(|o| o.name.clone()).collect::<Vec<_>>().join(" ");
+        assert_eq!(names(scene.objects.refractors()), "cup wine");
+        assert_eq!(names(scene.objects.solids()), "table floor");
+        assert_eq!(names(scene.objects.lights()), "lamp softbox");
+        assert_eq!(scene.objects.solids()[0].solid().unwrap().paint, Paint::Color([0.3, 0.2, 0.1]));
+        assert_eq!(scene.objects.lights()[0].light().unwrap().emission.rgb, [3.0, 3.0, 2.0]);
+        // Of red half passes through a length of 1.
+        assert!((scene.media[1].absorption[0] - 2_f64.ln()).abs() < 1e-12 && scene.media[0].absorption == [0.0; 3]);
+        let Shape::Mesh { path, part, mesh, .. } = &scene.objects.refractors()[1].shape else { panic!("a mesh") };
+        assert!(path.is_absolute() && path.ends_with("a/set.obj"));
+        assert_eq!((part, mesh.triangles.len()), (&MeshPart::of_material("wine"), 4));
+        // Saved, it names the parts.
+        let text = crate::formats::to_text(&scene);
+        assert!(text.contains("material = \"wine\""), "{text}");
+        assert_eq!(compile(&scene, None).unwrap().refractors().count(), 2);
+    }
+
+    #[test]
+    fn without_materials_groups_are_objects() {
+        let scene = opened(&obj(["o ball", "o ball", "o cube", "o world"]), None);
+        assert_eq!(media(&scene).iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["ball", "cube", "world 2"]);
+        assert_eq!(notes(&scene), ["material_library"; 2], "two words could be two names");
+        // Faces that are of two groups cannot be told apart by them.
+        assert_eq!(media(&opened(&obj(["g a b", "g b", "g c", "g d"]), None)).len(), 1);
+        assert_eq!(media(&opened(&obj(["", "", "", ""]), None)).len(), 1);
+    }
+
+    #[test]
+    fn where_no_material_is_glass_all_are() {
+        let text = obj(["usemtl a", "usemtl b", "usemtl a", "usemtl lamp"]);
+        let scene = opened(&text, Some("newmtl a\nKd 1 0 0\nNi 1.7\nnewmtl b\nnewmtl lamp\nKe 1 1 1\n"));
+        assert_eq!(media(&scene).iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["a", "b"]);
+        assert_eq!((scene.media[0].ior.ior(), notes(&scene)), (1.7, vec!["no_glass"]));
+        // A mesh of one material is glass, whatever that says, and of its IOR if it gives one.
+        let single = opened(&obj(["usemtl a"; 4]), Some("newmtl a\nNi 1.7\nKe 1 1 1\n"));
+        assert_eq!((media(&single), notes(&single)), (vec![("set", 1.7)], vec![]));
     }
 }

@@ -295,7 +295,8 @@ mod tests {
     use crate::optics::Medium;
     use crate::scene::LoadNote;
     use crate::scene::description::{
-        CameraDescription, Environment, Kind, Light, Object, Paint, Quantity, Refractor, Shape, Solid, WorldMedium,
+        CameraDescription, Environment, Kind, Light, MeshPart, Object, Paint, Quantity, Refractor, Shape, Solid,
+        WorldMedium,
     };
 
     /// A ball of glass in one of water, over a floor.
@@ -429,7 +430,12 @@ mod tests {
         // The same contents from another file.
         let mut moved = scene.clone();
         let note = LoadNote { kind: "short_faces", count: 1, first_line: None, message: String::new() };
-        moved.objects[0].shape = Shape::Mesh { path: "b.obj".into(), mesh: mesh(1.0), notes: vec![note] };
+        moved.objects[0].shape = Shape::Mesh {
+            path: "b.obj".into(),
+            part: MeshPart::of_group("elsewhere"),
+            mesh: mesh(1.0),
+            notes: vec![note],
+        };
         assert_eq!(moved.fingerprint(), scene.fingerprint());
     }
 

@@ -1,6 +1,8 @@
 //! Wavefront OBJ: positions, normals and faces, and the names of their groups, objects and materials. Texture coordinates, lines and
 //! points are passed over.
 
+pub(super) mod mtl;
+
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::str::SplitAsciiWhitespace;
@@ -128,6 +130,7 @@ impl Reader {
                 self.material = Some(rest_of(text, word).to_owned()).filter(|name| !name.is_empty());
                 self.begin_part();
             }
+            "mtllib" => self.polygons.libraries.push(rest_of(text, word).to_owned()),
             word if NAMES.contains(&word) || PASSED_OVER.contains(&word) => {}
             word if FREE_FORM.contains(&word) => {
                 return Err(format!("`{word}` is a free-form surface, which is not read: convert it to faces"));

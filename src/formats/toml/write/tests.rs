@@ -133,7 +133,7 @@ fn objects_come_go_move_and_are_renamed() {
     scene.objects.solids_mut().swap(0, 1);
     scene.objects.push(Object { name: "after".into(), shape: quad(DVec3::X), ..ground });
     assert_faithful(&scene);
-    let source = Source { path: "remarked.toml".into(), text: to_text(&scene), is_builtin: false };
+    let source = Source { path: "remarked.toml".into(), text: to_text(&scene), is_builtin: false, import: None };
     scene.source = Some(std::sync::Arc::new(source));
     scene.objects.solids_mut().rotate_left(1);
     assert_faithful(&scene);
