@@ -174,22 +174,22 @@ mod tests {
         parts
     }
 
-    fn faces(part: MeshPart) -> Result<Vec<Range<usize>>, NoSuchPart> {
-        parts().faces(&part, 9)
+    fn faces(part: MeshPart) -> Result<Vec<[usize; 2]>, NoSuchPart> {
+        parts().faces(&part, 9).map(|ranges| ranges.iter().map(|range| [range.start, range.end]).collect())
     }
 
     #[test]
     fn faces_by_the_names_of_their_parts() {
         assert_eq!(parts().groups(9), ["default", "cup", "all"]);
         assert_eq!(parts().materials(9), ["default", "glass", "wine"]);
-        assert_eq!(faces(MeshPart::of_group("cup")), Ok(vec![2..4, 4..6, 6..9]));
-        assert_eq!(faces(MeshPart::of_group("all")), Ok(vec![4..6]));
-        assert_eq!(faces(MeshPart::of_group("default")), Ok(vec![0..2]));
-        assert_eq!(faces(MeshPart::of_material("glass")), Ok(vec![2..4, 6..9]));
-        assert_eq!(faces(MeshPart::of_material("default")), Ok(vec![0..2]));
+        assert_eq!(faces(MeshPart::of_group("cup")), Ok(vec![[2, 4], [4, 6], [6, 9]]));
+        assert_eq!(faces(MeshPart::of_group("all")), Ok(vec![[4, 6]]));
+        assert_eq!(faces(MeshPart::of_group("default")), Ok(vec![[0, 2]]));
+        assert_eq!(faces(MeshPart::of_material("glass")), Ok(vec![[2, 4], [6, 9]]));
+        assert_eq!(faces(MeshPart::of_material("default")), Ok(vec![[0, 2]]));
         let both = MeshPart { group: Some("all".into()), material: Some("wine".into()) };
-        assert_eq!(faces(both), Ok(vec![4..6]));
-        assert_eq!(faces(MeshPart::default()), Ok(vec![0..2, 2..4, 4..6, 6..9]));
+        assert_eq!(faces(both), Ok(vec![[4, 6]]));
+        assert_eq!(faces(MeshPart::default()), Ok(vec![[0, 2], [2, 4], [4, 6], [6, 9]]));
         assert!(!parts().has_one_group_each(9) && parts().has_one_group_each(4));
     }
 
