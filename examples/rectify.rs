@@ -58,6 +58,7 @@ fn empty(world: f64) -> Description {
     Description {
         name: "in memory".into(),
         camera: CameraDescription::blank(),
+        camera_medium: None,
         world: WorldMedium { ior: Ior::Constant(world), absorption: [0.0; 3] },
         environment: Environment::Color([1.0; 3]),
         media: Vec::new(),

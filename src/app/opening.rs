@@ -84,6 +84,7 @@ pub fn no_scene() -> Arc<Description> {
             aperture_radius: 0.0,
             focus_distance: None,
         },
+        camera_medium: None,
         world: WorldMedium { ior: Ior::Constant(1.0), absorption: [0.0; 3] },
         environment: Environment::Color([0.0; 3]),
         media: Vec::new(),

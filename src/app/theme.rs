@@ -95,12 +95,12 @@ const LIGHT: Palette = Palette {
 /// Of the modes in their order, on dark and on light ground; the last are for modes to come.
 const MODES: [[u32; 2]; 8] = [
     [0xe69f00, 0x7f5500],
+    [0xf28c72, 0xa43b18],
     [0x56b4e9, 0x1a638f],
     [0xd5c94a, 0x655f16],
     [0xb3a2f0, 0x624eac],
     [0x2fc090, 0x006b4b],
     [0xdb91b6, 0x90436e],
-    [0xf28c72, 0xa43b18],
     [0x8ea6ff, 0x3a4fc4],
 ];
 

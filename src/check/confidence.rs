@@ -64,7 +64,7 @@ fn doubt(prepared: &Prepared, all: usize, doubtful: &[&Patch]) -> Doubt {
 }
 
 /// Around the faces of a patch.
-fn spot(prepared: &Prepared, patch: &Patch) -> Spot {
+pub(super) fn spot(prepared: &Prepared, patch: &Patch) -> Spot {
     let geometry = &*prepared.scene.geometry;
     let is_of_patch = |face: &u32| {
         let found = prepared.table.patch_of(geometry, *face);

@@ -8,7 +8,8 @@ use crate::tracking::Prepared;
 
 pub(super) fn problems(prepared: &Prepared) -> Vec<Problem> {
     let description = &*prepared.description;
-    let used: HashSet<&str> = description.objects.refractor_roles().map(|r| r.medium.as_str()).collect();
+    let used: HashSet<&str> =
+        description.objects.refractor_roles().map(|r| r.medium.as_str()).chain(description.declared()).collect();
     let (used, unused): (Vec<_>, Vec<_>) = description.media.iter().partition(|m| used.contains(m.name.as_str()));
     let mut problems = Vec::new();
     if !unused.is_empty() {

@@ -3,6 +3,7 @@
 mod camera;
 mod confidence;
 mod crowded;
+mod declared;
 mod enclosed;
 mod film;
 mod flush;
@@ -105,10 +106,11 @@ pub fn check_watched(prepared: &Prepared, progress: &Progress) -> Result<Vec<Pro
     let mut problems = mesh::problems(prepared, &rims, &mut doubts);
     progress.go_on()?;
     let encounters = prepared.table.encounters(&prepared.scene);
-    let parts: [&dyn Fn() -> Vec<Problem>; 13] = [
+    let parts: [&dyn Fn() -> Vec<Problem>; 14] = [
         &|| notes::problems(prepared),
         &|| overlap::problems(prepared, &encounters, &rims),
         &|| crowded::problems(prepared),
+        &|| declared::problems(prepared, &rims),
         &|| confidence::problems(prepared, &doubts),
         &|| film::problems(prepared, progress),
         &|| enclosed::problems(prepared),

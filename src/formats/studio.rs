@@ -69,6 +69,7 @@ fn around(path: &Path, stem: &str, pieces: Vec<Piece>) -> Result<Description, Sc
     Ok(Description {
         name: stem.to_owned(),
         camera: camera_at(center, radius),
+        camera_medium: None,
         world: WorldMedium::DEFAULT,
         environment: SKY,
         media,

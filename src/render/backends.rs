@@ -22,7 +22,8 @@ pub fn renderer(backend: Backend) -> &'static dyn Renderer {
 }
 
 /// The modes that the graphics processor renders: all but [`Mode::Reference`], which is computed in f64.
-pub const GPU_MODES: [Mode; 5] = [Mode::Naive, Mode::Stack, Mode::Priority, Mode::RectifiedObject, Mode::Rectified];
+pub const GPU_MODES: [Mode; 6] =
+    [Mode::Naive, Mode::Declared, Mode::Stack, Mode::Priority, Mode::RectifiedObject, Mode::Rectified];
 
 /// What renders in `mode` where `backend` is asked for: modes other than [`GPU_MODES`] are always rendered by the CPU.
 pub fn backend_of(mode: Mode, backend: Backend) -> Backend {

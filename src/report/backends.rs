@@ -61,7 +61,7 @@ pub fn measure(
     progress: &Progress<'_>,
 ) -> Option<Backends> {
     let mut modes = Vec::new();
-    for mode in GPU_MODES {
+    for mode in GPU_MODES.into_iter().filter(|mode| *mode != Mode::Declared) {
         let usual = ImageSettings { splits: 0, ..ImageSettings::new(mode, plan.seed) };
         let work = Work { prepared, camera, settings: &[usual], size: plan.size, samples: None };
         if let Err(why) = work.make_ready() {

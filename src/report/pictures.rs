@@ -93,7 +93,7 @@ pub fn make(
     progress: &Progress<'_>,
 ) -> Result<Option<Pictures>, ExportError> {
     // The others are held against it.
-    let others = Mode::ALL.into_iter().filter(|mode| *mode < Mode::Rectified);
+    let others = Mode::ALL.into_iter().filter(|mode| *mode < Mode::Rectified && *mode != Mode::Declared);
     let modes: Vec<Mode> = std::iter::once(Mode::Rectified).chain(others).collect();
     let Some(plan) = &affordable(prepared, camera, plan, modes.len(), progress) else { return Ok(None) };
     let Some(films) = render(prepared, camera, plan, &modes, progress) else { return Ok(None) };

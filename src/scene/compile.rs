@@ -7,6 +7,7 @@ use std::time::Instant;
 use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 
+use super::declared::Declared;
 use super::description::{self, Description, Emission, Environment, MAX_RADIANCE, Quantity, Role, Shape, Transform};
 use super::emission;
 use super::error::SceneError;
@@ -54,7 +55,9 @@ pub fn compile(description: &Description, previous: Option<(&Description, &Scene
         }
     };
     require_distinct_spheres(description, &geometry)?;
-    let objects = objects(description, &geometry, bodies)?;
+    let known = media_by_name(description);
+    let declared = Declared::new(description, |name| known.get(name).copied())?;
+    let objects = objects(description, &geometry, bodies, &known)?;
     let environment = match previous {
         // An image's sampling tables are worth keeping.
         Some((before, scene)) if is_same_environment(&before.environment, &description.environment) => {
@@ -83,6 +86,7 @@ pub fn compile(description: &Description, previous: Option<(&Description, &Scene
         holed,
         has_sheets,
         world_is_vacuum,
+        declared,
         topology_secs,
     })
 }
@@ -358,12 +362,21 @@ fn winding_tree(geometry: &Geometry, object: u32) -> WindingTree {
     WindingTree::build(&triangles)
 }
 
-fn objects(description: &Description, geometry: &Geometry, bodies: Vec<Body>) -> Result<Vec<Object>, SceneError> {
+fn media_by_name(description: &Description) -> HashMap<&str, MediumId> {
     // Of media of one name, which the loader refuses, the first.
-    let mut media: HashMap<&str, u32> = HashMap::with_capacity(description.media.len());
+    let mut media = HashMap::with_capacity(description.media.len());
     for (medium, index) in description.media.iter().zip(2..) {
-        media.entry(&medium.name).or_insert(index);
+        media.entry(&*medium.name).or_insert(MediumId(index));
     }
+    media
+}
+
+fn objects(
+    description: &Description,
+    geometry: &Geometry,
+    bodies: Vec<Body>,
+    media: &HashMap<&str, MediumId>,
+) -> Result<Vec<Object>, SceneError> {
     // There is a body for each object.
     (description.objects.iter().zip(bodies).zip(0..))
         .map(|((object, Body { volume, enclosure, topology, winding }), index)| {
@@ -378,8 +391,8 @@ fn objects(description: &Description, geometry: &Geometry, bodies: Vec<Body>) ->
                             valid.join(", ")
                         ))
                     })?;
-                    let description::Refractor { priority, smooth, .. } = *refractor;
-                    Surface::Refractor { medium: MediumId(medium), priority, smooth }
+                    let (priority, smooth) = (refractor.priority, refractor.smooth);
+                    Surface::Refractor { medium, priority, smooth }
                 }
                 Role::Solid(solid) => {
                     let albedo = albedo(&solid.paint, &object.shape, &object.transform, geometry.origin);
@@ -440,6 +453,7 @@ pub fn changed_objects(a: &Description, b: &Description) -> Option<Vec<ObjectId>
 /// same allocation are taken to be different.
 pub fn looks_the_same(a: &Description, b: &Description) -> bool {
     a.world == b.world
+        && a.camera_medium == b.camera_medium
         && a.media == b.media
         && is_same_environment(&a.environment, &b.environment)
         && changed_objects(a, b).is_some_and(|changed| changed.is_empty())

@@ -26,6 +26,8 @@ pub struct Description {
     /// Shown in titles; defaults to the file's stem.
     pub name: String,
     pub camera: CameraDescription,
+    /// What the scene declares the camera to be in, as in [`Refractor::outside`]; only mode `declared` and `check` ask.
+    pub camera_medium: Option<String>,
     pub world: WorldMedium,
     pub environment: Environment,
     pub media: Vec<Medium>,
@@ -126,5 +128,15 @@ impl Description {
 
     pub fn medium(&self, name: &str) -> Option<&Medium> {
         self.media.iter().find(|m| m.name == name)
+    }
+
+    /// What is declared to lie outside of refractors and lights and around the camera, where something is.
+    pub fn declared(&self) -> impl Iterator<Item = &str> {
+        self.objects.iter().filter_map(|object| object.outside()).chain(self.camera_medium.as_deref())
+    }
+
+    /// The same, to be changed.
+    pub fn declared_mut(&mut self) -> impl Iterator<Item = &mut String> {
+        self.objects.iter_mut().filter_map(|object| object.outside_mut()?.as_mut()).chain(self.camera_medium.as_mut())
     }
 }

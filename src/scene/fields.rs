@@ -61,6 +61,8 @@ pub enum Slot<'a> {
     Medium(&'a mut String),
     /// The name of a part of a mesh's file, which may be left out.
     PartName(&'a mut Option<String>),
+    /// The name of a medium of the scene or `world`, which may be left out.
+    MaybeMedium(&'a mut Option<String>),
     Mesh {
         path: &'a mut PathBuf,
         /// Keys beside this one name it.
@@ -170,6 +172,15 @@ impl dyn Visitor + '_ {
         self
     }
 
+    /// The name of a medium that may be left out.
+    pub fn maybe_medium(&mut self, key: &'static str, value: &mut Option<String>) -> &mut Self {
+        let is_default = Some(value.is_none());
+        if !self.field(Field { key, slot: Slot::MaybeMedium(value), is_default }) {
+            *value = None;
+        }
+        self
+    }
+
     /// A table that must be there.
     pub fn table(&mut self, key: &'static str, mut fields: impl FnMut(&mut dyn Visitor)) -> &mut Self {
         self.slot(key, Slot::Table(&mut fields))
@@ -231,6 +242,7 @@ impl Slot<'_> {
             Self::Ior(value) => plain_ior(value),
             Self::PartName(value) => Plain::Text((*value).clone()?),
             Self::Name(value) | Self::Medium(value) => Plain::Text(value.clone()),
+            Self::MaybeMedium(value) => Plain::Text(value.clone()?),
             Self::Mesh { path: value, .. } | Self::Image { path: value, .. } => path(value),
             Self::Table(fields) => Plain::Table(entries(fields)),
         })

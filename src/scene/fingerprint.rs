@@ -21,7 +21,7 @@ use super::environment::EnvironmentImage;
 use super::fields::{Entry, Field, Plain, Slot, Visitor};
 use super::tables::medium_fields;
 use crate::geometry::Mesh;
-use crate::optics::Ior;
+use crate::optics::{Ior, medium};
 
 /// A SHA-256 sum, shown as 64 hexadecimal digits.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -158,7 +158,16 @@ impl Description {
     /// Of all that decides what can be seen, but for the camera, which is often moved: see [`Camera::hash_into`]. Contents of meshes and
     /// images count, their paths do not, nor do names.
     pub fn fingerprint(&self) -> Fingerprint {
-        let Self { name: _, camera: _, mut world, mut environment, mut media, mut objects, source: _ } = self.clone();
+        let Self {
+            name: _,
+            camera: _,
+            mut camera_medium,
+            mut world,
+            mut environment,
+            mut media,
+            mut objects,
+            source: _,
+        } = self.clone();
         let hasher = Hasher::new("iorect scene 2");
         let mut hasher = FieldHasher { hasher, media: HashMap::new(), meshes: HashMap::new() };
         world.fields(&mut hasher);
@@ -176,6 +185,8 @@ impl Description {
             hasher.hasher.text(object.kind().name());
             object.fields(&mut hasher);
         }
+        let hasher_of_camera: &mut dyn Visitor = &mut hasher;
+        hasher_of_camera.maybe_medium("camera medium", &mut camera_medium);
         hasher.hasher.finish()
     }
 }
@@ -206,14 +217,18 @@ struct FieldHasher {
 
 impl Visitor for FieldHasher {
     fn field(&mut self, Field { key, slot, is_default: _ }: Field<'_>) -> bool {
-        // What a part of a file holds is hashed with its mesh.
-        if matches!(slot, Slot::Name(_) | Slot::PartName(_)) {
+        // What a part of a file holds is hashed with its mesh. What is not declared leaves no trace: fingerprints are as they were when nothing could be.
+        if matches!(slot, Slot::Name(_) | Slot::PartName(_) | Slot::MaybeMedium(None)) {
             return true;
         }
         let hasher = &mut self.hasher;
         hasher.text(key);
         match slot {
             Slot::Medium(name) => hasher.integer(self.media.get(name).copied().unwrap_or(u64::MAX)),
+            Slot::MaybeMedium(name) => match name.as_deref() {
+                None | Some(medium::WORLD) => hasher.text(medium::WORLD),
+                Some(name) => hasher.integer(self.media.get(name).copied().unwrap_or(u64::MAX)),
+            },
             Slot::Ior(ior) => {
                 // The formula and not the entry's name: a later version may know better numbers.
                 let model = if let Ior::Catalog(entry) = ior { &entry.model } else { &*ior };
@@ -311,6 +326,7 @@ mod tests {
         Description {
             name: "Balls".to_owned(),
             camera: CameraDescription::blank(),
+            camera_medium: None,
             world: WorldMedium::DEFAULT,
             environment: Environment::Color([1.0; 3]),
             media: [("water", 1.333), ("glass", 1.5)].map(medium).to_vec(),
@@ -418,6 +434,10 @@ mod tests {
             Box::new(light(ball(Quantity::Power, false))),
             Box::new(light(sun(0.0))),
             Box::new(light(sun(0.53))),
+            Box::new(|d| refractor(d, 1).outside = Some("water".into())),
+            Box::new(|d| refractor(d, 1).outside = Some("world".into())),
+            Box::new(|d| d.objects.lights_mut()[0].light_mut().unwrap().outside = Some("water".into())),
+            Box::new(|d| d.camera_medium = Some("water".into())),
         ];
         let all: BTreeSet<Fingerprint> = (edits.iter())
             .map(|edit| {

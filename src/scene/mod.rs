@@ -2,6 +2,7 @@
 
 pub mod camera;
 pub mod compile;
+mod declared;
 pub mod description;
 pub mod emission;
 pub mod environment;
@@ -18,6 +19,7 @@ mod survey;
 pub mod tables;
 pub mod validate;
 
+pub use declared::Declared;
 pub use description::Description;
 pub use error::{Fault, SceneError};
 pub use fingerprint::Fingerprint;

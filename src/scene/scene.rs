@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::declared::Declared;
 pub use super::ids::{MediumId, ObjectId};
 use super::lights::{Emitters, EnvironmentLight, Light};
 use super::needs::SceneNeeds;
@@ -171,6 +172,8 @@ pub struct Scene {
     pub has_sheets: bool,
     /// Whether the global medium is indistinguishable from the reserved vacuum.
     pub world_is_vacuum: bool,
+    /// What the scene declares around its surfaces and its camera.
+    pub declared: Declared,
     /// Time that analysing meshes took in this compile, in seconds; 0 where all was known.
     pub topology_secs: f64,
 }

@@ -54,6 +54,12 @@ impl CameraDescription {
         });
     }
 
+    /// With what the scene declares the camera to be in.
+    pub fn fields_in(&mut self, medium: &mut Option<String>, v: &mut dyn Visitor) {
+        self.fields(v);
+        v.maybe_medium("medium", medium);
+    }
+
     /// Where it has no direction, or an `up` along it, or is too large.
     fn key_to_blame(&self) -> &'static str {
         let is_far = |point: DVec3| point.abs().max_element() > MAX_LENGTH;
@@ -155,7 +161,7 @@ impl Object {
         let Self { name, shape, transform, visible, role } = self;
         v.slot("name", Slot::Name(name));
         match role {
-            Role::Refractor(Refractor { medium, priority, smooth }) => {
+            Role::Refractor(Refractor { medium, priority, smooth, outside }) => {
                 v.slot("medium", Slot::Medium(medium));
                 v.optional("priority", priority, 0, ANY);
                 let mut roughness = 0.0;
@@ -168,6 +174,7 @@ impl Object {
                     ),
                 });
                 v.optional("smooth", smooth, false, ANY);
+                v.maybe_medium("outside", outside);
             }
             Role::Solid(Solid { paint, mirror, smooth }) => {
                 paint.fields(v);
@@ -197,7 +204,7 @@ impl Light {
     /// Of a light of that shape, whose form is found out here.
     fn fields(&mut self, shape: &mut Shape, v: &mut dyn Visitor) {
         let form = v.form(&Shape::LIGHT_FORMS, shape.light_form(), None);
-        let Self { emission, two_sided } = self;
+        let Self { emission, two_sided, outside } = self;
         if form != shape.light_form() {
             *shape = Shape::blank(form);
             emission.quantity = shape.quantity();
@@ -236,6 +243,7 @@ impl Light {
                 &format!("`two_sided` belongs to a light with a `shape`, but this one is a `{form}`"),
             );
         }
+        v.maybe_medium("outside", outside);
     }
 }
 

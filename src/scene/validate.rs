@@ -25,14 +25,14 @@ pub fn table(
 /// # Errors
 /// Names the first key that is to blame.
 pub fn description(description: &Description) -> Result<(), Fault> {
-    let Description { name: _, camera, world, environment, media, objects, source: _ } = description;
+    let Description { name: _, camera, camera_medium, world, environment, media, objects, source: _ } = description;
     for medium in media {
         table(description, "medium", |v| super::tables::medium_fields(&mut medium.clone(), v))?;
     }
     for object in objects.iter() {
         table(description, object.kind().name(), |v| object.clone().fields(v))?;
     }
-    table(description, "camera", |v| { *camera }.fields(v))?;
+    table(description, "camera", |v| { *camera }.fields_in(&mut camera_medium.clone(), v))?;
     table(description, "world", |v| world.clone().fields(v))?;
     table(description, "environment", |v| environment.clone().fields(v))
 }
@@ -90,7 +90,8 @@ impl Checker<'_> {
             (numbers.iter().enumerate()).try_for_each(|(i, &x)| limits.require(&name(i), x))
         };
         match slot {
-            Slot::Flag(_) | Slot::Integer(_) | Slot::Count(_) | Slot::Maybe(None, _) | Slot::PartName(None) => Ok(()),
+            Slot::Flag(_) | Slot::Integer(_) | Slot::Count(_) => Ok(()),
+            Slot::Maybe(None, _) | Slot::PartName(None) | Slot::MaybeMedium(None) => Ok(()),
             Slot::PartName(Some(name)) => require_words(key, name),
             Slot::Number(value, limits) | Slot::Maybe(Some(value), limits) => {
                 limits.require(&format!("`{key}`"), *value)
@@ -103,7 +104,8 @@ impl Checker<'_> {
             }),
             Slot::Ior(ior) => require_ior(ior),
             Slot::Name(name) => self.name(name),
-            Slot::Medium(name) => self.medium(name),
+            Slot::MaybeMedium(Some(name)) if name == medium::WORLD => Ok(()),
+            Slot::Medium(name) | Slot::MaybeMedium(Some(name)) => self.medium(name),
             Slot::Mesh { path, .. } | Slot::Image { path, .. } => require_words(key, &path.to_string_lossy()),
             Slot::Table(fields) => {
                 fields(self);

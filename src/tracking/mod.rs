@@ -2,6 +2,7 @@
 //!
 //! A mode is a file with its [`Tracker`], which is declared and registered here.
 
+pub mod declared;
 pub mod events;
 pub mod naive;
 pub mod prepare;
@@ -73,6 +74,8 @@ macro_rules! modes {
 modes! {
     /// The exterior is always vacuum.
     Naive: naive::Naive,
+    /// Both sides as the scene declares them; no state per path.
+    Declared: declared::Declared,
     /// A stack of the media entered so far.
     Stack: stack::Stack,
     /// A list of the refractors entered so far, ordered by their priorities.

@@ -60,6 +60,16 @@ pub trait Tracker: Sync {
         None
     }
 
+    /// The medium that paths from the camera start in, where the mode is told; `None`: it is asked about the place.
+    fn camera_medium(&self) -> Option<MediumId> {
+        None
+    }
+
+    /// The same of paths from a light, or from the environment.
+    fn light_medium(&self, _light: Option<ObjectId>) -> Option<MediumId> {
+        None
+    }
+
     /// Primitives of refractors that are no interface anywhere: rays need not meet them.
     #[inline]
     fn mask(&self) -> Option<&Mask> {

@@ -139,6 +139,10 @@ impl<T: Tracker> TrackedScene<'_, T> {
 
     /// How a ray starts that a light emits. A mode that has a way of its own to find media is asked, by `ask`.
     pub fn start_from_light(&self, table: &InterfaceTable, ask: Ask<'_>, emitted: &EmittedRay) -> Start {
+        let object = || emitted.start.map(|point| ObjectId(self.scene.geometry.object_of(point.primitive)));
+        if let Some(medium) = self.tracker.light_medium(emitted.light.or_else(object)) {
+            return Start { ray: emitted.ray, medium, is_ambiguous: false };
+        }
         match self.tracker.medium_at(emitted.ray.origin) {
             Some(_) => start_by_asking(self.scene, emitted.ray, ask),
             None => start_from_light(self.scene, table, emitted),

@@ -184,7 +184,8 @@ impl WithTracker for Inspection<'_> {
 
     fn run<T: Tracker>(self, tracker: &T) -> TracedPath {
         let scene = &*self.prepared.scene;
-        let ask = |point| tracker.medium_at(point).unwrap_or_else(|| medium_at(scene, point));
+        let told = tracker.camera_medium().map(|medium| (medium, false));
+        let ask = |point| told.or_else(|| tracker.medium_at(point)).unwrap_or_else(|| medium_at(scene, point));
         let Start { ray, medium, is_ambiguous } = match self.start {
             PathStart::Ray(ray) => {
                 let ray = Ray::new(ray.origin - scene.geometry.origin, ray.direction.normalize());

@@ -124,7 +124,10 @@ fn every_key_reaches_the_description() {
 
     let ball = &scene.objects.refractors()[0];
     assert_eq!(ball.shape, Shape::Sphere { center: DVec3::new(1.0, 2.0, 3.0), radius: 0.5 });
-    assert_eq!(ball.refractor(), Some(&Refractor { medium: "water".into(), priority: -2, smooth: false }));
+    assert_eq!(
+        ball.refractor(),
+        Some(&Refractor { medium: "water".into(), priority: -2, smooth: false, outside: None })
+    );
     let transform = Transform { scale: DVec3::splat(2.0), rotate: DVec3::new(10.0, 20.0, 30.0), translate: DVec3::X };
     assert_eq!(ball.transform, transform);
     assert!(scene.objects.refractors()[1].refractor().unwrap().smooth);

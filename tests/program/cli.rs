@@ -474,7 +474,7 @@ fn wrong_commands_are_refused_before_any_work() {
         ("render nest.toml --exposure inf", "stops"),
         ("render nest.toml --curve film", "clip, soft"),
         ("render nest.toml --leave-out maybe", "on, off"),
-        ("render nest.toml --mode fast", "naive, stack, priority, rectified-object, rectified, reference"),
+        ("render nest.toml --mode fast", "naive, declared, stack, priority, rectified-object, rectified, reference"),
         ("render nest.toml --backend abacus", "auto, cpu, gpu"),
         ("render nest.toml --backend gpu --splits 1", "--splits"),
         ("render nest.toml --estimator photons", "auto, path, bidirectional, merging"),

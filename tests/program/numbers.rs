@@ -20,7 +20,7 @@ fn lamp(radiance: &str) -> String {
 /// What is finite is said to be, in every mode.
 fn finite_pixels(desk: &Desk, scene: &str) -> (Vec<f32>, Value) {
     desk.put("s.toml", scene);
-    for mode in ["naive", "stack", "priority", "rectified-object", "reference", "rectified"] {
+    for mode in ["naive", "declared", "stack", "priority", "rectified-object", "reference", "rectified"] {
         let said = desk.json(&format!("render s.toml --mode {mode} --size 12x12 --spp 16 -o s.exr --json"));
         let pixels = desk.picture("s.exr");
         assert!(pixels.iter().all(|x| x.is_finite() && *x >= 0.0), "{mode}: {scene}");

@@ -48,10 +48,10 @@ fn lights_of_every_kind_are_added_edited_undone_and_saved() {
     apply(&mut harness, Command::SelectObject(Some("spot light".into())));
     type_into(&mut harness, Role::SpinButton, "Outer angle of spot light", "40");
     assert!(matches!(object(&harness, "spot light").shape, Shape::Spot { outer_angle: 40.0, .. }));
-    let before = *light(&harness, "spot light");
+    let before = light(&harness, "spot light").clone();
     assert_eq!(before.emission.quantity, Quantity::Power);
     click(&mut harness, "Intensity");
-    let after = *light(&harness, "spot light");
+    let after = light(&harness, "spot light").clone();
     assert_eq!(after.emission.quantity, Quantity::Intensity);
     // The same light.
     let per_unit = power_of_unit(&object(&harness, "spot light").shape, false, 0.0);

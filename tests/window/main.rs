@@ -7,6 +7,7 @@ mod tev_listener;
 mod accessibility;
 mod app;
 mod building;
+mod declared;
 mod estimator;
 mod export;
 mod gpu;

@@ -313,6 +313,7 @@ pub fn empty_scene() -> Description {
             vertical_fov: DEFAULT_VERTICAL_FOV,
             ..CameraDescription::blank()
         },
+        camera_medium: None,
         world: WorldMedium::DEFAULT,
         environment: Environment::Gradient { zenith: [0.7, 0.8, 1.0], horizon: [0.5, 0.55, 0.6], nadir: [0.1; 3] },
         media: Vec::new(),

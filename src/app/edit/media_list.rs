@@ -18,7 +18,7 @@ pub enum MediaEdit {
     Add(Medium, Option<String>),
     /// Gives a medium another name; what is made of it stays so.
     Rename(String, String),
-    /// Removes the media that no refractor is made of.
+    /// Removes the media that no refractor is made of and that nothing is declared to lie in.
     RemoveUnused,
 }
 
@@ -59,10 +59,15 @@ impl MediaEdit {
                 }
                 let of_it = edited.objects.refractor_roles_mut().filter(|refractor| refractor.medium == *medium);
                 of_it.for_each(|refractor| refractor.medium.clone_from(name));
+                edited
+                    .declared_mut()
+                    .filter(|declared| *declared == medium)
+                    .for_each(|declared| declared.clone_from(name));
                 check(edited, name).map(|()| true)
             }
             Self::RemoveUnused => {
-                let used: HashSet<String> = edited.objects.refractor_roles().map(|role| role.medium.clone()).collect();
+                let made_of = edited.objects.refractor_roles().map(|role| role.medium.clone());
+                let used: HashSet<String> = made_of.chain(edited.declared().map(str::to_owned)).collect();
                 let count = edited.media.len();
                 edited.media.retain(|medium| used.contains(&medium.name));
                 Ok(edited.media.len() != count)

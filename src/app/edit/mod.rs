@@ -35,6 +35,8 @@ pub enum Edit {
     Media(MediaEdit),
     /// The scene's own camera.
     Camera(CameraDescription),
+    /// What the scene declares its camera to be in.
+    CameraMedium(Option<String>),
     Environment(Environment),
 }
 
@@ -77,6 +79,7 @@ impl Edit {
             Self::Medium(medium, edit) => edit.key(medium),
             Self::Media(edit) => edit.key(),
             Self::Camera(_) => EditKey::continuous("scene camera"),
+            Self::CameraMedium(_) => EditKey::continuous("declared medium of the camera"),
             Self::Environment(environment) => EditKey::continuous(match environment {
                 Environment::Color(_) => "colour of the environment",
                 Environment::Gradient { .. } => "gradient of the environment",
@@ -113,6 +116,11 @@ impl Edit {
             Self::Camera(camera) => {
                 let is_changed = replaced(&mut edited.camera, *camera);
                 validate::table(&edited, "camera", |v| { *camera }.fields(v)).map(|()| is_changed)
+            }
+            Self::CameraMedium(medium) => {
+                let is_changed = replaced(&mut edited.camera_medium, medium.clone());
+                let mut camera = edited.camera;
+                validate::table(&edited, "camera", |v| camera.fields_in(&mut medium.clone(), v)).map(|()| is_changed)
             }
             Self::Environment(environment) => {
                 let is_changed = replaced(&mut edited.environment, environment.clone());

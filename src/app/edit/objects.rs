@@ -29,6 +29,8 @@ pub enum ObjectEdit {
     Emission(Emission),
     /// Whether a light emits from its inward side too.
     TwoSided(bool),
+    /// What the scene declares outside of a refractor or a light.
+    Outside(Option<String>),
 }
 
 impl ObjectEdit {
@@ -44,6 +46,7 @@ impl ObjectEdit {
             Self::Mirror(_) => format!("mirror of {name}"),
             Self::Emission(_) => format!("light of {name}"),
             Self::TwoSided(_) => format!("sides of {name}"),
+            Self::Outside(_) => format!("declared outside of {name}"),
         })
     }
 
@@ -79,6 +82,7 @@ impl ObjectEdit {
             Self::TwoSided(two_sided) => {
                 object.light_mut().is_some_and(|light| replaced(&mut light.two_sided, *two_sided))
             }
+            Self::Outside(outside) => object.outside_mut().is_some_and(|known| replaced(known, outside.clone())),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use egui::{Button, DragValue, Label, Ui};
 
+use super::declared;
 use crate::app::command::Command;
 use crate::app::edit::Edit;
 use crate::app::state::State;
@@ -29,6 +30,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let has_moved = state.view.camera != camera;
     place_ui(ui, &mut edited, distance);
     lens_ui(ui, state, &mut edited, distance, commands);
+    declared::camera_ui(ui, state.document.description(), commands);
     if edited != camera {
         if has_moved {
             // What is edited is to be seen.

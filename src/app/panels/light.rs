@@ -127,7 +127,7 @@ mod tests {
         for shape in [quad, spot, Shape::Point { position: DVec3::ONE }] {
             let own = shape.quantity();
             let mut object = Object::new("l", shape, Light::of(own, [1.0, 2.0, 3.0]));
-            let light = *object.light().unwrap();
+            let light = object.light().unwrap().clone();
             let power = converted(&object, &light, Quantity::Power);
             assert!(power.quantity == Quantity::Power && power.rgb != light.emission.rgb);
             object.light_mut().unwrap().emission = power;

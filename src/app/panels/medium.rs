@@ -125,10 +125,10 @@ pub fn color(palette: &Palette, description: &Description, medium: &str) -> Colo
     }
 }
 
-/// The media of which no object is made.
+/// The media of which no object is made and in which nothing is declared to lie.
 pub fn unused(description: &Description) -> Vec<&str> {
-    let used: HashSet<&str> =
-        description.objects.refractor_roles().map(|refractor| refractor.medium.as_str()).collect();
+    let made_of = description.objects.refractor_roles().map(|refractor| refractor.medium.as_str());
+    let used: HashSet<&str> = made_of.chain(description.declared()).collect();
     description.media.iter().map(|medium| medium.name.as_str()).filter(|name| !used.contains(name)).collect()
 }
 

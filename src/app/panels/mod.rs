@@ -4,6 +4,7 @@ pub mod about;
 mod add;
 mod backend;
 mod camera;
+mod declared;
 pub mod dialogs;
 mod environment;
 mod estimator;

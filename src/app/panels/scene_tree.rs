@@ -8,7 +8,7 @@ use egui::{CollapsingHeader, ScrollArea, Ui};
 use self::found::{outside, patch_of, rows, shines_into};
 pub use self::row::selectable_row_ui;
 use self::row::{plain_row_ui, refractor_row_ui};
-use super::{medium, object, priorities, role, shape, world};
+use super::{declared, medium, object, priorities, role, shape, world};
 use crate::app::command::Command;
 use crate::app::modal;
 use crate::app::state::{State, medium_of};
@@ -87,6 +87,7 @@ fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut
         shape::show(ui, description, object, commands);
         medium::object_ui(ui, description, selected, medium.name(), commands);
         fact_ui(ui, "Outside", outside(state, selected), "The medium that rectification found on the other side.");
+        declared::outside_ui(ui, description, object, commands);
         if let Some(patch) = state.report.as_deref().and_then(|report| patch_of(report, selected)) {
             let text = format!("{:.1} % of {} rays", patch.confidence * 100.0, patch.rays);
             fact_ui(ui, "Confidence", text, "Share of the votes that this answer got.");
@@ -103,6 +104,9 @@ fn card_ui(ui: &mut Ui, state: &State, description: &Description, commands: &mut
             media,
             "The medium around the light, which rectification found. Its radiance or intensity is that in this medium.",
         );
+    }
+    if object.light().is_some() {
+        declared::outside_ui(ui, description, object, commands);
     }
     role::show(ui, object, commands);
     object::show(ui, object, commands);

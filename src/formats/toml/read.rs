@@ -89,9 +89,9 @@ fn parse_with(text: &str, path: &Path, files: Option<&dyn Files>) -> Result<Desc
             Ok(table) => read_table(table.renamed(format!("[{key}]")), key, &mut context, true, fields),
             Err(error) => context.report(error),
         };
-    let mut camera = CameraDescription::blank();
+    let (mut camera, mut camera_medium) = (CameraDescription::blank(), None);
     if root.get("camera").is_some() || !has_lost("camera") {
-        section("camera", root.need("camera"), &mut |v| camera.fields(v));
+        section("camera", root.need("camera"), &mut |v| camera.fields_in(&mut camera_medium, v));
     }
     let mut world = WorldMedium::DEFAULT;
     if let Some(node) = root.get("world") {
@@ -107,6 +107,7 @@ fn parse_with(text: &str, path: &Path, files: Option<&dyn Files>) -> Result<Desc
     Ok(Description {
         name,
         camera,
+        camera_medium,
         world,
         environment,
         media: media.unwrap_or_default(),

@@ -80,6 +80,12 @@ impl<'a> Context<'a> {
         Err(node.error(format!("the scene has no medium `{name}`{hint}; {list}")))
     }
 
+    /// Of a medium of the scene, or of the global one.
+    fn medium_or_world(&self, node: &Node<'_>) -> Result<String, SceneError> {
+        let name = node.words()?;
+        if name == medium::WORLD { Ok(name.to_owned()) } else { self.medium(node) }
+    }
+
     /// `part_node`: where the part is named, by its key.
     fn mesh<'n>(
         &mut self,
@@ -228,6 +234,7 @@ impl Reader<'_, '_, '_> {
             Slot::Name(value) => *value = self.name(node)?,
             Slot::Medium(value) => *value = self.context.medium(node)?,
             Slot::PartName(value) => *value = Some(node.words()?.to_owned()),
+            Slot::MaybeMedium(value) => *value = Some(self.context.medium_or_world(node)?),
             Slot::Mesh { path, part, mesh, notes } => {
                 *path = node.words()?.into();
                 let words = |key| self.table.get(key).map(|node| node.words().map(str::to_owned)).transpose();

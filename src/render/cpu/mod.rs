@@ -87,7 +87,8 @@ fn with_view<T: Tracker, R>(task: &RenderTask<'_>, tracker: &T, work: impl FnOnc
     let samples_environment = needs.image_environment && settings.sample_environment;
     let needs = SceneNeeds { image_environment: samples_environment, ..needs };
     let camera = Camera { position: camera.position - scene.geometry.origin, ..*camera };
-    let ask = |point| tracker.medium_at(point).unwrap_or_else(|| medium_at(scene, point));
+    let told = tracker.camera_medium().map(|medium| (medium, false));
+    let ask = |point| told.or_else(|| tracker.medium_at(point)).unwrap_or_else(|| medium_at(scene, point));
     let lens = StartRegion::by_asking(scene, camera.position, camera.aperture_radius, &ask);
     let aims = if settings.estimator == Estimator::Path { Aims::default() } else { Aims::of(scene) };
     work(View { tracked: TrackedScene { scene, tracker, needs }, camera, lens, ask: &ask, aims })

@@ -401,7 +401,10 @@ fn unsupported(what: &str, instead: &str) -> Unsupported {
 /// The media that rays start in, for a camera at `position` (local coordinates).
 fn starts(task: &RenderTask<'_>, position: glam::DVec3) -> StartRegion {
     let scene = &*task.prepared.scene;
-    StartRegion::by_asking(scene, position, task.camera.aperture_radius, &|point| medium_at(scene, point))
+    let told =
+        (task.settings.mode == Mode::Declared).then(|| (scene.declared.camera.unwrap_or(MediumId::WORLD), false));
+    let ask = |point| told.unwrap_or_else(|| medium_at(scene, point));
+    StartRegion::by_asking(scene, position, task.camera.aperture_radius, &ask)
 }
 
 /// What the shader of a task has to do.

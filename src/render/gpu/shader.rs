@@ -51,7 +51,8 @@ fn of_mode(mode: Mode) -> Option<&'static [(&'static str, &'static str)]> {
         Mode::Naive => Some(modules!("tracking/naive.wgsl", "tracking/stateless.wgsl", "tracking/at_once.wgsl")),
         Mode::Stack => Some(modules!("tracking/stack.wgsl", "tracking/at_once.wgsl")),
         Mode::Priority => Some(modules!("tracking/priority.wgsl", "tracking/at_once.wgsl")),
-        Mode::RectifiedObject => {
+        // Their exteriors stand in the same table.
+        Mode::Declared | Mode::RectifiedObject => {
             Some(modules!("tracking/rectified_object.wgsl", "tracking/stateless.wgsl", "tracking/at_once.wgsl"))
         }
         Mode::Rectified => Some(modules!("tracking/rectified.wgsl", "tracking/stateless.wgsl", "rectify/flat.wgsl")),

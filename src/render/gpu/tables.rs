@@ -15,7 +15,7 @@ use crate::scene::Albedo;
 use crate::scene::lights::{EnvironmentLight, ImageTables, Light};
 use crate::scene::{ObjectId, Scene, Surface};
 use crate::spectrum::{Spectrum, Wavelengths};
-use crate::tracking::Prepared;
+use crate::tracking::{Mode, Prepared};
 
 /// No object, no primitive.
 pub const NOTHING: u32 = u32::MAX;
@@ -249,8 +249,8 @@ pub struct AnswerTables {
 }
 
 impl AnswerTables {
-    /// With the answers of the object table if `with_outsides`.
-    pub fn new(prepared: &Prepared, lights: &LightTables, with_outsides: bool) -> Self {
+    /// With what lies outside of objects in a mode that asks.
+    pub fn new(prepared: &Prepared, lights: &LightTables, outsides_of: Option<Mode>) -> Self {
         let (scene, table) = (&*prepared.scene, &*prepared.table);
         let scale = scale_of(&scene.geometry);
         let mut answers: Vec<u32> =
@@ -262,7 +262,11 @@ impl AnswerTables {
             let primitives = scene.geometry.triangle_count() + scene.geometry.sphere_count();
             answers.resize(answers.len().max(mask as usize + primitives.div_ceil(32)), 0);
         }
-        let outsides = if with_outsides { table.object_table(scene).outsides(scene) } else { Vec::new() };
+        let outsides = match outsides_of {
+            Some(Mode::Declared) => scene.declared.outsides(),
+            Some(_) => table.object_table(scene).outsides(scene),
+            None => Vec::new(),
+        };
         let outside = |object: usize| outsides.get(object).map_or(NOTHING, |medium| medium.0);
         let pairs_of_media = if scene.media.len() <= MOST_IN_PAIRS { scene.media.len() } else { 0 };
         let pairs = (0..pairs_of_media as u32).flat_map(|from| (0..pairs_of_media as u32).map(move |to| (from, to)));

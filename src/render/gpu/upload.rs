@@ -57,7 +57,8 @@ struct Sources {
     emitters: Vec<ObjectId>,
     scene: Weak<Scene>,
     table: Weak<InterfaceTable>,
-    with_outsides: bool,
+    /// What lies outside of objects is as this mode has it; `None`: it does not ask.
+    outsides_of: Option<Mode>,
 }
 
 impl Sources {
@@ -70,7 +71,7 @@ impl Sources {
             emitters: scene.emitters.iter().filter_map(|(light, _)| light.object()).collect(),
             scene: Arc::downgrade(&prepared.scene),
             table: Arc::downgrade(&prepared.table),
-            with_outsides: mode == Mode::RectifiedObject,
+            outsides_of: Some(mode).filter(|mode| matches!(mode, Mode::Declared | Mode::RectifiedObject)),
         }
     }
 
@@ -93,7 +94,7 @@ impl Sources {
 
     fn has_answers_of(&self, other: &Self) -> bool {
         let is_same_scene = self.scene.ptr_eq(&other.scene) && self.table.ptr_eq(&other.table);
-        is_same_scene && self.with_outsides == other.with_outsides
+        is_same_scene && self.outsides_of == other.outsides_of
     }
 }
 
@@ -160,7 +161,7 @@ impl SceneOnGpu {
         let answers = match others.iter().find(|other| other.of.has_lights_of(&of) && other.of.has_answers_of(&of)) {
             Some(other) => Arc::clone(&other.answers),
             None => {
-                let tables = AnswerTables::new(prepared, &lights.tables, of.with_outsides);
+                let tables = AnswerTables::new(prepared, &lights.tables, of.outsides_of);
                 let buffers = vec![
                     buffer(gpu, "the answers of the interface table", &tables.answers)?,
                     buffer(gpu, "the objects", &tables.objects)?,

@@ -22,7 +22,8 @@ use crate::scene::{MediumId, ObjectId, Scene};
 use crate::tracking::{Mode, Prepared, Tracker, WithTracker};
 
 /// The modes that have an answer for a place.
-pub const SLICED_MODES: [Mode; 4] = [Mode::Naive, Mode::RectifiedObject, Mode::Rectified, Mode::Reference];
+pub const SLICED_MODES: [Mode; 5] =
+    [Mode::Naive, Mode::Declared, Mode::RectifiedObject, Mode::Rectified, Mode::Reference];
 
 /// Where lines run within their pixels: beside the middle by this part of a pixel, so that they do not run along edges and faces
 /// that lie on round coordinates.

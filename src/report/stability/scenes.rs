@@ -30,6 +30,7 @@ pub fn empty(world_ior: f64) -> Description {
             aperture_radius: 0.0,
             focus_distance: None,
         },
+        camera_medium: None,
         world: WorldMedium { ior: Ior::Constant(world_ior), absorption: [0.0; 3] },
         environment: Environment::Color([1.0; 3]),
         media: Vec::new(),

@@ -32,6 +32,8 @@ pub struct Refractor {
     pub priority: i32,
     /// Whether normals are interpolated over faces.
     pub smooth: bool,
+    /// What the scene declares to lie outside: a medium's name, or `world`. `None` says nothing. Only mode `declared` and `check` ask.
+    pub outside: Option<String>,
 }
 
 /// Opaque and two-sided.
@@ -45,11 +47,13 @@ pub struct Solid {
 }
 
 /// Emitting: a surface, which is black and opaque, from its outward side, or a shape without a surface, which nothing meets.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Light {
     pub emission: Emission,
     /// Whether a surface emits from its inward side too.
     pub two_sided: bool,
+    /// What the scene declares to lie around it, as in [`Refractor::outside`].
+    pub outside: Option<String>,
 }
 
 /// How much a light emits, in the words of its author: in linear RGB, and in the medium that surrounds it.
@@ -151,16 +155,16 @@ roles! {
 }
 
 impl Refractor {
-    /// Of priority 0 and with flat faces.
+    /// Of priority 0, with flat faces, and with nothing said about its outside.
     pub fn of(medium: impl Into<String>) -> Self {
-        Self { medium: medium.into(), priority: 0, smooth: false }
+        Self { medium: medium.into(), priority: 0, smooth: false, outside: None }
     }
 }
 
 impl Light {
     /// One-sided.
     pub fn of(quantity: Quantity, rgb: [f64; 3]) -> Self {
-        Self { emission: Emission { quantity, rgb }, two_sided: false }
+        Self { emission: Emission { quantity, rgb }, two_sided: false, outside: None }
     }
 
     /// One-sided, of that radiance.
@@ -189,6 +193,22 @@ impl Object {
 
     pub fn kind(&self) -> Kind {
         self.role.kind()
+    }
+
+    /// What the scene declares to lie outside.
+    pub fn outside(&self) -> Option<&str> {
+        match &self.role {
+            Role::Refractor(Refractor { outside, .. }) | Role::Light(Light { outside, .. }) => outside.as_deref(),
+            Role::Solid(_) => None,
+        }
+    }
+
+    /// Where that is said; `None` of an object that has no say.
+    pub fn outside_mut(&mut self) -> Option<&mut Option<String>> {
+        match &mut self.role {
+            Role::Refractor(Refractor { outside, .. }) | Role::Light(Light { outside, .. }) => Some(outside),
+            Role::Solid(_) => None,
+        }
     }
 
     /// Whether normals are interpolated over faces.

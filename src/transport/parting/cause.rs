@@ -7,7 +7,7 @@ use super::{Truth, claims_alike};
 use crate::geometry::Enclosure;
 use crate::rectify::containment::medium_of;
 use crate::rectify::face::coincides;
-use crate::scene::{ObjectId, Scene};
+use crate::scene::{MediumId, ObjectId, Scene};
 use crate::tracking::reference::{Reference, Surroundings};
 use crate::tracking::{Crossing, Events, Mode, Prepared, Sides, Tracker, WithTracker};
 use crate::transport::inspect::{TracedPath, VertexEvent};
@@ -24,6 +24,8 @@ pub enum Cause {
     },
     /// The mode takes vacuum for what is outside of everything.
     VacuumOutside,
+    /// The scene declares another medium outside of an object than there is.
+    WrongDeclaration { refractor: String, declared: String },
     /// The mode has one exterior for an object that has several.
     OneAnswerPerObject {
         refractor: String,
@@ -50,6 +52,7 @@ impl Cause {
         match self {
             Self::StartsInside { .. } => "starts_inside",
             Self::VacuumOutside => "vacuum_outside",
+            Self::WrongDeclaration { .. } => "wrong_declaration",
             Self::OneAnswerPerObject { .. } => "one_answer_per_object",
             Self::Overlap { .. } => "overlap",
             Self::EqualPriorities { .. } => "equal_priorities",
@@ -72,7 +75,8 @@ pub(super) fn cause(
 ) -> Cause {
     let inquiry = Inquiry::new(prepared, reference, path, place, truth);
     let found = match path.mode {
-        Mode::Naive => inquiry.of_naive(),
+        Mode::Naive => inquiry.of_outside(Cause::VacuumOutside),
+        Mode::Declared => inquiry.of_outside(inquiry.declaration(vertex)),
         Mode::Stack | Mode::Priority => inquiry.of_lists(path.mode),
         Mode::RectifiedObject => inquiry.of_one_answer(vertex),
         Mode::Rectified => inquiry.coincidence(place.clone()),
@@ -123,10 +127,19 @@ impl<'a> Inquiry<'a> {
         all.filter_map(|(index, around)| Some((index, self.path.vertices[index].ids.crossing?, around.as_ref()?)))
     }
 
-    fn of_naive(&self) -> Option<Cause> {
+    fn declaration(&self, vertex: usize) -> Cause {
+        let refractor = self.path.vertices[vertex].ids.object;
+        let declared = self.scene().declared.outside(refractor).unwrap_or(MediumId::WORLD);
+        Cause::WrongDeclaration {
+            refractor: self.name(refractor),
+            declared: self.scene().medium(declared).name.clone(),
+        }
+    }
+
+    /// Of a mode that takes what the surface's own object holds for the interior, and is misled about the exterior by `cause`.
+    fn of_outside(&self, cause: Cause) -> Option<Cause> {
         match self.overlap(self.place.start) {
-            // The interior is what the surface's own object holds, so the exterior is wrong.
-            None => Some(Cause::VacuumOutside),
+            None => Some(cause),
             Some((hidden, filler)) => self
                 .coincidence(self.place.clone())
                 .or_else(|| Some(Cause::Overlap { hidden: self.name(hidden), filler: self.name(filler) })),

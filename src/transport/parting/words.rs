@@ -80,6 +80,9 @@ impl Cause {
                 None => "does not know where it starts".to_owned(),
             },
             Self::VacuumOutside => "takes everything outside for vacuum".to_owned(),
+            Self::WrongDeclaration { refractor, declared } => {
+                format!("believes that {declared} is outside {refractor}")
+            }
             Self::OneAnswerPerObject { refractor, .. } => format!("has one answer for all of {refractor}"),
             Self::Overlap { hidden, filler } => format!("forgets that {hidden} and {filler} overlap"),
             Self::EqualPriorities { a, b } => format!("cannot tell which fills both, {a} or {b}"),
@@ -97,6 +100,9 @@ impl Cause {
                 format!("The path starts inside {}, which {mode} does not know.", list(within))
             }
             Self::VacuumOutside => format!("{mode} takes the outside of everything for vacuum."),
+            Self::WrongDeclaration { refractor, declared } => {
+                format!("{declared} is what the scene declares outside {refractor}, or says by saying nothing.")
+            }
             Self::OneAnswerPerObject { refractor, outsides } => {
                 let outsides = list(outsides);
                 format!("{refractor} borders on {outsides} in different places; {mode} has one answer for all of it.")

@@ -157,7 +157,7 @@ fn named<T>(kind: &'static str, things: Vec<(String, T)>) -> Vec<(String, T)> {
 pub fn description() -> impl Strategy<Value = Description> {
     let media = prop::collection::vec((word(), (ior(), three(positive()))), 1..4);
     let refractors = prop::collection::vec(
-        (word(), (any::<prop::sample::Index>(), shape(), any::<i32>(), any::<[bool; 2]>(), transform())),
+        (word(), (any::<prop::sample::Index>(), shape(), any::<i32>(), any::<[bool; 3]>(), transform())),
         0..4,
     );
     let solids = prop::collection::vec((word(), (shape(), paint(), any::<[bool; 3]>(), transform())), 0..3);
@@ -171,12 +171,14 @@ pub fn description() -> impl Strategy<Value = Description> {
             Description {
                 name: format!("scene {name}"),
                 camera,
+                camera_medium: (media.len() > 2).then(|| media[1].name.clone()),
                 world,
                 environment,
                 objects: (named("r", refractors).into_iter())
-                    .map(|(name, (medium, shape, priority, [smooth, visible], transform))| {
+                    .map(|(name, (medium, shape, priority, [smooth, visible, is_declared], transform))| {
                         let medium = medium.get(&media).name.clone();
-                        let role = Refractor { medium, priority, smooth }.into();
+                        let outside = is_declared.then(|| media[0].name.clone());
+                        let role = Refractor { medium, priority, smooth, outside }.into();
                         Object { name, shape, transform, visible, role }
                     })
                     .chain((named("s", solids).into_iter()).map(

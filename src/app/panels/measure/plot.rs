@@ -21,12 +21,12 @@ const Y_ROOM: f32 = 26.0;
 /// Markers, as characters and in the plot, and lines of the modes in their order; the last are for modes to come.
 const LOOKS: [(&str, MarkerShape, LineStyle); 8] = [
     ("●", MarkerShape::Circle, LineStyle::Dashed { length: 8.0 }),
+    ("▲", MarkerShape::Up, LineStyle::Dashed { length: 6.0 }),
     ("■", MarkerShape::Square, LineStyle::Dashed { length: 4.0 }),
     ("◆", MarkerShape::Diamond, LineStyle::Dotted { spacing: 5.0 }),
     ("+", MarkerShape::Plus, LineStyle::Dashed { length: 12.0 }),
     ("×", MarkerShape::Cross, LineStyle::Solid),
     ("*", MarkerShape::Asterisk, LineStyle::Dotted { spacing: 8.0 }),
-    ("▲", MarkerShape::Up, LineStyle::Dashed { length: 6.0 }),
     ("▼", MarkerShape::Down, LineStyle::Dotted { spacing: 3.0 }),
 ];
 

@@ -82,7 +82,9 @@ fn every_kind_of_edit_is_read_back() {
     scene.media[1].absorption = [0.0, 0.5, 1.0];
     scene.media[0].ior = Ior::Sellmeier(vec![[1.0, 0.01], [0.1, 100.0]].into());
     let [ball, floor] = &mut scene.objects[..] else { panic!("two objects") };
-    *ball.refractor_mut().unwrap() = Refractor { medium: "water".into(), priority: -3, smooth: true };
+    *ball.refractor_mut().unwrap() =
+        Refractor { medium: "water".into(), priority: -3, smooth: true, outside: Some("world".into()) };
+    scene.camera_medium = Some("water".into());
     ball.transform = Transform { scale: DVec3::splat(2.0), rotate: DVec3::X, translate: -DVec3::Y };
     floor.solid_mut().unwrap().paint = Paint::Checker { a: [0.0; 3], b: [1.0; 3], size: 0.25 };
     floor.solid_mut().unwrap().mirror = true;
@@ -409,7 +411,7 @@ fn lights_of_every_kind_are_read_and_written() {
     let scene = read(LIGHTS);
     assert_eq!(assert_faithful(&scene), LIGHTS);
     let lights: Vec<(Shape, Light)> =
-        scene.objects.lights().iter().map(|object| (object.shape.clone(), *object.light().unwrap())).collect();
+        scene.objects.lights().iter().map(|object| (object.shape.clone(), object.light().unwrap().clone())).collect();
     let at = DVec3::Y * 3.0;
     let sun = Shape::Directional { direction: DVec3::new(1.0, -1.0, 0.0), angle: 0.53 };
     let expected = [

@@ -18,7 +18,7 @@ pub(super) struct Tree {
 
 impl Tree {
     pub fn of(description: &Description) -> Self {
-        let Description { name, camera, world, environment, media, objects, source: _ } = description;
+        let Description { name, camera, camera_medium, world, environment, media, objects, source: _ } = description;
         let objects_of = |kind: Kind| {
             let entries_of = |object: &Object| entries(|v| object.clone().fields(v));
             (kind.name(), objects.of(kind).iter().map(entries_of).collect())
@@ -27,7 +27,7 @@ impl Tree {
         Self {
             name: name.clone(),
             sections: [
-                ("camera", entries(|v| { *camera }.fields(v))),
+                ("camera", entries(|v| { *camera }.fields_in(&mut camera_medium.clone(), v))),
                 ("world", entries(|v| world.clone().fields(v))),
                 ("environment", entries(|v| environment.clone().fields(v))),
             ],
