@@ -15,7 +15,7 @@ use crate::scene::{MediumId, ObjectId, Scene};
 use crate::tracking::Prepared;
 
 /// Points at which it is asked what lies on both sides of the mixed patches of an object.
-const POINTS: u32 = 256;
+const POINTS: u32 = 1024;
 /// A smaller share of an object's surface is not worth a word: facets of curved surfaces cross each other by so much.
 const LEAST: f64 = 0.002;
 /// Indices that differ by less, relatively, bend light alike for the eye: air and vacuum do.

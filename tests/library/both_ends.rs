@@ -283,7 +283,7 @@ fn every_kind_of_light() {
         description.objects.push(Object::new("ball", sphere(DVec3::new(-0.4, 0.5, 0.2), 0.5), ball));
         for (index, shape) in lights.iter().enumerate() {
             let quantity = shape.quantity();
-            let light = Light { emission: Emission { quantity, rgb: [3.0, 2.0, 1.0] }, two_sided: true };
+            let light = Light { emission: Emission { quantity, rgb: [3.0, 2.0, 1.0] }, two_sided: true, outside: None };
             description.objects.push(Object::new(format!("light {index}"), shape.clone(), light));
         }
         description
@@ -312,7 +312,7 @@ fn caustic_in_parallel_light() {
     description.objects.push(Object::new("floor", floor, Solid::of(Paint::Color([0.5; 3]))));
     let emission = Emission { quantity: Quantity::Irradiance, rgb: [1.0; 3] };
     let sun = Shape::Directional { direction: DVec3::NEG_Y, angle: 0.0 };
-    description.objects.push(Object::new("sun", sun, Light { emission, two_sided: false }));
+    description.objects.push(Object::new("sun", sun, Light { emission, two_sided: false, outside: None }));
     description.camera.position = DVec3::new(0.0, 1.0, 3.0);
     description.camera.target = DVec3::ZERO;
     description.camera.vertical_fov = 12.0;
@@ -496,7 +496,7 @@ fn light_at_a_point_through_interfaces() {
         description.objects.push(Object::new("screen", screen, Solid::of(Paint::Color([ALBEDO; 3]))));
         let emission = Emission { quantity: Quantity::Intensity, rgb: [1.0; 3] };
         let at = Shape::Point { position: DVec3::Y * light };
-        description.objects.push(Object::new("light", at, Light { emission, two_sided: false }));
+        description.objects.push(Object::new("light", at, Light { emission, two_sided: false, outside: None }));
         description.camera.position = DVec3::new(0.9, camera, 0.1);
         description.camera.target = DVec3::new(0.6, plane, 0.0);
         description.camera.vertical_fov = 70.0;

@@ -26,6 +26,8 @@ pub enum Cause {
     VacuumOutside,
     /// The scene declares another medium outside of an object than there is.
     WrongDeclaration { refractor: String, declared: String },
+    /// The scene declares the camera, or a light, to be in another medium than it is.
+    WrongStart { declared: String },
     /// The mode has one exterior for an object that has several.
     OneAnswerPerObject {
         refractor: String,
@@ -53,6 +55,7 @@ impl Cause {
             Self::StartsInside { .. } => "starts_inside",
             Self::VacuumOutside => "vacuum_outside",
             Self::WrongDeclaration { .. } => "wrong_declaration",
+            Self::WrongStart { .. } => "wrong_start",
             Self::OneAnswerPerObject { .. } => "one_answer_per_object",
             Self::Overlap { .. } => "overlap",
             Self::EqualPriorities { .. } => "equal_priorities",

@@ -84,6 +84,8 @@ pub enum Mistake {
     Inside { took: MediumWord, is: MediumWord },
     /// No interface, where there is one.
     Missed { from: MediumWord, to: MediumWord },
+    /// Another medium before the surface, which the path was in since it started.
+    Before { took: MediumWord, is: MediumWord },
     /// An interface, where one medium is on both sides.
     Invented { from: MediumWord, to: MediumWord, is: MediumWord },
 }
@@ -141,13 +143,22 @@ pub fn parting(prepared: &Prepared, paths: [&TracedPath; 2]) -> Option<Parting> 
     let faults = [0, 1].map(|k| {
         let group = &paths[k].vertices[place[k].clone()];
         let after = medium_after(paths[k], place[k].end);
-        if truth.is_told_by(scene, group, after) {
-            return None;
+        let before = medium_after(paths[k], place[k].start);
+        let has_strayed = paths[k].mode == Mode::Declared && !absorbs_alike(scene, before, truth.sides.from);
+        let surface = scene.object(crossing.refractor).name.clone();
+        match truth.is_told_by(scene, group, after) {
+            true if has_strayed => {
+                let [took, is] = [before, truth.sides.from].map(|medium| MediumWord::new(scene, medium));
+                let cause = Cause::WrongStart { declared: took.name.clone() };
+                return Some(Fault { mode: paths[k].mode, surface, mistake: Mistake::Before { took, is }, cause });
+            }
+            true => return None,
+            false => {}
         }
         let own = at[k].filter(|vertex| vertex.ids.primitive == met.ids.primitive).and_then(|vertex| vertex.ids.sides);
         let mistake = truth.mistake(scene, own, crossing.is_entering, after);
         let cause = cause::cause(prepared, &reference, paths[k], vertex, &place[k], &truth);
-        Some(Fault { mode: paths[k].mode, surface: scene.object(crossing.refractor).name.clone(), mistake, cause })
+        Some(Fault { mode: paths[k].mode, surface, mistake, cause })
     });
     let claims = [0, 1].map(|k| claim(paths[k].mode, at[k].and_then(|vertex| vertex.ids.sides)));
     Some(Parting {
@@ -165,16 +176,20 @@ pub fn parting(prepared: &Prepared, paths: [&TracedPath; 2]) -> Option<Parting> 
 /// The vertices of both paths at the first place where they take different media, and the first of them that differs.
 fn first_difference(scene: &Scene, paths: [&TracedPath; 2]) -> Option<([std::ops::Range<usize>; 2], usize)> {
     let mut start = [0, 0];
+    // Mode `declared` takes the index on both sides of a surface from the surface: of the medium between, light notices what it absorbs.
+    let is_declared = paths.iter().any(|path| path.mode == Mode::Declared);
+    let is_same_medium = |a, b| if is_declared { absorbs_alike(scene, a, b) } else { is_alike(scene, a, b) };
     loop {
         let groups = [0, 1].map(|k| start[k]..end_of_place(scene, &paths[k].vertices, start[k]));
         if groups.iter().any(std::ops::Range::is_empty) {
             return None;
         }
         let claims = [0, 1].map(|k| claims_in(scene, &paths[k].vertices[groups[k].clone()]));
-        let after = [0, 1].map(|k| medium_after(paths[k], groups[k].end));
+        let [before, after] =
+            [start, [groups[0].end, groups[1].end]].map(|at| [0, 1].map(|k| medium_after(paths[k], at[k])));
         let is_same = claims[0].len() == claims[1].len()
             && claims[0].iter().zip(&claims[1]).all(|(a, b)| are_alike(scene, *a, *b))
-            && is_alike(scene, after[0], after[1]);
+            && [before, after].iter().all(|[a, b]| is_same_medium(*a, *b));
         if !is_same {
             // Up to here both have met the same surfaces.
             let first = start[0].min(start[1]);
@@ -207,6 +222,11 @@ fn claims_in(scene: &Scene, group: &[Vertex]) -> Vec<Sides> {
 /// The medium that a path takes itself to be in before its vertex `index`.
 fn medium_after(path: &TracedPath, index: usize) -> MediumId {
     path.vertices.get(index).map_or(path.final_medium_id, |vertex| vertex.ids.medium)
+}
+
+/// Whether light loses as much in one medium as in another.
+fn absorbs_alike(scene: &Scene, a: MediumId, b: MediumId) -> bool {
+    scene.medium(a).absorption == scene.medium(b).absorption
 }
 
 /// Whether light does not tell two media from each other.

@@ -24,6 +24,7 @@ impl Fault {
         match &self.mistake {
             Mistake::Outside { took, is } => format!("{mode} took {took} outside {surface}; it is {is}."),
             Mistake::Inside { took, is } => format!("{mode} took {took} inside {surface}; it is {is}."),
+            Mistake::Before { took, is } => format!("{mode} took {took} before {surface}; it is {is}."),
             Mistake::Missed { from, to } => {
                 format!("{mode} saw no interface at {surface}; it lies between {from} and {to}.")
             }
@@ -83,6 +84,7 @@ impl Cause {
             Self::WrongDeclaration { refractor, declared } => {
                 format!("believes that {declared} is outside {refractor}")
             }
+            Self::WrongStart { declared } => format!("believes that it starts in {declared}"),
             Self::OneAnswerPerObject { refractor, .. } => format!("has one answer for all of {refractor}"),
             Self::Overlap { hidden, filler } => format!("forgets that {hidden} and {filler} overlap"),
             Self::EqualPriorities { a, b } => format!("cannot tell which fills both, {a} or {b}"),
@@ -102,6 +104,9 @@ impl Cause {
             Self::VacuumOutside => format!("{mode} takes the outside of everything for vacuum."),
             Self::WrongDeclaration { refractor, declared } => {
                 format!("{declared} is what the scene declares outside {refractor}, or says by saying nothing.")
+            }
+            Self::WrongStart { declared } => {
+                format!("The scene declares that the path starts in {declared}, or says so by saying nothing.")
             }
             Self::OneAnswerPerObject { refractor, outsides } => {
                 let outsides = list(outsides);
