@@ -7,6 +7,8 @@
 mod corpus;
 #[path = "fuzz/damage.rs"]
 mod damage;
+#[path = "fuzz/gltf.rs"]
+mod gltf;
 #[path = "fuzz/targets.rs"]
 mod targets;
 
@@ -91,6 +93,11 @@ fn damaged_ply_meshes_are_answered() {
 }
 
 #[test]
+fn damaged_gltf_scenes_are_answered() {
+    run("gltf", targets::gltf);
+}
+
+#[test]
 fn damaged_hdr_images_are_answered() {
     run("hdr", targets::hdr);
 }
@@ -123,7 +130,7 @@ fn every_target_can_be_fuzzed() {
     let mut targets: Vec<String> =
         fs::read_dir(folder.join("corpus")).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     targets.retain(|name| folder.join("corpus").join(name).is_dir());
-    assert_eq!(targets.len(), 8);
+    assert_eq!(targets.len(), 9);
     for target in targets {
         let program = fs::read_to_string(folder.join(format!("fuzz_targets/{target}.rs"))).unwrap();
         assert!(program.contains(&format!("targets::{target}(bytes)")), "{target}");

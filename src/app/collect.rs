@@ -1,5 +1,6 @@
 //! What the threads have done, taken in once a frame.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::App;
@@ -10,6 +11,7 @@ use super::files::Outcome;
 use super::files::Purpose;
 use super::panels::dialogs::PathPrompt;
 use super::state;
+use crate::formats::{MESH_ENDINGS, SCENE_ENDINGS};
 
 impl App {
     /// Takes in what the threads have done.
@@ -101,15 +103,24 @@ impl App {
         }
     }
 
-    /// Files that were dropped on the window.
+    /// Files that were dropped on the window: of several, that which others belong to.
     pub(super) fn dropped(&self, ctx: &egui::Context) -> Option<Command> {
-        let path = ctx.input(|input| Some(input.raw.dropped_files.first()?.path().to_owned()))?;
-        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
-        let is_of = |purpose: Purpose| purpose.endings().contains(&&*ending);
-        Some(match () {
-            () if is_of(Purpose::Mesh) => Command::ReadMesh(path),
-            () if is_of(Purpose::Environment) => Command::ReadEnvironment(path),
-            () => Command::Open(path),
-        })
+        let paths: Vec<PathBuf> =
+            ctx.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect());
+        let is_of = |path: &Path, endings: &[&str]| {
+            let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+            endings.contains(&&*ending)
+        };
+        let kinds: [(&[&str], fn(PathBuf) -> Command); 3] = [
+            (SCENE_ENDINGS, Command::Open),
+            (MESH_ENDINGS, Command::ReadMesh),
+            (Purpose::Environment.endings(), Command::ReadEnvironment),
+        ];
+        for (endings, command) in kinds {
+            if let Some(path) = paths.iter().find(|path| is_of(path, endings)) {
+                return Some(command(path.clone()));
+            }
+        }
+        paths.into_iter().next().map(Command::Open)
     }
 }

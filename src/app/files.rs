@@ -61,7 +61,7 @@ impl Purpose {
     /// What the dialog offers, and the endings that such files have.
     fn filter(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::Open => ("scenes and meshes", &["toml", "obj", "ply", "stl"]),
+            Self::Open => ("scenes and meshes", &["toml", "glb", "gltf", "obj", "ply", "stl"]),
             Self::SaveAs => ("iorect scenes", &["toml"]),
             Self::Environment => ("images", &["exr", "hdr", "png", "jpg", "jpeg"]),
             Self::Mesh => ("meshes", MESH_ENDINGS),
@@ -445,6 +445,17 @@ fn below(above: RgbImage, under: &RgbImage) -> RgbImage {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats::SCENE_ENDINGS;
+
+    #[test]
+    fn all_that_opens_is_offered() {
+        let mut offered = Purpose::Open.endings().to_vec();
+        let mut opens = [SCENE_ENDINGS, MESH_ENDINGS].concat();
+        offered.sort_unstable();
+        opens.sort_unstable();
+        opens.dedup();
+        assert_eq!(offered, opens);
+    }
 
     #[test]
     fn extensions_are_added_where_there_is_none() {

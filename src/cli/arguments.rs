@@ -22,6 +22,7 @@ const EXAMPLES: &str = "\
 Examples:
   iorect                                        open the window on a built-in scene
   iorect my-scene.toml                          open the window on your own
+  iorect table.glb                              or on a glTF file
   iorect scenes                                 list the built-in scenes
   iorect compare camera-in-water                naive, stack and rectified side by side, as a PNG
   iorect render nested-spheres --spp 256 -o out.exr
@@ -35,7 +36,8 @@ Exit codes: 0 fine, 1 the work failed, 2 the command or the scene was wrong.";
 
 /// Scenes in which dielectrics sit inside dielectrics: seen, compared, measured.
 ///
-/// Without a command, opens the window. Wherever a SCENE is asked for, the path of a scene file or the name of a built-in scene will do.
+/// Without a command, opens the window. Wherever a SCENE is asked for, the path of a scene file, a glTF file or a mesh, or the name
+/// of a built-in scene will do.
 #[derive(Debug, Parser)]
 #[command(name = "iorect", version, args_conflicts_with_subcommands = true, after_help = EXAMPLES, max_term_width = 110)]
 pub struct Arguments {
@@ -59,7 +61,7 @@ pub enum Command {
     Trace(TraceArguments),
     /// Say what is wrong or doubtful in a scene, with advice
     Check(CheckArguments),
-    /// Write a scene, or a scene around a mesh, as a scene file
+    /// Write a glTF file, a scene around a mesh, or a built-in scene as a scene file
     Convert(ConvertArguments),
     /// List the built-in scenes
     Scenes(ListArguments),
@@ -431,9 +433,10 @@ pub struct CheckArguments {
 #[command(after_help = "\
 Examples:
   iorect convert bunny.stl bunny.toml             the mesh in glass, on a floor under a lamp
+  iorect convert table.glb table.toml             a glTF file, with its meshes as PLY in the folder table-meshes
   iorect convert iced-water mine.toml             a built-in scene, with the files that it names")]
 pub struct ConvertArguments {
-    /// A scene file, a mesh, or a built-in scene's name
+    /// A scene file, a glTF file, a mesh, or a built-in scene's name
     pub from: PathBuf,
     /// The file to write; its ending must be `.toml`
     pub to: PathBuf,

@@ -7,38 +7,39 @@ use super::ending::{Format, by_ending, list};
 use super::files::Input;
 use super::parts::NoSuchPart;
 use super::polygons::{Fault, Polygons};
-use super::{obj, ply, stl};
+use super::{gltf, obj, ply, stl};
 use crate::geometry::Mesh;
 use crate::scene::description::MeshPart;
 use crate::scene::{LoadNote, SceneError};
 
-pub(super) type MeshFormat = Format<fn(&Input<'_>) -> Result<Polygons, Fault>>;
+pub(super) type MeshFormat = Format<fn(&Input<'_>) -> Result<MeshFile, Fault>>;
 
 /// The endings of files that meshes are read from, in lower case.
-pub const MESH_ENDINGS: &[&str] = &["obj", "ply", "stl"];
+pub const MESH_ENDINGS: &[&str] = &["obj", "ply", "stl", "glb", "gltf"];
 
 /// Every mesh format that is read.
 const FORMATS: &[MeshFormat] = &[
-    MeshFormat { endings: &["obj"], read: |input| obj::read(input.bytes) },
-    MeshFormat { endings: &["ply"], read: |input| ply::read(input.bytes) },
-    MeshFormat { endings: &["stl"], read: |input| stl::read(input.bytes) },
+    MeshFormat { endings: &["obj"], read: |input| obj::read(input.bytes).map(MeshFile::Surface) },
+    MeshFormat { endings: &["ply"], read: |input| ply::read(input.bytes).map(MeshFile::Surface) },
+    MeshFormat { endings: &["stl"], read: |input| stl::read(input.bytes).map(MeshFile::Surface) },
+    MeshFormat {
+        endings: &["glb", "gltf"],
+        read: |input| gltf::File::read(input).map(|file| MeshFile::Gltf(Box::new(file))),
+    },
 ];
 
 /// The format that a file's ending names; an error lists those that are read.
 pub(super) fn format_of(path: &Path) -> Result<&'static MeshFormat, String> {
-    by_ending(FORMATS, path).ok_or_else(|| {
-        let is_gltf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb") || e.eq_ignore_ascii_case("gltf"));
-        let list = list(FORMATS);
-        match is_gltf {
-            true => format!("glTF meshes are not yet supported; use {list}"),
-            false => format!("`{}` is no mesh that is read: use {list}", path.display()),
-        }
-    })
+    by_ending(FORMATS, path)
+        .ok_or_else(|| format!("`{}` is no mesh that is read: use {}", path.display(), list(FORMATS)))
 }
 
 /// A mesh's file as it was read, of which parts can be taken.
 #[derive(Debug)]
-pub(super) struct MeshFile(Polygons);
+pub(super) enum MeshFile {
+    Surface(Polygons),
+    Gltf(Box<gltf::File>),
+}
 
 /// Why a part cannot be had.
 #[derive(Debug, PartialEq, Eq)]
@@ -50,33 +51,46 @@ pub(super) enum PartFault {
 impl MeshFile {
     pub fn read(input: &Input<'_>, format: &MeshFormat) -> Result<Self, Fault> {
         let bytes = &*without_mark(input.bytes);
-        (format.read)(&Input { bytes, ..*input }).map(Self)
+        (format.read)(&Input { bytes, ..*input })
     }
 
     /// The whole mesh, and what was passed over.
     pub fn whole(self) -> Result<(Mesh, Vec<LoadNote>), Fault> {
-        self.0.finish()
+        match self {
+            Self::Surface(surface) => surface.finish(),
+            Self::Gltf(file) => file.whole(),
+        }
     }
 
     /// A part of the mesh, and what was passed over.
     pub fn part(&self, part: &MeshPart) -> Result<(Mesh, Vec<LoadNote>), PartFault> {
-        self.0.part(part).map_err(PartFault::NoSuchPart)?.finish().map_err(PartFault::Fault)
+        match self {
+            Self::Surface(surface) => {
+                surface.part(part).map_err(PartFault::NoSuchPart)?.finish().map_err(PartFault::Fault)
+            }
+            Self::Gltf(file) => file.part(part),
+        }
     }
 
     /// The files of materials that it names.
     pub fn libraries(&self) -> &[String] {
-        &self.0.libraries
+        match self {
+            Self::Surface(surface) => &surface.libraries,
+            Self::Gltf(_) => &[],
+        }
     }
 
     /// The material of all faces, if they have the same.
     pub fn only_material(&self) -> Option<String> {
-        let materials = self.0.parts.materials(self.0.faces.len());
+        let Self::Surface(Polygons { parts, faces, .. }) = self else { return None };
+        let materials = parts.materials(faces.len());
         if let [only] = materials[..] { Some(only.to_owned()) } else { None }
     }
 
     /// The parts that together are the whole, each face in one: by materials, or else by groups. Fewer than two: it is all of one piece.
     pub fn pieces(&self) -> Vec<MeshPart> {
-        let Polygons { parts, faces, .. } = &self.0;
+        // Of glTF there are whole scenes instead.
+        let Self::Surface(Polygons { parts, faces, .. }) = self else { return Vec::new() };
         let count = faces.len();
         let materials = parts.materials(count);
         if materials.len() > 1 {
@@ -111,7 +125,7 @@ mod tests {
         let first_ending = |path: &str| format_of(Path::new(path)).map(|format| format.endings[0]);
         assert_eq!(first_ending("a/b.OBJ"), Ok("obj"));
         assert_eq!(first_ending("b.ply"), Ok("ply"));
-        assert!(first_ending("b.GLB").unwrap_err().contains("not yet supported"));
-        assert!(first_ending("b").unwrap_err().contains("use .obj, .ply or .stl"));
+        assert_eq!(first_ending("b.GLTF"), Ok("glb"));
+        assert!(first_ending("b").unwrap_err().contains("use .obj, .ply, .stl or .glb"));
     }
 }

@@ -91,6 +91,31 @@ impl Polygons {
         Ok(())
     }
 
+    /// Adds the faces of another surface, which is changed by `change` before; normals are kept while all have them.
+    pub fn append(&mut self, other: &Self, change: impl FnOnce(&mut Self)) -> Result<(), Fault> {
+        let mut other = Self {
+            positions: other.positions.clone(),
+            normals: other.normals.clone(),
+            faces: other.faces.clone(),
+            ..Self::default()
+        };
+        change(&mut other);
+        let start = self.positions.len();
+        let offset = u32::try_from(start + other.positions.len()).map(|_| start as u32);
+        let offset = offset.map_err(|_| Fault::new("the mesh has too many vertices"))?;
+        if self.normals.len() == start && other.normals.len() == other.positions.len() {
+            self.normals.append(&mut other.normals);
+        } else {
+            self.normals.clear();
+        }
+        other.positions.iter().for_each(|position| self.push_position(*position, None));
+        for list in other.faces.iter() {
+            self.faces.corners.extend(list.corners.iter().map(|corner| corner + offset));
+            self.faces.close(None);
+        }
+        Ok(())
+    }
+
     /// The faces of a part, with the vertices that they use.
     pub fn part(&self, part: &MeshPart) -> Result<Self, NoSuchPart> {
         const UNUSED: u32 = u32::MAX;

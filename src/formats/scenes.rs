@@ -5,20 +5,20 @@ use std::path::Path;
 use super::disk::{MAX_DATA_BYTES, MAX_SCENE_BYTES};
 use super::ending::{Format, by_ending};
 use super::files::Input;
-use super::toml;
+use super::{gltf, toml};
 use crate::scene::{Description, SceneError};
 
 pub(super) type SceneFormat = Format<fn(&Input<'_>) -> Result<Description, SceneError>>;
 
 /// The endings of files that scenes are read from, in lower case.
-pub const SCENE_ENDINGS: &[&str] = &["toml"];
+pub const SCENE_ENDINGS: &[&str] = &["toml", "glb", "gltf"];
 
 /// The program's own format, which files of any other ending are taken for too.
 const OWN: SceneFormat =
     SceneFormat { endings: &["toml"], read: |input| toml::read(input.bytes, input.path, input.files) };
 
 /// Every scene format that is read.
-const FORMATS: &[SceneFormat] = &[OWN];
+const FORMATS: &[SceneFormat] = &[OWN, SceneFormat { endings: &["glb", "gltf"], read: gltf::scene }];
 
 /// The format that a file's ending names; `None` where it names none.
 pub(super) fn format_of(path: &Path) -> Option<&'static SceneFormat> {
@@ -46,6 +46,8 @@ mod tests {
         let endings: Vec<&str> = FORMATS.iter().flat_map(|format| format.endings).copied().collect();
         assert_eq!(endings, SCENE_ENDINGS);
         assert!(format_of(Path::new("a/b.TOML")).is_some());
+        assert_eq!(format_of(Path::new("b.glb")).map(|format| format.endings[1]), Some("gltf"));
+        assert_eq!(most_bytes(Path::new("a.GLTF")), MAX_DATA_BYTES);
         assert!(format_of(Path::new("toml")).is_none());
         assert_eq!(most_bytes(Path::new("a.toml")), MAX_SCENE_BYTES);
         assert_eq!(most_bytes(Path::new("/dev/stdin")), MAX_SCENE_BYTES);

@@ -23,6 +23,10 @@ const VERTICAL_FOV: f64 = 34.0;
 pub(super) const SKY: Environment =
     Environment::Gradient { zenith: [0.5, 0.54, 0.6], horizon: [0.22, 0.23, 0.25], nadir: [0.1; 3] };
 
+/// What surrounds whole scenes that bring no light: it alone lights them.
+pub(super) const BRIGHT_SKY: Environment =
+    Environment::Gradient { zenith: [1.3, 1.36, 1.45], horizon: [0.85, 0.87, 0.9], nadir: [0.4; 3] };
+
 /// The scene around the mesh in a file: each of its materials, or else of its groups, is an object.
 ///
 /// # Errors

@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::Path;
 
 use iorect::export::{read_sums, write_sums};
-use iorect::formats::{BuiltIn, image_from_bytes, mesh_from_bytes, parse, to_text};
+use iorect::formats::{BuiltIn, Memory, image_from_bytes, mesh_from_bytes, parse, read, to_text};
 
 /// A scene file. Files that it names are looked for among those compiled into the program, never on the disk.
 pub fn scene(bytes: &[u8]) -> bool {
@@ -26,6 +26,20 @@ pub fn obj(bytes: &[u8]) -> bool {
 
 pub fn ply(bytes: &[u8]) -> bool {
     mesh(bytes, "fuzz.ply")
+}
+
+/// A scene of another format. What it says in words is the same scene again.
+pub fn gltf(bytes: &[u8]) -> bool {
+    let files = Memory([("fuzz.glb".into(), bytes.to_vec())].into());
+    let Ok(scene) = read(bytes, Path::new("fuzz.glb"), &files) else { return false };
+    assert!(!scene.objects.is_empty(), "a scene without objects");
+    let saved = to_text(&scene);
+    let again = parse(&saved, Path::new("fuzz.toml"), &files)
+        .unwrap_or_else(|error| panic!("what was written cannot be read: {error}\n{saved}"));
+    assert_eq!(again.fingerprint(), scene.fingerprint(), "what was written is another scene:\n{saved}");
+    // Whether there are triangles or not: it is answered.
+    let _ = mesh(bytes, "fuzz.glb");
+    true
 }
 
 fn mesh(bytes: &[u8], name: &str) -> bool {

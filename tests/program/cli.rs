@@ -624,3 +624,33 @@ fn a_mesh_alone_is_a_scene_and_becomes_a_scene_file() {
         assert_eq!(desk.run(wrong).status.code(), Some(2), "{wrong}");
     }
 }
+
+/// A pane of glass and a sheet of light, by hand.
+const SHEETS: &str = r#"{"asset": {"version": "2.0"},
+"nodes": [{"mesh": 0, "name": "pane"}, {"mesh": 1, "name": "lamp", "translation": [0, 0, 2]}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]},
+    {"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 1}]}],
+"materials": [{"name": "glass", "pbrMetallicRoughness": {"roughnessFactor": 0, "metallicFactor": 0},
+    "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}, {"emissiveFactor": [1, 1, 1]}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+    {"bufferView": 1, "componentType": 5121, "count": 6, "type": "SCALAR"}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 6}],
+"buffers": [{"byteLength": 42, "uri": "sheets.bin"}]}"#;
+
+#[test]
+fn a_gltf_file_is_a_scene_and_becomes_a_scene_file() {
+    let desk = Desk::with("sheets.gltf", SHEETS);
+    let missing = desk.run("check sheets.gltf --json");
+    assert_eq!(missing.status.code(), Some(2));
+    let text = String::from_utf8(missing.stdout).unwrap();
+    assert!(text.contains("buffer 0") && text.contains("sheets.bin cannot be read: there is no such file"), "{text}");
+    let floats = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).chain([0, 1, 2, 0, 2, 1]).collect();
+    desk.put("sheets.bin", bytes);
+    let problems = desk.json("check sheets.gltf --json")["problems"].clone();
+    let kinds: Vec<&str> = problems.as_array().unwrap().iter().filter_map(|problem| problem["kind"].as_str()).collect();
+    assert!(kinds.contains(&"thin_wall") && kinds.contains(&"no_camera"), "{kinds:?}");
+    assert!(desk.fine("convert sheets.gltf made.toml").contains("2 objects"));
+    assert!(desk.path().join("made-meshes/pane.ply").is_file());
+    assert_eq!(desk.json("rectify made.toml --json")["patches"], desk.json("rectify sheets.gltf --json")["patches"]);
+}

@@ -17,7 +17,8 @@ use iorect::scene::description::{Shape, Transform};
 use iorect::tracking::Mode;
 
 use crate::harness::{
-    apply, choose, choose_by_typing, every_pane_has_an_image, picture_of, quick, type_into, until, window, window_of,
+    apply, choose, choose_by_typing, drop_files, every_pane_has_an_image, picture_of, quick, type_into, until, window,
+    window_of,
 };
 
 fn ior(harness: &Harness<'_, App>, medium: &str) -> f64 {
@@ -108,7 +109,7 @@ fn a_bad_file_is_a_notice_and_the_scene_stays() {
     let mut harness = window("nested-spheres");
     until(&mut harness, "there are images", every_pane_has_an_image);
 
-    drop_file(&mut harness, path);
+    drop_files(&mut harness, &[&path]);
     until(&mut harness, "the notice is there", |app| !app.state().notices.is_empty());
     let text = harness.state().state().notices[0].text.clone();
     assert!(text.contains("broken.toml:5") && text.contains("flavour"), "{text}");
@@ -120,23 +121,6 @@ fn a_bad_file_is_a_notice_and_the_scene_stays() {
     harness.get_by_label("Dismiss").click();
     harness.run_steps(3);
     assert!(harness.state().state().notices.is_empty());
-}
-
-/// A file dropped on the window.
-fn drop_file(harness: &mut Harness<'_, App>, path: PathBuf) {
-    #[derive(Debug)]
-    struct Dropped(PathBuf);
-    impl egui::DroppedFile for Dropped {
-        fn path(&self) -> &std::path::Path {
-            &self.0
-        }
-
-        fn bytes(&self) -> Result<Vec<u8>, String> {
-            std::fs::read(&self.0).map_err(|error| error.to_string())
-        }
-    }
-    harness.input_mut().dropped_files.push(Arc::new(Dropped(path)));
-    harness.step();
 }
 
 #[test]

@@ -170,3 +170,23 @@ pub fn painted(harness: &Harness<'_, App>) -> Vec<(TextShape, Rect)> {
     }
     found
 }
+
+/// Files dropped on the window together.
+pub fn drop_files(harness: &mut Harness<'_, App>, paths: &[&std::path::Path]) {
+    #[derive(Debug)]
+    struct Dropped(std::path::PathBuf);
+    impl egui::DroppedFile for Dropped {
+        fn path(&self) -> &std::path::Path {
+            &self.0
+        }
+
+        fn bytes(&self) -> Result<Vec<u8>, String> {
+            std::fs::read(&self.0).map_err(|error| error.to_string())
+        }
+    }
+    let files = paths
+        .iter()
+        .map(|path| std::sync::Arc::new(Dropped(path.to_path_buf())) as std::sync::Arc<dyn egui::DroppedFile>);
+    harness.input_mut().dropped_files.extend(files);
+    harness.step();
+}

@@ -16,6 +16,7 @@ mod layout;
 mod lights;
 mod measuring;
 mod media;
+mod opening;
 mod path;
 mod recovery;
 mod samples;

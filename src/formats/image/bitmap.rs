@@ -11,7 +11,7 @@ use crate::color::linear_from_srgb;
 use crate::scene::environment::EnvironmentImage;
 
 /// Row by row: a file that is cut off does not take the room of a whole one.
-pub(super) fn png(bytes: &[u8]) -> Result<EnvironmentImage, String> {
+pub(in crate::formats) fn png(bytes: &[u8]) -> Result<EnvironmentImage, String> {
     let decoding = |error: png::DecodingError| format!("cannot be decoded: {error}");
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_ignore_text_chunk(true);
@@ -49,7 +49,7 @@ pub(super) fn png(bytes: &[u8]) -> Result<EnvironmentImage, String> {
     Ok(EnvironmentImage { width, height, pixels, notes: Vec::new() })
 }
 
-pub(super) fn jpeg(bytes: &[u8]) -> Result<EnvironmentImage, String> {
+pub(in crate::formats) fn jpeg(bytes: &[u8]) -> Result<EnvironmentImage, String> {
     let decoding = |error: image::ImageError| format!("cannot be decoded: {error}");
     let decoder = JpegDecoder::new(Cursor::new(bytes)).map_err(decoding)?;
     let (width, height) = decoder.dimensions();

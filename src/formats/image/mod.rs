@@ -3,7 +3,7 @@
 //! Whatever a file holds ends as a latitude–longitude image in linear Rec. 709, or as an error that says what to do. Sizes are tested on
 //! the header, before anything is decoded (see [`limits`]).
 
-mod bitmap;
+pub(super) mod bitmap;
 mod color;
 mod cube;
 mod exr;

@@ -5,6 +5,9 @@ mod header;
 mod rows;
 #[cfg(test)]
 mod tests;
+mod write;
+
+pub use self::write::to_bytes;
 
 use glam::DVec3;
 

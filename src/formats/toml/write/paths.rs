@@ -1,13 +1,17 @@
 //! The files that a scene names, when the scene moves to another folder.
 
+use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 use crate::formats::builtin::BuiltIn;
 use crate::formats::disk::{self, FileError};
 use crate::formats::files::{Files, normal};
+use crate::formats::ply;
 use crate::formats::toml::read::parse_text_only;
+use crate::geometry::Mesh;
 use crate::scene::SceneError;
-use crate::scene::description::{Description, Environment, Shape, Source};
+use crate::scene::description::{Description, Environment, MeshPart, Object, Shape, Source};
 use crate::writing::write_atomically;
 
 /// Makes the scene's paths right for a scene file at `target`: relative ones for its folder, and what was added by an absolute path relative
@@ -41,9 +45,15 @@ pub(super) fn relocate(description: &mut Description, target: &Path) -> Result<(
         }
         Ok(())
     };
-    for object in description.objects.iter_mut() {
-        if let Shape::Mesh { path, .. } = &mut object.shape {
-            moved(path)?;
+    let mut meshes = MeshFiles::beside(target);
+    for Object { name, shape, .. } in description.objects.iter_mut() {
+        if let Shape::Mesh { path, part, mesh, .. } = shape {
+            if source.as_ref().is_some_and(|source| is_in_import(source, path)) {
+                *path = meshes.write(name, mesh)?;
+                *part = MeshPart::default();
+            } else {
+                moved(path)?;
+            }
         }
     }
     if let Environment::Image { path, .. } = &mut description.environment {
@@ -76,26 +86,81 @@ fn below(folder: &Path, file: &Path) -> Option<PathBuf> {
     as_named.or_else(|| within(&absolute(folder), &absolute(file.parent()?).join(file.file_name()?)))
 }
 
-/// Writes a file that is compiled into the program into `folder`, under its own name or, where another file has that, a numbered one.
+/// Whether a mesh comes from the file of another format that the scene itself does: a scene file names meshes of its own.
+fn is_in_import(source: &Source, path: &Path) -> bool {
+    source.import.is_some() && source.path.file_name().is_some_and(|name| path == Path::new(name))
+}
+
+/// The meshes of a scene of another format, as files in a folder beside the scene file.
+struct MeshFiles {
+    /// Of the scene file.
+    parent: PathBuf,
+    /// The name of the folder in there.
+    folder: PathBuf,
+    /// By identity: objects may share one.
+    written: HashMap<*const Mesh, PathBuf>,
+}
+
+impl MeshFiles {
+    fn beside(target: &Path) -> Self {
+        let stem = target.file_stem().unwrap_or_default().to_string_lossy();
+        Self {
+            parent: target.parent().unwrap_or(Path::new("")).to_path_buf(),
+            folder: format!("{stem}-meshes").into(),
+            written: HashMap::new(),
+        }
+    }
+
+    /// Writes the mesh of an object, once, and answers how the scene file names it.
+    fn write(&mut self, name: &str, mesh: &Arc<Mesh>) -> Result<PathBuf, SceneError> {
+        if let Some(path) = self.written.get(&Arc::as_ptr(mesh)) {
+            return Ok(path.clone());
+        }
+        let folder = self.parent.join(&self.folder);
+        if !folder.is_dir() {
+            let failed = |error| SceneError::in_file(&folder, format!("this folder cannot be made: {error}"));
+            std::fs::create_dir(&folder).map_err(failed)?;
+        }
+        let file = write_beside(&ply::to_bytes(mesh), &folder, &file_stem(name), "ply")?;
+        let path = self.folder.join(file);
+        self.written.insert(Arc::as_ptr(mesh), path.clone());
+        Ok(path)
+    }
+}
+
+/// A name as that of a file on every system.
+fn file_stem(name: &str) -> String {
+    const MOST: usize = 60;
+    let is_plain = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.' | ' ');
+    let stem: String = name.chars().take(MOST).map(|c| if is_plain(c) { c } else { '-' }).collect();
+    let stem = stem.trim_matches([' ', '.']);
+    if stem.is_empty() { "mesh".to_owned() } else { stem.to_owned() }
+}
+
+/// Writes a file that is compiled into the program into `folder`.
 fn copy_asset(asset: &Path, folder: &Path) -> Result<PathBuf, SceneError> {
     let asset = BuiltIn.locate(asset);
     let missing = || SceneError::in_file(&asset, "no such file is built into the program");
     let bytes = BuiltIn.read(&asset).map_err(|_| missing())?;
     let stem = asset.file_stem().ok_or_else(missing)?.to_string_lossy();
-    let ending = asset.extension().unwrap_or_default().to_string_lossy();
+    write_beside(&bytes, folder, &stem, &asset.extension().unwrap_or_default().to_string_lossy())
+}
+
+/// Writes a file of that name into `folder` or, where another file has it, of a numbered one; answers its name. One that says the same is left alone.
+fn write_beside(bytes: &[u8], folder: &Path, stem: &str, ending: &str) -> Result<PathBuf, SceneError> {
     for number in 1_u32.. {
         let name = if number == 1 { format!("{stem}.{ending}") } else { format!("{stem}-{number}.{ending}") };
         let path = folder.join(&name);
         match disk::read(&path, bytes.len() as u64) {
             Ok(there) if *there == *bytes => return Ok(name.into()),
             Err(FileError::NotFound) => {
-                write(&path, &bytes)?;
+                write(&path, bytes)?;
                 return Ok(name.into());
             }
             _ => {}
         }
     }
-    Err(missing())
+    Err(SceneError::in_file(folder, format!("there are too many files called {stem}")))
 }
 
 /// Writes a file, whole or not at all.
@@ -122,6 +187,14 @@ fn relative(folder: &Path, file: &Path) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_of_files() {
+        assert_eq!(file_stem("Glas é 2.5"), "Glas é 2.5");
+        assert_eq!(file_stem("../a\\b:c*\n"), "-a-b-c--");
+        assert_eq!([file_stem("..."), file_stem("")], ["mesh", "mesh"]);
+        assert_eq!(file_stem(&"x".repeat(1000)).len(), 60);
+    }
 
     #[cfg(unix)]
     #[test]

@@ -521,3 +521,62 @@ fn a_part_that_is_not_there_is_told_where_it_is_named() {
     assert!(message(r#"mesh = "wine.obj", groop = "glass""#).contains("did you mean `group`?"));
     assert!(message(r#"sphere = { center = [0, 0, 0], radius = 1 }, group = "glass""#).contains("unknown key `group`"));
 }
+
+/// Two nodes with one mesh, a third with another whose node has the first one's name, and one that is sheared.
+fn gltf() -> Vec<u8> {
+    use base64::Engine;
+    let corners: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let faces: [u8; 12] = [0, 2, 1, 0, 3, 2, 0, 1, 3, 1, 2, 3];
+    let bytes = corners.iter().flatten().flat_map(|x| x.to_le_bytes()).chain(faces).collect::<Vec<u8>>();
+    let data = base64::engine::general_purpose::STANDARD.encode(bytes);
+    format!(
+        r#"{{"asset": {{"version": "2.0"}},
+        "nodes": [{{"mesh": 0, "name": "a/b"}}, {{"mesh": 0, "name": "c", "translation": [3, 0, 0]}}, {{"mesh": 1, "name": "a/b"}},
+            {{"mesh": 0, "name": "leaning", "matrix": [1, 0, 0, 0, 0.1, 1, 0, 0, 0, 0, 1, 0, 0, 5, 0, 1]}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "indices": 1}}]}},
+            {{"primitives": [{{"attributes": {{"POSITION": 0}}, "indices": 2}}]}}],
+        "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}},
+            {{"bufferView": 1, "componentType": 5121, "count": 12, "type": "SCALAR"}},
+            {{"bufferView": 1, "componentType": 5121, "count": 6, "type": "SCALAR"}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": 48}}, {{"buffer": 0, "byteOffset": 48, "byteLength": 12}}],
+        "buffers": [{{"byteLength": 60, "uri": "data:application/octet-stream;base64,{data}"}}]}}"#
+    )
+    .into_bytes()
+}
+
+/// Its meshes go beside the scene file, each once, and no file of somebody else's is lost.
+#[test]
+fn a_scene_of_another_format_is_saved_with_its_meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |path: &str| folder.path().join(path);
+    std::fs::write(at("set.gltf"), gltf()).unwrap();
+    std::fs::create_dir_all(at("out/mine-meshes")).unwrap();
+    std::fs::write(at("out/mine-meshes/a-b.ply"), "another file of that name").unwrap();
+    let scene = formats::open(at("set.gltf")).unwrap();
+    save(&scene, &at("out/mine.toml")).unwrap();
+    let files = || {
+        let entries = std::fs::read_dir(at("out/mine-meshes")).unwrap();
+        let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(files(), ["a-b 2.ply", "a-b-2.ply", "a-b.ply", "leaning.ply"]);
+    assert_eq!(std::fs::read(at("out/mine-meshes/a-b.ply")).unwrap(), b"another file of that name");
+    let again = formats::open(at("out/mine.toml")).unwrap();
+    assert_eq!(again.fingerprint(), scene.fingerprint());
+    let path = |index: usize| match &again.objects[index].shape {
+        Shape::Mesh { path, .. } => path.clone(),
+        other => panic!("no mesh: {other:?}"),
+    };
+    assert_eq!((path(0), path(1)), (path(1), "mine-meshes/a-b-2.ply".into()));
+    // Saving once more changes nothing.
+    let text = std::fs::read_to_string(at("out/mine.toml")).unwrap();
+    save(&scene, &at("out/mine.toml")).unwrap();
+    assert_eq!((files().len(), std::fs::read_to_string(at("out/mine.toml")).unwrap()), (4, text));
+    // What was added from elsewhere stays where it is.
+    let mut added = scene.clone();
+    std::fs::write(at("wine.obj"), WINE).unwrap();
+    added.objects[0].shape = Shape::mesh("wine.obj", formats::mesh_from_file(&at("wine.obj")).unwrap().0);
+    save(&added, &at("out/mine.toml")).unwrap();
+    assert!(std::fs::read_to_string(at("out/mine.toml")).unwrap().contains("mesh = \"../wine.obj\""));
+}

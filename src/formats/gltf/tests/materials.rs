@@ -1,0 +1,154 @@
+use std::io::Cursor;
+
+use serde_json::{Value, json};
+
+use super::make::Maker;
+use super::{notes, opened};
+use crate::optics::Ior;
+use crate::scene::description::{Description, Paint};
+
+fn of(material: Value) -> Description {
+    let mut maker = Maker::cube(Some(material));
+    maker.node(json!({"mesh": 0}));
+    opened(&maker)
+}
+
+fn solid(material: Value) -> ([f64; 3], bool) {
+    let scene = of(material);
+    let solid = scene.objects[0].solid().expect("a solid");
+    let Paint::Color(color) = solid.paint else { panic!("one colour") };
+    (color, solid.mirror)
+}
+
+fn glass(extensions: &Value) -> Value {
+    let mut material = json!({
+        "name": "Wine",
+        "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0},
+        "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}},
+    });
+    for (name, extension) in extensions.as_object().unwrap() {
+        material["extensions"][name] = extension.clone();
+    }
+    material
+}
+
+#[test]
+fn what_transmits_with_a_volume_is_a_refractor() {
+    let volume = json!({"thicknessFactor": 0.5, "attenuationDistance": 2, "attenuationColor": [0.5, 1, 0]});
+    let scene = of(glass(&json!({"KHR_materials_volume": volume, "KHR_materials_ior": {"ior": 1.36}})));
+    let [wine] = &scene.media[..] else { panic!("one medium: {:?}", scene.media) };
+    assert_eq!((wine.name.as_str(), &wine.ior), ("Wine", &Ior::Constant(1.36)));
+    assert!((wine.absorption[0] - 2_f64.ln() / 2.0).abs() < 1e-12 && wine.absorption[1] == 0.0);
+    assert!((wine.absorption[2] - 1e4_f64.ln() / 2.0).abs() < 1e-12);
+    assert_eq!(scene.objects.refractors()[0].refractor().unwrap().medium, "Wine");
+    assert_eq!(notes(&scene), ["black_volume", "no_camera", "no_light"]);
+}
+
+#[test]
+fn a_thin_wall_is_taken_for_a_body_and_told() {
+    let scene = of(glass(&json!({})));
+    assert_eq!((&scene.media[0].ior, scene.media[0].absorption), (&Ior::Constant(1.5), [0.0; 3]));
+    assert_eq!(notes(&scene), ["thin_wall", "no_camera", "no_light"]);
+}
+
+#[test]
+fn what_glass_has_no_place_for_is_told_once_a_kind() {
+    let mut material = glass(&json!({
+        "KHR_materials_volume": {"thicknessFactor": 1},
+        "KHR_materials_dispersion": {"dispersion": 0.3},
+        "KHR_materials_specular": {"specularFactor": 0.5},
+        "KHR_materials_clearcoat": {"clearcoatFactor": 1},
+        "KHR_materials_iridescence": {},
+    }));
+    material["pbrMetallicRoughness"] =
+        json!({"metallicFactor": 0, "roughnessFactor": 0.4, "baseColorFactor": [0.5, 1, 1, 1]});
+    material["normalTexture"] = json!({"index": 0});
+    let scene = of(material);
+    let medium = &scene.media[0];
+    assert!((medium.ior.ior() - 1.5).abs() < 1e-12 && (medium.ior.abbe_number().unwrap() - 20.0 / 0.3).abs() < 1e-6);
+    assert!((medium.absorption[0] - 2.0 * 2_f64.ln()).abs() < 1e-12);
+    let kinds = ["normal_texture", "material_extension", "rough_glass", "specular", "surface_tint"];
+    assert_eq!(notes(&scene)[..5], kinds);
+}
+
+#[test]
+fn media_of_equal_values_stay_two_and_one_material_is_one() {
+    let mut maker = Maker::cube(Some(glass(&json!({"KHR_materials_volume": {"thicknessFactor": 1}}))));
+    let twin = maker.root["materials"][0].clone();
+    maker.push("materials", twin);
+    let mut second = maker.root["meshes"][0].clone();
+    second["primitives"][0]["material"] = json!(1);
+    maker.push("meshes", second);
+    for (mesh, x) in [(0, 0), (1, 5), (0, 10)] {
+        maker.node(json!({"mesh": mesh, "translation": [x, 0, 0]}));
+    }
+    let scene = opened(&maker);
+    assert_eq!(scene.media.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["Wine", "Wine 2"]);
+    let media: Vec<&str> = scene.objects.refractor_roles().map(|refractor| refractor.medium.as_str()).collect();
+    assert_eq!(media, ["Wine", "Wine 2", "Wine"]);
+}
+
+#[test]
+fn solids_are_diffuse_or_mirrors() {
+    let pbr = |metallic: f64, roughness: f64| json!({"pbrMetallicRoughness": {"metallicFactor": metallic, "roughnessFactor": roughness, "baseColorFactor": [0.9, 0.6, 2, 1]}});
+    assert_eq!(solid(pbr(0.0, 1.0)), ([0.9, 0.6, 1.0], false));
+    assert_eq!(solid(pbr(1.0, 0.0)), ([0.9, 0.6, 1.0], true));
+    assert_eq!(solid(pbr(1.0, 0.9)), ([0.9, 0.6, 1.0], false));
+    // Of metal nothing passes.
+    let mut metal = glass(&json!({}));
+    metal["pbrMetallicRoughness"]["metallicFactor"] = json!(1);
+    assert!(solid(metal).1);
+    let weak = json!({"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.2}}, "pbrMetallicRoughness": {"metallicFactor": 0}});
+    assert_eq!(notes(&of(weak))[0], "part_transmission");
+    let old = json!({"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.1, 0.2, 0.3, 1]}}});
+    assert_eq!(solid(old), ([0.1, 0.2, 0.3], false));
+    let mut maker = Maker::cube(None);
+    maker.node(json!({"mesh": 0}));
+    let scene = opened(&maker);
+    assert_eq!(scene.objects[0].solid().map(|solid| solid.paint), Some(Paint::Color([0.8; 3])));
+}
+
+#[test]
+fn what_emits_is_a_light() {
+    let lamp = |factor: f64| json!({"emissiveFactor": [factor, 0, 0], "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 10}}});
+    let scene = of(lamp(0.5));
+    assert_eq!(scene.objects.lights()[0].light().unwrap().emission.rgb, [5.0, 0.0, 0.0]);
+    assert!(!notes(&scene).contains(&"no_light"));
+    assert_eq!(notes(&of(lamp(0.001)))[0], "weak_emission");
+}
+
+#[test]
+fn images_stand_for_their_average() {
+    // A quarter black, the rest white.
+    let image = image::RgbImage::from_fn(4, 4, |x, _| image::Rgb([if x < 1 { 0 } else { 255 }; 3]));
+    let mut png = Cursor::new(Vec::new());
+    image.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let material = json!({"pbrMetallicRoughness": {
+        "baseColorTexture": {"index": 0, "extensions": {"KHR_texture_transform": {"scale": [2, 2]}}},
+        "baseColorFactor": [0.8, 0.4, 0, 1], "metallicFactor": 1, "metallicRoughnessTexture": {"index": 0}, "roughnessFactor": 0.2,
+    }});
+    let mut maker = Maker::cube(Some(material));
+    let view = maker.view(&png.into_inner());
+    maker.push("images", json!({"bufferView": view, "mimeType": "image/png"}));
+    maker.push("textures", json!({"source": 0}));
+    maker.node(json!({"mesh": 0}));
+    let scene = opened(&maker);
+    let solid = scene.objects[0].solid().unwrap();
+    let Paint::Color(color) = solid.paint else { panic!("one colour") };
+    assert!(color.iter().zip([0.6, 0.3, 0.0]).all(|(a, b)| (a - b).abs() < 1e-6), "{color:?}");
+    // More of it is metal than not.
+    assert!(solid.mirror);
+    assert_eq!(notes(&scene)[0], "texture");
+    // One that cannot be read, or is not there, leaves the factor alone.
+    for image in [
+        json!({"uri": "data:image/ktx2;base64,AAAA"}),
+        json!({"uri": "gone.png"}),
+        json!({"bufferView": 99}),
+        json!({}),
+    ] {
+        maker.root["images"][0] = image;
+        let scene = opened(&maker);
+        assert_eq!(notes(&scene)[0], "image");
+        assert_eq!(scene.objects[0].solid().map(|solid| solid.paint), Some(Paint::Color([0.8, 0.4, 0.0])));
+    }
+}
