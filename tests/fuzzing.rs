@@ -97,6 +97,45 @@ fn damaged_gltf_scenes_are_answered() {
     run("gltf", targets::gltf);
 }
 
+/// Damage at random seldom leaves JSON whole. Here each number in turn is another.
+#[test]
+fn every_number_of_a_gltf_file_may_be_wrong() {
+    let numbers = serde_json::json!([
+        0,
+        1,
+        2,
+        3,
+        7,
+        255,
+        5121,
+        5126,
+        65535,
+        65536,
+        4_294_967_295_u32,
+        1_u64 << 40,
+        u64::MAX,
+        -1,
+        0.5,
+        1e-300,
+        1e38,
+        1e300,
+        -1e300
+    ]);
+    let places = gltf::numbers(&gltf::table().0);
+    let (mut accepted, mut refused) = (0, 0);
+    for place in &places {
+        for number in numbers.as_array().expect("a list") {
+            let bytes = gltf::with_number(place, number);
+            match catch_unwind(AssertUnwindSafe(|| targets::gltf(&bytes))) {
+                Ok(true) => accepted += 1,
+                Ok(false) => refused += 1,
+                Err(_) => panic!("{place} = {number}"),
+            }
+        }
+    }
+    assert!(places.len() > 100 && accepted > 100 && refused > 100, "{accepted} accepted, {refused} refused");
+}
+
 #[test]
 fn damaged_hdr_images_are_answered() {
     run("hdr", targets::hdr);

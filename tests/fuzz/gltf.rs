@@ -119,3 +119,22 @@ pub fn packed() -> Vec<u8> {
     });
     wrapped(serde_json::to_vec(&root).unwrap(), bytes)
 }
+
+/// Where the numbers of a file are, as JSON pointers.
+pub fn numbers(value: &Value) -> Vec<String> {
+    let below = |key: &str, value: &Value| numbers(value).into_iter().map(|rest| format!("/{key}{rest}")).collect();
+    let all: Vec<Vec<String>> = match value {
+        Value::Number(_) => return vec![String::new()],
+        Value::Array(list) => list.iter().enumerate().map(|(i, value)| below(&i.to_string(), value)).collect(),
+        Value::Object(table) => table.iter().map(|(key, value)| below(key, value)).collect(),
+        _ => Vec::new(),
+    };
+    all.concat()
+}
+
+/// The same file with another number in one place.
+pub fn with_number(pointer: &str, number: &Value) -> Vec<u8> {
+    let (mut root, bytes) = table();
+    *root.pointer_mut(pointer).expect("there is one") = number.clone();
+    wrapped(serde_json::to_vec(&root).unwrap(), bytes)
+}
