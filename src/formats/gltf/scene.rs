@@ -12,6 +12,7 @@ use crate::formats::files::Input;
 use crate::formats::mesh::error_in;
 use crate::formats::studio;
 use crate::formats::tally::Tally;
+use crate::optics::medium::WORLD;
 use crate::scene::description::{Environment, Import, Object, Source, WorldMedium};
 use crate::scene::{Description, SceneError, validate};
 
@@ -52,11 +53,18 @@ pub fn scene(input: &Input<'_>) -> Result<Description, SceneError> {
         Environment::DEFAULT
     };
     note_others(&container, &placed, &mut tally);
+    let has_glass = !objects.refractors().is_empty();
+    if has_glass {
+        // glTF knows no other medium around things.
+        let outsides = objects.iter_mut().filter_map(Object::outside_mut);
+        outsides.for_each(|outside| *outside = Some(WORLD.to_owned()));
+    }
     let stem = input.path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
     let import = Import { format: "glTF", notes: tally.into_notes(), files: container.files() };
     let description = Description {
         name: if stem.trim().is_empty() { "scene".into() } else { stem },
         camera,
+        camera_medium: has_glass.then(|| WORLD.to_owned()),
         world: WorldMedium::DEFAULT,
         environment,
         media,

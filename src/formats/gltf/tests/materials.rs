@@ -41,6 +41,9 @@ fn what_transmits_with_a_volume_is_a_refractor() {
     assert!((wine.absorption[0] - 2_f64.ln() / 2.0).abs() < 1e-12 && wine.absorption[1] == 0.0);
     assert!((wine.absorption[2] - 1e4_f64.ln() / 2.0).abs() < 1e-12);
     assert_eq!(scene.objects.refractors()[0].refractor().unwrap().medium, "Wine");
+    // A renderer of glTF takes the world to be around everything.
+    let declared = (scene.objects[0].outside(), scene.camera_medium.as_deref());
+    assert_eq!(declared, (Some("world"), Some("world")));
     assert_eq!(notes(&scene), ["black_volume", "no_camera", "no_light"]);
 }
 
