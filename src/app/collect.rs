@@ -111,16 +111,11 @@ impl App {
             let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
             endings.contains(&&*ending)
         };
-        let kinds: [(&[&str], fn(PathBuf) -> Command); 3] = [
-            (SCENE_ENDINGS, Command::Open),
-            (MESH_ENDINGS, Command::ReadMesh),
-            (Purpose::Environment.endings(), Command::ReadEnvironment),
-        ];
-        for (endings, command) in kinds {
-            if let Some(path) = paths.iter().find(|path| is_of(path, endings)) {
-                return Some(command(path.clone()));
-            }
-        }
-        paths.into_iter().next().map(Command::Open)
+        let first = |endings: &[&str]| paths.iter().find(|path| is_of(path, endings)).cloned();
+        let image = Purpose::Environment.endings();
+        (first(SCENE_ENDINGS).map(Command::Open))
+            .or_else(|| first(MESH_ENDINGS).map(Command::ReadMesh))
+            .or_else(|| first(image).map(Command::ReadEnvironment))
+            .or_else(|| paths.first().cloned().map(Command::Open))
     }
 }

@@ -19,14 +19,18 @@ pub const MESH_ENDINGS: &[&str] = &["obj", "ply", "stl", "glb", "gltf"];
 
 /// Every mesh format that is read.
 const FORMATS: &[MeshFormat] = &[
-    MeshFormat { endings: &["obj"], read: |input| obj::read(input.bytes).map(MeshFile::Surface) },
-    MeshFormat { endings: &["ply"], read: |input| ply::read(input.bytes).map(MeshFile::Surface) },
-    MeshFormat { endings: &["stl"], read: |input| stl::read(input.bytes).map(MeshFile::Surface) },
+    MeshFormat { endings: &["obj"], read: |input| surface(obj::read(input.bytes)) },
+    MeshFormat { endings: &["ply"], read: |input| surface(ply::read(input.bytes)) },
+    MeshFormat { endings: &["stl"], read: |input| surface(stl::read(input.bytes)) },
     MeshFormat {
         endings: &["glb", "gltf"],
         read: |input| gltf::File::read(input).map(|file| MeshFile::Gltf(Box::new(file))),
     },
 ];
+
+fn surface(read: Result<Polygons, Fault>) -> Result<MeshFile, Fault> {
+    read.map(Box::new).map(MeshFile::Surface)
+}
 
 /// The format that a file's ending names; an error lists those that are read.
 pub(super) fn format_of(path: &Path) -> Result<&'static MeshFormat, String> {
@@ -37,7 +41,7 @@ pub(super) fn format_of(path: &Path) -> Result<&'static MeshFormat, String> {
 /// A mesh's file as it was read, of which parts can be taken.
 #[derive(Debug)]
 pub(super) enum MeshFile {
-    Surface(Polygons),
+    Surface(Box<Polygons>),
     Gltf(Box<gltf::File>),
 }
 
@@ -82,7 +86,8 @@ impl MeshFile {
 
     /// The material of all faces, if they have the same.
     pub fn only_material(&self) -> Option<String> {
-        let Self::Surface(Polygons { parts, faces, .. }) = self else { return None };
+        let Self::Surface(surface) = self else { return None };
+        let Polygons { parts, faces, .. } = &**surface;
         let materials = parts.materials(faces.len());
         if let [only] = materials[..] { Some(only.to_owned()) } else { None }
     }
@@ -90,7 +95,8 @@ impl MeshFile {
     /// The parts that together are the whole, each face in one: by materials, or else by groups. Fewer than two: it is all of one piece.
     pub fn pieces(&self) -> Vec<MeshPart> {
         // Of glTF there are whole scenes instead.
-        let Self::Surface(Polygons { parts, faces, .. }) = self else { return Vec::new() };
+        let Self::Surface(surface) = self else { return Vec::new() };
+        let Polygons { parts, faces, .. } = &**surface;
         let count = faces.len();
         let materials = parts.materials(count);
         if materials.len() > 1 {

@@ -29,7 +29,7 @@ pub fn table() -> (Value, Vec<u8>) {
         "scene": 0,
         "scenes": [{"name": "Scene", "nodes": [0, 3, 4, 5]}],
         "nodes": [
-            {"name": "Glass", "mesh": 0, "children": [1, 2], "rotation": [0, 0.7071068, 0, 0.7071068]},
+            {"name": "Glass", "mesh": 0, "children": [1, 2], "rotation": [0, 0.6, 0, 0.8]},
             {"name": "Wine", "mesh": 1, "scale": [0.9, 0.9, 0.9]},
             {"name": "Twin", "mesh": 0, "scale": [-1, 1, 1], "translation": [0, 0, 5]},
             {"name": "Table", "mesh": 2, "matrix": [9, 0, 0, 0, 0.5, 0.1, 0, 0, 0, 0, 9, 0, 0, -2, 0, 1]},

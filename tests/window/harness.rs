@@ -184,9 +184,8 @@ pub fn drop_files(harness: &mut Harness<'_, App>, paths: &[&std::path::Path]) {
             std::fs::read(&self.0).map_err(|error| error.to_string())
         }
     }
-    let files = paths
-        .iter()
-        .map(|path| std::sync::Arc::new(Dropped(path.to_path_buf())) as std::sync::Arc<dyn egui::DroppedFile>);
-    harness.input_mut().dropped_files.extend(files);
+    for path in paths {
+        harness.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path.to_path_buf())));
+    }
     harness.step();
 }

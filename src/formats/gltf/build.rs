@@ -22,8 +22,11 @@ use crate::optics::Medium;
 use crate::scene::LoadNote;
 use crate::scene::description::{Light, MeshPart, Object, Objects, Paint, Refractor, Role, Shape, Solid, Transform};
 
-/// Meshes of a file by their places in it: by material.
-type Pieces = HashMap<(usize, Option<usize>), Option<(Arc<Mesh>, Vec<LoadNote>)>>;
+/// A mesh with what was passed over in it; `None` where it has no faces.
+type Piece = Option<(Arc<Mesh>, Vec<LoadNote>)>;
+
+/// Meshes of a file by their places in it and by material.
+type Pieces = HashMap<(usize, Option<usize>), Piece>;
 
 /// Makes the objects.
 pub struct Builder<'a> {
@@ -107,8 +110,8 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// A mesh that several nodes may use; `None` where it has no faces.
-    fn piece(&mut self, mesh: usize, material: Option<usize>) -> Result<Option<(Arc<Mesh>, Vec<LoadNote>)>, Fault> {
+    /// A mesh that several nodes may use.
+    fn piece(&mut self, mesh: usize, material: Option<usize>) -> Result<Piece, Fault> {
         if let Some(known) = self.pieces.get(&(mesh, material)) {
             return Ok(known.clone());
         }

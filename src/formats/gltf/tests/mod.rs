@@ -78,8 +78,8 @@ fn a_cube_in_every_wrapping() {
 fn nodes_move_meshes_and_share_them() {
     let mut maker = Maker::cube(None);
     maker.push("nodes", json!({"mesh": 0, "name": "child", "translation": [0, 3, 0]}));
-    maker
-        .node(json!({"name": "parent", "children": [0], "scale": [2, 2, 2], "rotation": [0, 0, 0.7071068, 0.7071068]}));
+    // A quaternion of another length than 1 is the rotation that it would be.
+    maker.node(json!({"name": "parent", "children": [0], "scale": [2, 2, 2], "rotation": [0, 0, 1, 1]}));
     maker.node(json!({"mesh": 0, "name": "mirrored", "scale": [-1, 1, 1], "translation": [9, 0, 0]}));
     maker.node(json!({"mesh": 0, "name": "child", "matrix": [1, 0, 0, 0, 0.5, 1, 0, 0, 0, 0, 1, 0, 0, 0, 7, 1]}));
     let scene = opened(&maker);
@@ -246,9 +246,7 @@ fn cameras_and_lights_stand_where_their_nodes_do() {
     ]}});
     for light in 0..4 {
         let reference = json!({"KHR_lights_punctual": {"light": light}});
-        maker.node(
-            json!({"extensions": reference, "translation": [1, 5, 0], "rotation": [-0.7071068, 0, 0, 0.7071068]}),
-        );
+        maker.node(json!({"extensions": reference, "translation": [1, 5, 0], "rotation": [-1, 0, 0, 1]}));
     }
     let scene = opened(&maker);
     let camera = &scene.camera;
