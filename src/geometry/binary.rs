@@ -5,7 +5,8 @@
 
 use glam::Vec3;
 
-use super::bvh::{Bounds, Tree};
+use super::bounds::Bounds;
+use super::bvh::Tree;
 use super::geometry::Geometry;
 use super::node::{LEAF as WIDE_LEAF, Node, WIDTH};
 use super::ray::{NO_PRIMITIVE, PrimitiveId};
@@ -110,7 +111,7 @@ impl Items {
                 let cost = [&self.get()[..at], &self.get()[at..]]
                     .map(|half| Self::new(half.iter().copied()))
                     .iter()
-                    .map(|half| half_area(half.bounds()) * half.length as f32)
+                    .map(|half| half.bounds().half_area() * half.length as f32)
                     .sum();
                 if cost < best.0 {
                     best = (cost, axis, at);
@@ -126,11 +127,6 @@ impl Items {
         let middle = |item: &Item| item.bounds.min[axis] + item.bounds.max[axis];
         self.list[..self.length].sort_by(|a, b| middle(a).total_cmp(&middle(b)));
     }
-}
-
-fn half_area(bounds: Bounds) -> f32 {
-    let d = bounds.max - bounds.min;
-    d.x * d.y + d.y * d.z + d.z * d.x
 }
 
 impl Geometry {
@@ -210,10 +206,7 @@ impl Geometry {
 
 /// The used children of a wide node, with their boxes.
 fn children(node: &Node) -> impl Iterator<Item = (u32, Bounds)> + '_ {
-    (0..WIDTH).filter(|&lane| node.is_used(lane)).map(|lane| {
-        let [min, max] = [0, 1].map(|side| Vec3::from_array([0, 1, 2].map(|axis| node.rows[2 * axis + side][lane])));
-        (node.children[lane], Bounds { min, max })
-    })
+    node.boxes().map(|(lane, bounds)| (node.children[lane], bounds))
 }
 
 /// Larger as the boxes of the wide trees are.

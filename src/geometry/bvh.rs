@@ -6,37 +6,15 @@
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-use glam::{DVec3, Vec3, Vec3A};
+use glam::{DVec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 
+use super::bounds::Bounds;
 use super::collapse::Collapse;
-use super::node::{BOX_MARGIN, LEAF, MANY, Node, WIDTH};
-
-/// Box of a primitive.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bounds {
-    pub min: Vec3,
-    pub max: Vec3,
-}
-
-impl Bounds {
-    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
-
-    pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {
-        points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
-    }
-
-    pub fn union(self, other: Self) -> Self {
-        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.min.x > self.max.x
-    }
-}
+use super::node::{LEAF, MANY, Node, WIDTH};
 
 /// The tree. Each leaf is a *slot*; the builder says which primitives each slot holds.
 #[derive(Debug, Default)]
@@ -46,6 +24,8 @@ pub struct Tree {
     pub(super) center: DVec3,
     /// Of a sphere around everything.
     pub(super) radius: f64,
+    /// [`Tree::cost`] when it was built.
+    pub(super) cost_as_built: f64,
 }
 
 /// Up to `per_slot` primitives for each slot.
@@ -66,11 +46,7 @@ impl Tree {
         let binary = build_binary(bounds);
         let collapse = Collapse::new(&binary, per_slot);
         let all = bounds.iter().fold(Bounds::EMPTY, |a, b| a.union(*b));
-        let mut tree = Self {
-            nodes: Vec::with_capacity(bounds.len() / 4 + 1),
-            center: (all.min.as_dvec3() + all.max.as_dvec3()) / 2.0,
-            radius: (all.max.as_dvec3() - all.min.as_dvec3()).length() / 2.0,
-        };
+        let mut tree = Self { nodes: Vec::with_capacity(bounds.len() / 4 + 1), ..Self::around(all) };
         tree.nodes.push(Node::EMPTY);
         // (node of the wide tree to fill, node of the binary tree that it stands for)
         let mut open = vec![(0usize, 0usize)];
@@ -85,17 +61,25 @@ impl Tree {
                     tree.nodes.len() as u32 - 1
                 };
                 let node = &mut tree.nodes[wide];
-                let (min, max) = (source.aabb().min, source.aabb().max);
-                let margin = min.abs().max(max.abs()).max_element() * BOX_MARGIN;
-                for axis in 0..3 {
-                    node.rows[2 * axis][lane] = min[axis] - margin;
-                    node.rows[2 * axis + 1][lane] = max[axis] + margin;
-                }
+                node.set_box(lane, Bounds { min: source.aabb().min.into(), max: source.aabb().max.into() });
                 node.children[lane] = reference;
             }
         }
         tree.find_objects(&slots, object_of);
+        tree.cost_as_built = tree.cost();
         (tree, slots)
+    }
+
+    /// What a ray is expected to cost, by the surface area heuristic: the area of all boxes, up to a factor that depends on nothing but the rays.
+    pub(super) fn cost(&self) -> f64 {
+        let of_node = |node: &Node| node.boxes().map(|(_, bounds)| f64::from(bounds.half_area())).sum::<f64>();
+        self.nodes.iter().map(of_node).sum()
+    }
+
+    /// A tree without nodes over all that lies in `all`.
+    pub(super) fn around(all: Bounds) -> Self {
+        let (min, max) = (all.min.as_dvec3(), all.max.as_dvec3());
+        Self { center: (min + max) / 2.0, radius: (max - min).length() / 2.0, ..Self::default() }
     }
 
     /// Fills in `objects`, from the leaves up: a node comes before its children.
@@ -205,7 +189,7 @@ impl Slots {
         slot as u32
     }
 
-    fn primitives_of(&self, slot: u32) -> impl Iterator<Item = u32> {
+    pub fn primitives_of(&self, slot: u32) -> impl Iterator<Item = u32> {
         let start = slot as usize * self.per_slot;
         self.primitives[start..start + self.per_slot].iter().copied().filter(|primitive| *primitive != u32::MAX)
     }

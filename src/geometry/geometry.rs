@@ -6,7 +6,8 @@ use std::ops::{ControlFlow, Range};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::bvh::{Bounds, Tree};
+use super::bounds::Bounds;
+use super::bvh::Tree;
 use super::frame::Frame;
 use super::kernel::KernelChoice;
 use super::mesh::Mesh;
@@ -99,11 +100,12 @@ impl Geometry {
     pub fn build<'a>(parts: impl Into<Cow<'a, [Part]>>) -> Self {
         let parts = parts.into();
         let frame = Frame::about(&*parts).unwrap_or_default();
-        Self::build_in(frame, parts)
+        Self::build_in(frame, parts, None)
     }
 
-    /// [`Self::build`] with local coordinates in that frame.
-    pub fn build_in<'a>(frame: Frame, parts: impl Into<Cow<'a, [Part]>>) -> Self {
+    /// [`Self::build`] with local coordinates in that frame. Where the objects have as many primitives as they had `earlier`, its tree is
+    /// fitted to their new places, as long as that is about as good as one built anew: hits are the same.
+    pub fn build_in<'a>(frame: Frame, parts: impl Into<Cow<'a, [Part]>>, earlier: Option<&Self>) -> Self {
         let parts = parts.into().into_owned();
         let origin = frame.origin;
         let mut geometry = Self {
@@ -152,7 +154,7 @@ impl Geometry {
             }
         }
         geometry.bounds_of_objects = geometry.ranges.par_iter().map(|range| geometry.measure_bounds(range)).collect();
-        geometry.build_trees(&points);
+        geometry.build_trees(&points, earlier.filter(|earlier| earlier.ranges == geometry.ranges));
         geometry
     }
 
@@ -197,18 +199,26 @@ impl Geometry {
         self.ranges.push(ObjectRange::Triangles(range));
     }
 
-    /// The bounding sphere, where there are primitives, is around `points` too.
-    fn build_trees(&mut self, points: &[Vec3]) {
+    /// The bounding sphere, where there are primitives, is around `points` too. `earlier` has the same primitives in other places.
+    fn build_trees(&mut self, points: &[Vec3], earlier: Option<&Self>) {
         let corners = |t: &[u32; 3]| t.map(|i| self.positions[i as usize]);
         let boxes: Vec<Bounds> = self.triangles.par_iter().map(|t| Bounds::of(corners(t))).collect();
         let (of_triangles, of_spheres) = self.object_of_primitive.split_at(self.triangles.len());
-        let (tree, slots) = Tree::build(&boxes, of_triangles, PACK);
+        let refitted = earlier.and_then(|earlier| {
+            let ids = |slot: u32| earlier.packs[slot as usize].ids.into_iter().filter(|id| *id != NO_PRIMITIVE);
+            earlier
+                .triangle_tree
+                .refitted(&boxes, ids)
+                .map(|tree| (tree, earlier.packs.iter().map(|pack| pack.ids).collect()))
+        });
+        let (tree, slots): (Tree, Vec<[u32; PACK]>) = refitted.unwrap_or_else(|| {
+            let (tree, slots) = Tree::build(&boxes, of_triangles, PACK);
+            (tree, slots.primitives.as_chunks().0.to_vec())
+        });
         let union = |boxes: &[Bounds]| boxes.iter().fold(Bounds::EMPTY, |a, b| a.union(*b));
         let of_chunks: Vec<Bounds> = boxes.par_chunks(BOUNDS_CHUNK).map(union).collect();
         drop(boxes);
-        self.packs = slots
-            .primitives
-            .par_chunks_exact(PACK)
+        self.packs = (slots.par_iter())
             .map(|ids| {
                 let mut pack = TrianglePack::EMPTY;
                 for (lane, &id) in ids.iter().enumerate().filter(|(_, id)| **id != u32::MAX) {

@@ -2,6 +2,7 @@
 
 mod beam;
 pub mod binary;
+mod bounds;
 mod box_ray;
 mod bvh;
 mod collapse;
@@ -16,6 +17,7 @@ mod node;
 mod part;
 mod question;
 pub mod ray;
+mod refit;
 mod search;
 mod sets;
 pub mod sphere;

@@ -1,5 +1,9 @@
 //! A node of the tree, as it lies in memory.
 
+use glam::Vec3;
+
+use super::bounds::Bounds;
+
 /// Children of a node.
 pub(super) const WIDTH: usize = 8;
 
@@ -31,6 +35,23 @@ impl Node {
         let (above, below) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
         Self { rows: [above, below, above, below, above, below], children: [LEAF; WIDTH], objects: [MANY; WIDTH] }
     };
+
+    /// Gives a child the box `bounds`, grown by the margin.
+    pub(super) fn set_box(&mut self, lane: usize, bounds: Bounds) {
+        let margin = bounds.min.abs().max(bounds.max.abs()).max_element() * BOX_MARGIN;
+        for axis in 0..3 {
+            self.rows[2 * axis][lane] = bounds.min[axis] - margin;
+            self.rows[2 * axis + 1][lane] = bounds.max[axis] + margin;
+        }
+    }
+
+    /// The children that there are, with their boxes.
+    pub(super) fn boxes(&self) -> impl Iterator<Item = (usize, Bounds)> + '_ {
+        (0..WIDTH).filter(|lane| self.is_used(*lane)).map(|lane| {
+            let corner = |first: usize| Vec3::from_array([0, 2, 4].map(|row| self.rows[row + first][lane]));
+            (lane, Bounds { min: corner(0), max: corner(1) })
+        })
+    }
 
     pub(super) fn is_used(&self, lane: usize) -> bool {
         self.rows[0][lane] <= self.rows[1][lane]

@@ -47,7 +47,8 @@ pub fn compile(description: &Description, previous: Option<(&Description, &Scene
                 .collect();
             // Digits are wanted where media are told apart.
             let frame = Frame::about(&parts[..description.objects.refractors().len()]).or_else(|| Frame::about(&parts));
-            let geometry = Arc::new(Geometry::build_in(frame.unwrap_or_default(), parts));
+            let earlier = previous.map(|(_, scene)| &*scene.geometry);
+            let geometry = Arc::new(Geometry::build_in(frame.unwrap_or_default(), parts, earlier));
             for (object, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.enclosure == Enclosure::Holed) {
                 body.winding = Some(Arc::new(winding_tree(&geometry, object as u32)));
             }

@@ -22,7 +22,7 @@ fn geometry() -> Geometry {
             smooth: false,
         },
     ];
-    Geometry::build_in(Frame::default(), parts)
+    Geometry::build_in(Frame::default(), parts, None)
 }
 
 fn area_lights(geometry: &Geometry) -> [AreaLight; 2] {
