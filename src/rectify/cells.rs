@@ -4,6 +4,7 @@
 //! each hit asked about, and only about the few refractors whose surfaces come near. The triangles that rays meet are not changed,
 //! so nothing can leak.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -15,7 +16,7 @@ use super::face::{Cover, Face};
 use super::relation::Relation;
 use super::surroundings::{Membership, Surroundings, membership_of_parts};
 use super::tolerance::Tolerance;
-use crate::geometry::{PrimitiveId, SurfacePoint};
+use crate::geometry::{Enclosure, PrimitiveId, SurfacePoint};
 use crate::scene::{ObjectId, Scene};
 
 /// The smallest cells, as a share of the size of the smallest object that meets the face or has it.
@@ -114,7 +115,8 @@ pub fn divide(
         }
     }
     let finest = finest(scene, face, contacts).unwrap_or_default() * coarseness;
-    let mut divider = Divider { scene, face, shape, pool, finest, nodes: Vec::new() };
+    let mut divider =
+        Divider { scene, face, shape, pool, finest, nodes: Vec::new(), contained_corners: HashMap::new() };
 
     let mut base = Surroundings::new(subject);
     let Some(middle) = divider.point(&divider.root_corners(0)) else {
@@ -168,6 +170,8 @@ struct Divider<'a> {
     pool: Vec<(Contact, Face)>,
     finest: f64,
     nodes: Division,
+    /// Whether refractors contain corners of cells that their surfaces do not meet.
+    contained_corners: HashMap<(ObjectId, [u64; 3]), bool>,
 }
 
 impl Divider<'_> {
@@ -238,7 +242,7 @@ impl Divider<'_> {
                 }
             } else if !active.crossing.is_empty() || !active.coincident.is_empty() {
                 remaining.push(active);
-            } else if active.is_refractor && is_inside_by_vote(self.scene, active.object, &middle) {
+            } else if active.is_refractor && self.is_cell_inside(active.object, &corners, &middle) {
                 base.add(active.object, Membership::In);
             }
         }
@@ -266,6 +270,22 @@ impl Divider<'_> {
         b[edge] = cut;
         self.fill(first, a, remaining.clone(), base.clone(), depth + 1);
         self.fill(first + 1, b, remaining, base, depth + 1);
+    }
+
+    /// Whether a refractor contains a cell that its surface does not meet. It contains all of it or none, and so it does with every other such
+    /// cell that has a corner in common: rays are shot for the first of them.
+    fn is_cell_inside(&mut self, refractor: ObjectId, corners: &[DVec3; 3], middle: &SurfacePoint) -> bool {
+        // What is enclosed by a surface with an edge may end where there is no surface.
+        let is_bounded = matches!(self.scene.object(refractor).enclosure, Enclosure::Closed | Enclosure::Union);
+        if !is_bounded {
+            return is_inside_by_vote(self.scene, refractor, middle);
+        }
+        // −0.0 is 0.0 as a coordinate.
+        let keys = corners.map(|corner| (refractor, (corner + 0.0).to_array().map(f64::to_bits)));
+        let known = keys.iter().find_map(|key| self.contained_corners.get(key).copied());
+        let is_inside = known.unwrap_or_else(|| is_inside_by_vote(self.scene, refractor, middle));
+        self.contained_corners.extend(keys.map(|key| (key, is_inside)));
+        is_inside
     }
 
     fn ask(&self, base: Surroundings, actives: &[Active]) -> AskedCell {

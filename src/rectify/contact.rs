@@ -8,6 +8,7 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
+use super::changes::Changes;
 use super::copies::Copies;
 use super::face::{Cover, Face};
 use super::progress::{Cancelled, Progress, Stage};
@@ -31,7 +32,7 @@ pub struct Contact {
 
 /// The touched faces of all refractors and lights, in ascending order, with their contacts. A crowded face has none listed; a face that a
 /// coincident one stands for has that one only.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Contacts {
     faces: Vec<PrimitiveId>,
     /// End of each face's contacts.
@@ -51,6 +52,34 @@ impl Contacts {
         self.of_range(0..PrimitiveId::MAX)
     }
 
+    /// The contacts of one face: `None` where nothing touches it.
+    pub fn of_face(&self, face: PrimitiveId) -> Option<&[Contact]> {
+        self.index_of(face).map(|index| self.at(index))
+    }
+
+    /// Which of the touched faces `face` is; `None` where nothing touches it.
+    pub fn index_of(&self, face: PrimitiveId) -> Option<usize> {
+        self.faces.binary_search(&face).ok()
+    }
+
+    /// Those of the faces among `primitives`.
+    pub fn part(&self, primitives: std::ops::Range<PrimitiveId>) -> Self {
+        let mut part = Self::default();
+        self.of_range(primitives).for_each(|(face, contacts)| part.push(face, contacts));
+        part
+    }
+
+    fn at(&self, index: usize) -> &[Contact] {
+        let start = if index == 0 { 0 } else { self.ends[index - 1] };
+        &self.contacts[start as usize..self.ends[index] as usize]
+    }
+
+    fn push(&mut self, face: PrimitiveId, contacts: &[Contact]) {
+        self.contacts.extend_from_slice(contacts);
+        self.faces.push(face);
+        self.ends.push(self.contacts.len() as u32);
+    }
+
     /// The touched faces among `primitives`, with their contacts.
     pub fn of_range(
         &self,
@@ -58,18 +87,27 @@ impl Contacts {
     ) -> impl Iterator<Item = (PrimitiveId, &[Contact])> {
         let first = self.faces.partition_point(|&face| face < primitives.start);
         let last = self.faces.partition_point(|&face| face < primitives.end);
-        (first..last).map(|index| {
-            let start = if index == 0 { 0 } else { self.ends[index - 1] };
-            (self.faces[index], &self.contacts[start as usize..self.ends[index] as usize])
-        })
+        (first..last).map(|index| (self.faces[index], self.at(index)))
     }
+}
+
+/// Contacts that were found before an edit, by subject: they still hold on faces that are far from what has changed.
+pub struct EarlierContacts<'a> {
+    pub of_subject: HashMap<ObjectId, &'a Contacts>,
+    pub changes: &'a Changes,
 }
 
 /// Finds all contacts of the objects `subjects` with objects that are no copies. O(N log N) for surfaces that meet along curves.
 ///
 /// # Errors
 /// When `progress` is cancelled.
-pub fn find(scene: &Scene, subjects: &[ObjectId], copies: &Copies, progress: &Progress) -> Result<Contacts, Cancelled> {
+pub fn find(
+    scene: &Scene,
+    subjects: &[ObjectId],
+    copies: &Copies,
+    earlier: &EarlierContacts<'_>,
+    progress: &Progress,
+) -> Result<Contacts, Cancelled> {
     /// Faces that one task looks at.
     const CHUNK: u32 = 2048;
     let geometry = &*scene.geometry;
@@ -91,9 +129,15 @@ pub fn find(scene: &Scene, subjects: &[ObjectId], copies: &Copies, progress: &Pr
             let (is_refractor, margin) = (scene.is_refractor(subject), margins[&subject]);
             let seeker = Seeker { scene, subject, copies, is_refractor, margin };
             let faces = range.len();
+            let known = earlier.of_subject.get(&subject);
             for face in range {
                 progress.go_on()?;
-                seeker.look(face, &mut contacts);
+                match known {
+                    Some(known) if earlier.changes.are_far_from_face(geometry, subject, face) => {
+                        known.of_face(face).into_iter().for_each(|known| contacts.push(face, known));
+                    }
+                    _ => seeker.look(face, &mut contacts),
+                }
             }
             progress.advance(faces);
             Ok(contacts)

@@ -15,7 +15,7 @@ use crate::geometry::{Enclosure, Geometry, PrimitiveId};
 use crate::scene::{ObjectId, Scene};
 
 /// The closed refractors that are copies of another one, bit by bit.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Copies {
     /// The copies of each refractor that is the first of several, in ascending order.
     of_first: HashMap<ObjectId, Vec<ObjectId>>,

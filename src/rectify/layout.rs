@@ -5,13 +5,13 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use super::asked::AskedCell;
 use super::cells::{Cell, Division};
+use super::changes::Changes;
 use super::coarseness::coarseness;
-use super::contact;
+use super::contact::{self, Contact, EarlierContacts};
 use super::copies::Copies;
 use super::flat::{ASKED, BY_FACE, DIVIDED, FaceRecord, FlatLayout, KNOWN, NodeRecord};
 use super::nest::Nest;
@@ -20,7 +20,6 @@ use super::site::{Faces, Site, SiteVotes};
 use super::split::{Splitter, SubjectLayout, stood_for, whole_object};
 use super::subjects::{primitives_of, subjects};
 use super::surroundings::Surroundings;
-use super::tolerance;
 use crate::geometry::{Geometry, PrimitiveId};
 use crate::scene::{ObjectId, Scene};
 
@@ -50,6 +49,8 @@ pub struct Layout {
     pub groups: Vec<MixedGroup>,
     /// Refractors whose surfaces go through each other, the earlier first.
     pub(super) crossing: Vec<(ObjectId, ObjectId)>,
+    copies: Copies,
+    coarseness: f64,
 }
 
 /// An earlier scene, to take over what an edit cannot have changed.
@@ -72,12 +73,23 @@ pub fn lay_out(
 ) -> Result<(Layout, Vec<SiteVotes>, RectifySeconds), Cancelled> {
     let start = Instant::now();
     let mut seconds = RectifySeconds::default();
-    let kept = earlier.map(|earlier| unaffected(scene, earlier)).unwrap_or_default();
     let copies = Copies::find(scene);
+    let Unaffected { kept, partly, changes } =
+        earlier.map(|earlier| unaffected(scene, earlier, &copies)).unwrap_or_default();
     let (of_copies, anew): (Vec<ObjectId>, Vec<ObjectId>) =
         subjects(scene).filter(|subject| !kept.contains_key(subject)).partition(|subject| copies.is_copy(*subject));
-    let contacts = contact::find(scene, &anew, &copies, progress)?;
+    let of_subject = partly.iter().map(|(subject, found)| (*subject, &found.touched.contacts)).collect();
+    let mut contacts =
+        contact::find(scene, &anew, &copies, &EarlierContacts { of_subject, changes: &changes }, progress)?;
+    for (subject, found) in &partly {
+        let still =
+            found.crossed_by.iter().filter(|other| !earlier.is_some_and(|earlier| earlier.changed.contains(other)));
+        contacts.crossing.extend(still.map(|other| (*subject, *other)));
+    }
+    contacts.crossing.sort_unstable();
+    contacts.crossing.dedup();
     let coarseness = coarseness(scene, &contacts);
+    let is_as_fine = earlier.is_some_and(|earlier| earlier.layout.coarseness == coarseness);
     seconds.patches = start.elapsed().as_secs_f64();
     progress.enter(Stage::Votes, anew.len())?;
     let is_untouched = |refractor| match kept.get(&refractor) {
@@ -100,18 +112,34 @@ pub fn lay_out(
     for (subject, whole) in anew.into_iter().zip(whole) {
         let found = match whole {
             Some(whole) => whole,
-            None => Splitter { scene, subject, contacts: &contacts, copies: &copies, coarseness, progress }.split()?,
+            None => {
+                let earlier = partly.get(&subject).filter(|_| is_as_fine).map(|found| (&found.touched, &changes));
+                Splitter { scene, subject, contacts: &contacts, copies: &copies, coarseness, earlier, progress }
+                    .split()?
+            }
         };
         subjects.push((subject, Arc::new(found)));
     }
     subjects.sort_unstable_by_key(|(subject, _)| *subject);
     let (layout, votes) = assemble(scene, subjects);
+    let layout = Layout { copies, coarseness, ..layout };
     seconds.patches = start.elapsed().as_secs_f64() - seconds.pretrace;
     Ok((layout, votes, seconds))
 }
 
-/// The layouts of objects that the edit cannot have affected: those far from everything that has changed, before and after.
-fn unaffected(scene: &Scene, earlier: Earlier<'_>) -> HashMap<ObjectId, Arc<SubjectLayout>> {
+/// What an edit leaves as it was.
+#[derive(Default)]
+struct Unaffected {
+    /// Objects that are far from all that has changed: their layouts stay.
+    kept: HashMap<ObjectId, Arc<SubjectLayout>>,
+    /// Others that have not changed themselves: of their layouts, what is known of faces that are far from the changes.
+    partly: HashMap<ObjectId, Arc<SubjectLayout>>,
+    changes: Changes,
+}
+
+fn unaffected(scene: &Scene, earlier: Earlier<'_>, copies: &Copies) -> Unaffected {
+    /// With more changed objects than these, looking for faces that are far from all of them would not pay.
+    const FEW: usize = 16;
     let (now, before) = (&*scene.geometry, &*earlier.scene.geometry);
     let objects = 0..scene.objects.len() as u32;
     let is_comparable = now.origin == before.origin
@@ -119,22 +147,21 @@ fn unaffected(scene: &Scene, earlier: Earlier<'_>) -> HashMap<ObjectId, Arc<Subj
         && objects.clone().all(|object| now.range(object) == before.range(object));
     // Votes about a sheet depend on every opaque object, wherever it is.
     if !is_comparable || scene.has_sheets || earlier.scene.has_sheets {
-        return HashMap::new();
+        return Unaffected::default();
     }
-    let grown = |geometry: &Geometry, object: ObjectId| {
-        let ((min, max), margin) = (geometry.bounds_of(object.0), tolerance::largest(geometry, object.0));
-        (min - margin, max + margin)
-    };
-    let boxes: Vec<(DVec3, DVec3)> =
-        earlier.changed.iter().flat_map(|&changed| [grown(now, changed), grown(before, changed)]).collect();
-    let is_far = |subject: ObjectId| {
-        let (min, max) = grown(now, subject);
-        !boxes.iter().any(|(other_min, other_max)| min.cmple(*other_max).all() && other_min.cmple(max).all())
-    };
-    let mut kept: HashMap<ObjectId, Arc<SubjectLayout>> = (earlier.layout.subjects.iter())
-        .filter(|(subject, _)| !earlier.changed.contains(subject) && is_far(*subject))
-        .map(|(subject, found)| (*subject, Arc::clone(found)))
-        .collect();
+    let changes = Changes::new(now, before, earlier.changed);
+    let unchanged = || earlier.layout.subjects.iter().filter(|(subject, _)| !earlier.changed.contains(subject));
+    let shared = |(subject, found): &(ObjectId, Arc<SubjectLayout>)| (*subject, Arc::clone(found));
+    let kept = unchanged().filter(|(subject, _)| changes.are_far_from(now, *subject)).map(shared).collect();
+    let kept = without_orphans(kept);
+    let is_partly_known = earlier.changed.len() <= FEW && *copies == earlier.layout.copies;
+    let partly =
+        unchanged().filter(|(subject, _)| is_partly_known && !kept.contains_key(subject)).map(shared).collect();
+    Unaffected { kept, partly, changes }
+}
+
+/// Those that do not inherit from a container that is not among them.
+fn without_orphans(mut kept: HashMap<ObjectId, Arc<SubjectLayout>>) -> HashMap<ObjectId, Arc<SubjectLayout>> {
     // An object that inherits from a container is redone whenever the container is.
     loop {
         let is_orphan = |found: &SubjectLayout| {
@@ -175,8 +202,8 @@ fn assemble(scene: &Scene, subjects: Vec<(ObjectId, Arc<SubjectLayout>)>) -> (La
     layout.crossing.dedup();
     let mut interner = Interner { first: layout.sites.len() as u32, ..Interner::default() };
     for (subject, found) in &subjects {
-        for (face, division) in &found.divided {
-            layout.store(&mut flat, geometry, *subject, *face, division, &mut interner);
+        for (face, division) in found.touched.divided() {
+            layout.store(&mut flat, geometry, *subject, face, division, &mut interner);
         }
     }
     layout.surroundings = interner.list;
@@ -196,10 +223,23 @@ fn addresses_of_primitives<'a>(flat: &'a mut FlatLayout, geometry: &Geometry) ->
 }
 
 impl Layout {
+    /// What touches a face of a subject.
+    pub fn contacts_of(&self, subject: ObjectId, face: PrimitiveId) -> &[Contact] {
+        let found = self.subjects.binary_search_by_key(&subject, |(subject, _)| *subject).ok();
+        found.and_then(|index| self.subjects[index].1.touched.contacts.of_face(face)).unwrap_or_default()
+    }
+
     #[cfg(test)]
     pub(super) fn shared_subjects(&self, earlier: &Self) -> usize {
         let is_shared = |found: &Arc<SubjectLayout>| earlier.subjects.iter().any(|(_, e)| Arc::ptr_eq(e, found));
         self.subjects.iter().filter(|(_, found)| is_shared(found)).count()
+    }
+
+    /// Divided faces of objects that were laid out anew, whose divisions were kept all the same.
+    #[cfg(test)]
+    fn shared_divisions(&self, earlier: &Self) -> usize {
+        let anew = self.subjects.iter().zip(&earlier.subjects).filter(|(now, before)| !Arc::ptr_eq(&now.1, &before.1));
+        anew.map(|(now, before)| now.1.touched.shared_with(&before.1.touched)).sum()
     }
 
     /// Adds a divided face.
@@ -262,6 +302,8 @@ impl Interner {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::formats;
     use crate::rectify::InterfaceTable;
@@ -274,9 +316,9 @@ mod tests {
             let mut description = formats::open(name).expect("a built-in scene");
             let mut scene = compile(&description, None).expect("it is fine");
             let mut table = InterfaceTable::new(&scene);
-            let mut kept = 0;
+            let (mut kept, mut kept_divisions) = (0, 0);
             for index in 0..description.objects.refractors().len() {
-                for step in [0.13, -0.4, 0.05] {
+                for step in [0.13, -0.4, 0.05, 0.003] {
                     let before = description.clone();
                     let transform = &mut description.objects.refractors_mut()[index].transform;
                     transform.translate += DVec3::new(0.4 * step, step, 0.0);
@@ -293,10 +335,14 @@ mod tests {
                     };
                     assert_eq!(known(&after), known(&fresh), "{name}, refractor {index} by {step}");
                     kept += after.layout.shared_subjects(&table.layout);
+                    kept_divisions += after.layout.shared_divisions(&table.layout);
                     (scene, table) = (moved, after);
                 }
             }
-            assert!(kept > 0, "{name}: nothing was taken over");
+            assert!(
+                kept > 0 && kept_divisions > 0,
+                "{name}: {kept} objects and {kept_divisions} faces were taken over"
+            );
         }
     }
 }

@@ -5,7 +5,8 @@
 //! contact, copies                       which faces other surfaces touch                       │
 //! cells, asked, coarseness              touched faces, divided until each part has one answer  │ geometry alone
 //! split, site                           the other faces, joined into connected pieces          │
-//! layout                                all objects together                                   ┘
+//! layout                                all objects together                                   │
+//! changes                               what of all this an edit leaves as it was               ┘
 //! containment                           which refractors contain a point: rays vote
 //! pretrace, nest                        votes about every piece; in deep nests containers are inherited
 //! surroundings, table, patch            votes, priorities and media come to two media for every place
@@ -17,6 +18,7 @@
 
 pub mod asked;
 pub mod cells;
+pub mod changes;
 mod coarseness;
 pub mod contact;
 pub mod containers;

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::cells::{self, Cell, Division};
+use super::changes::Changes;
 use super::contact::{Contact, Contacts};
 use super::containment::containment_beside;
 use super::copies::Copies;
@@ -29,9 +30,37 @@ use crate::scene::{ObjectId, Scene};
 pub struct SubjectLayout {
     /// In the order of their first faces, with the votes of the first pre-trace.
     pub sites: Vec<(Site, SiteVotes)>,
-    pub divided: Vec<(PrimitiveId, Division)>,
+    pub touched: Touched,
     /// Refractors whose surfaces go through this one's.
     pub crossed_by: Vec<ObjectId>,
+}
+
+/// The faces of an object that other surfaces touch.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Touched {
+    pub contacts: Contacts,
+    /// In the order of the contacts' faces.
+    fates: Vec<Fate>,
+}
+
+impl Touched {
+    /// The faces that are divided.
+    pub fn divided(&self) -> impl Iterator<Item = (PrimitiveId, &Division)> {
+        (self.contacts.iter().zip(&self.fates)).filter_map(|((face, _), fate)| {
+            if let Fate::Divided(division) = fate { Some((face, &**division)) } else { None }
+        })
+    }
+
+    /// Divided faces whose divisions are those of an earlier state of the object.
+    #[cfg(test)]
+    pub(super) fn shared_with(&self, earlier: &Self) -> usize {
+        let is_shared = |(face, division): &(PrimitiveId, &Division)| matches!(earlier.fate_of(*face), Some(Fate::Divided(before)) if std::ptr::eq(&**before, *division));
+        self.divided().filter(is_shared).count()
+    }
+
+    fn fate_of(&self, face: PrimitiveId) -> Option<&Fate> {
+        self.contacts.index_of(face).map(|index| &self.fates[index])
+    }
 }
 
 /// The site of an object that need not be split.
@@ -51,14 +80,14 @@ pub fn whole_object(
     let site = Site { subject, faces: Faces::Whole, fixed, settled: copies.of(subject).to_vec() };
     let votes = pretrace::vote(scene, &site, nest, SiteVotes::default());
     let is_one = !depends_on_place(scene, subject, &votes);
-    is_one.then(|| SubjectLayout { sites: vec![(site, votes)], divided: Vec::new(), crossed_by: Vec::new() })
+    is_one.then(|| SubjectLayout { sites: vec![(site, votes)], touched: Touched::default(), crossed_by: Vec::new() })
 }
 
 /// The layout of an object that an earlier one stands for all over.
 pub fn stood_for(subject: ObjectId) -> SubjectLayout {
     let fixed = Surroundings { is_masked: true, ..Surroundings::new(subject) };
     let site = Site { subject, faces: Faces::Whole, fixed, settled: Vec::new() };
-    SubjectLayout { sites: vec![(site, SiteVotes::default())], divided: Vec::new(), crossed_by: Vec::new() }
+    SubjectLayout { sites: vec![(site, SiteVotes::default())], touched: Touched::default(), crossed_by: Vec::new() }
 }
 
 /// Whether votes about an open refractor disagree: its edge may run between the object's faces.
@@ -69,13 +98,27 @@ fn depends_on_place(scene: &Scene, subject: ObjectId, votes: &SiteVotes) -> bool
 }
 
 /// What is known about the surroundings of a face.
-#[derive(Clone)]
+#[derive(Debug, Clone, PartialEq)]
 enum Fate {
     /// No other surface touches it: the same as those of its untouched neighbours.
     Untouched,
-    /// The same all over; with the refractors whose membership coincident faces settle.
-    Known(Surroundings, Vec<ObjectId>),
-    Divided(Division),
+    /// The same all over.
+    Known(Arc<Known>),
+    Divided(Arc<Division>),
+}
+
+/// The surroundings of a face that are the same all over.
+#[derive(Debug, PartialEq, Eq)]
+struct Known {
+    surroundings: Surroundings,
+    /// The refractors whose membership coincident faces settle.
+    settled: Vec<ObjectId>,
+}
+
+impl Fate {
+    fn known(surroundings: Surroundings, settled: Vec<ObjectId>) -> Self {
+        Self::Known(Arc::new(Known { surroundings, settled }))
+    }
 }
 
 /// What it takes to split one object's surface.
@@ -86,6 +129,8 @@ pub struct Splitter<'a> {
     pub copies: &'a Copies,
     /// As in [`cells::divide`].
     pub coarseness: f64,
+    /// Of the same object before an edit: faces that are far from what has changed are settled as they were.
+    pub earlier: Option<(&'a Touched, &'a Changes)>,
     pub progress: &'a Progress,
 }
 
@@ -99,27 +144,33 @@ impl Splitter<'_> {
         let mut fates = vec![Fate::Untouched; range.len()];
         let touched: Vec<(PrimitiveId, &[Contact])> = self.contacts.of_range(range.clone()).collect();
         let neighbours = self.neighbours(&range);
-        let containers = self.containers(&range, &neighbours, &touched);
-        let divisions: Vec<Fate> = (touched.par_iter().zip(&containers))
-            .map(|((face, contacts), containers)| {
+        let kept: Vec<Option<Fate>> = touched.par_iter().map(|(face, _)| self.earlier_fate(*face)).collect();
+        let containers = self.containers(&range, &neighbours, &touched, &kept);
+        let of_touched: Vec<Fate> = (touched.par_iter().zip(&containers).zip(kept))
+            .map(|(((face, contacts), containers), kept)| {
                 self.progress.go_on()?;
-                let fate = self.divide(*face, contacts, containers);
+                let fate = kept.unwrap_or_else(|| self.divide(*face, contacts, containers));
                 self.progress.advance(1);
                 Ok(fate)
             })
             .collect::<Result<_, Cancelled>>()?;
-        for ((face, _), fate) in touched.iter().zip(divisions) {
-            fates[(face - range.start) as usize] = fate;
+        for ((face, _), fate) in touched.iter().zip(&of_touched) {
+            fates[(face - range.start) as usize] = fate.clone();
         }
         let sites = self.classes(&range, &neighbours, &mut fates);
-        let divided = (range.zip(fates))
-            .filter_map(|(face, fate)| if let Fate::Divided(division) = fate { Some((face, division)) } else { None })
-            .collect();
+        let touched = Touched { contacts: self.contacts.part(range), fates: of_touched };
         let crossed_by = (self.contacts.crossing.iter())
             .filter(|(subject, _)| *subject == self.subject)
             .map(|(_, other)| *other)
             .collect();
-        Ok(SubjectLayout { sites, divided, crossed_by })
+        Ok(SubjectLayout { sites, touched, crossed_by })
+    }
+
+    /// How a face was settled before an edit, if that still holds.
+    fn earlier_fate(&self, face: PrimitiveId) -> Option<Fate> {
+        let (touched, changes) = self.earlier?;
+        let is_kept = changes.are_far_from_face(&self.scene.geometry, self.subject, face);
+        touched.fate_of(face).filter(|_| is_kept).cloned()
     }
 
     /// For each face of the object the faces across its edges, by offset in its range.
@@ -135,12 +186,13 @@ impl Splitter<'_> {
     }
 
     /// For each touched face the refractors that contain it and do not touch it. Neighbours that the same objects touch have the same
-    /// containers, so one of them is asked for all; where there are open refractors, every face is asked.
+    /// containers, so one of them is asked for all; where there are open refractors, every face is asked. Nobody is asked about faces that are `kept`.
     fn containers(
         &self,
         range: &Range<PrimitiveId>,
         neighbours: &[[u32; 3]],
         touched: &[(PrimitiveId, &[Contact])],
+        kept: &[Option<Fate>],
     ) -> Vec<Vec<ObjectId>> {
         let touching: Vec<Vec<ObjectId>> = touched.par_iter().map(|(_, contacts)| self.touching(contacts)).collect();
         let mut sets = Sets::new(touched.len());
@@ -160,9 +212,11 @@ impl Splitter<'_> {
             }
         }
         let roots: Vec<usize> = (0..touched.len()).map(|at| sets.find(at as u32) as usize).collect();
+        let mut is_needed = vec![false; touched.len()];
+        (roots.iter().zip(kept)).filter(|(_, kept)| kept.is_none()).for_each(|(root, _)| is_needed[*root] = true);
         let asked: Vec<Option<Vec<ObjectId>>> = (0..touched.len())
             .into_par_iter()
-            .map(|at| (roots[at] == at).then(|| cells::containers(self.scene, touched[at].0, &touching[at])))
+            .map(|at| is_needed[at].then(|| cells::containers(self.scene, touched[at].0, &touching[at])))
             .collect();
         roots.into_iter().map(|root| asked[root].clone().unwrap_or_default()).collect()
     }
@@ -210,9 +264,9 @@ impl Splitter<'_> {
                     settled.sort_unstable();
                     settled.dedup();
                 }
-                Fate::Known(surroundings.clone(), settled)
+                Fate::known(surroundings.clone(), settled)
             }
-            _ => Fate::Divided(division),
+            _ => Fate::Divided(Arc::new(division)),
         }
     }
 
@@ -254,9 +308,9 @@ impl Splitter<'_> {
                     fates[(face - range.start) as usize] = fate;
                 }
             } else {
-                let known = votes.surroundings(&site);
+                let known = Fate::known(votes.surroundings(&site), site.settled.clone());
                 for &face in faces {
-                    fates[(face - range.start) as usize] = Fate::Known(known.clone(), site.settled.clone());
+                    fates[(face - range.start) as usize] = known.clone();
                 }
                 votes_of_root.insert(faces[0] - range.start, votes);
             }
@@ -265,9 +319,8 @@ impl Splitter<'_> {
         // Neighbours with equal surroundings are one site, whether rays voted about them or they were divided.
         let mut sets = Sets::new(fates.len());
         each_pair(&mut |a, b| {
-            if let (Fate::Known(x, x_settled), Fate::Known(y, y_settled)) = (&fates[a as usize], &fates[b as usize])
+            if let (Fate::Known(x), Fate::Known(y)) = (&fates[a as usize], &fates[b as usize])
                 && x == y
-                && x_settled == y_settled
             {
                 sets.join(a, b);
             }
@@ -277,7 +330,8 @@ impl Splitter<'_> {
             .map(|mut site| {
                 let Faces::Some { faces, .. } = &site.faces else { unreachable!("pieces list their faces") };
                 let first = faces[0] - range.start;
-                if let Fate::Known(surroundings, settled) = &fates[first as usize] {
+                if let Fate::Known(known) = &fates[first as usize] {
+                    let Known { surroundings, settled } = &**known;
                     site.fixed.is_masked = surroundings.is_masked;
                     for &refractor in settled {
                         let contains = |side: &[ObjectId]| side.contains(&refractor);
@@ -340,6 +394,6 @@ impl Splitter<'_> {
             None => surroundings.is_masked = true,
         }
         self.copies.complete(&mut surroundings);
-        Fate::Known(surroundings, self.copies.of(self.subject).to_vec())
+        Fate::known(surroundings, self.copies.of(self.subject).to_vec())
     }
 }

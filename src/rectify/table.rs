@@ -8,6 +8,7 @@ use super::asked;
 use super::containers::Containers;
 use super::encounters::{self, Encounter};
 use super::flat::{ASKED, BY_FACE, DIVIDED, FlatTable, Lookup};
+use super::contact::Contact;
 use super::layout::{Earlier, Layout, lay_out};
 use super::nest;
 use super::object_table::ObjectTable;
@@ -273,6 +274,11 @@ impl InterfaceTable {
     /// [`Self::containers`], if somebody has asked for them before.
     pub fn known_containers(&self) -> Option<&Containers> {
         self.containers.get()
+    }
+
+    /// The primitives that touch a face of a refractor, and how; none are listed of a crowded face.
+    pub fn contacts_of(&self, refractor: ObjectId, face: PrimitiveId) -> &[Contact] {
+        self.layout.contacts_of(refractor, face)
     }
 
     /// The refractors that meet each other, and how.
