@@ -1,6 +1,8 @@
 //! What decides the samples of an image, next to the scene, the camera and the size: said here once for every place that sets, compares or
 //! keeps it.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use crate::tracking::Mode;
@@ -38,6 +40,12 @@ named! {
         Bidirectional = "bidirectional",
         /// These, and light that has come to places nearby.
         Merging = "merging",
+    }
+}
+
+impl fmt::Display for Estimator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
     }
 }
 

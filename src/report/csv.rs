@@ -9,6 +9,7 @@ use super::growth::Exponent;
 use super::stability::Measurement;
 use super::timing::Ratio;
 use crate::export::csv::text;
+use crate::render::Estimator;
 
 mod errors;
 
@@ -77,8 +78,12 @@ fn verdict(measurement: &Measurement) -> (&str, &str) {
 
 fn stability(report: &Report) -> Option<Table> {
     let found = report.stability.iter();
-    let cases = found.clone().flat_map(|found| &found.cases).flat_map(|case| {
-        let row = |at, measurement, verdict| (("case", case.number, &case.name, at), cells(measurement), verdict);
+    let by_paths = found.clone().flat_map(|found| &found.cases).map(|case| (Estimator::Path, case));
+    let by_others = (found.clone().flat_map(|found| &found.by_estimators))
+        .flat_map(|by| by.cases.iter().map(|case| (by.estimator, case)));
+    let cases = by_paths.chain(by_others).flat_map(|(by, case)| {
+        let row =
+            move |at, measurement, verdict| (("case", case.number, &case.name, by, at), cells(measurement), verdict);
         let none_measured =
             case.measurements.is_empty().then(|| row(None, None, (case.outcome.name(), case.outcome.reason())));
         case.measurements.iter().map(move |m| row(None, Some(m), verdict(m))).chain(none_measured)
@@ -87,7 +92,7 @@ fn stability(report: &Report) -> Option<Table> {
         sweep.steps.iter().map(move |step| {
             let at = step.label.clone().unwrap_or_else(|| format!("{:e}", step.x));
             let measurement = &step.measurement;
-            (("sweep", None, &sweep.name, Some(at)), cells(Some(measurement)), verdict(measurement))
+            (("sweep", None, &sweep.name, Estimator::Path, Some(at)), cells(Some(measurement)), verdict(measurement))
         })
     });
     let rows = cases.chain(sweeps);
@@ -95,6 +100,7 @@ fn stability(report: &Report) -> Option<Table> {
         ("check", "case or sweep"),
         ("number", "number of the case; empty for those beyond the forty, and for sweeps"),
         ("name", "name of the case or sweep"),
+        ("estimator", "how light is transported in its images"),
         ("at", "where in the sweep"),
         ("what", "what was measured"),
         ("expected", "the closed form's value"),

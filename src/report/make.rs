@@ -28,6 +28,7 @@ use crate::formats::builtin;
 use crate::geometry::Ray;
 use crate::measure::MetricError;
 use crate::rectify::start::start;
+use crate::render::Estimator;
 use crate::render::choice::KnownAdapter;
 use crate::scene::camera::Camera;
 use crate::scene::fingerprint::Hasher;
@@ -203,7 +204,8 @@ fn weight_of(request: &Request) -> f64 {
     let checks = stability::cases().len().min(request.extent.stability.cases)
         + stability::sweeps().len().min(request.extent.stability.sweeps)
         + 1
-        + request.adapter.as_ref().map_or(0, |_| of_images(&request.extent.stability).count());
+        + of_images(&request.extent.stability).count()
+            * (OTHER_ESTIMATORS.len() + usize::from(request.adapter.is_some()));
     let growth: f64 = request.extent.growth.sizes.iter().flatten().map(|&size| weight_of_size(size)).sum();
     request.subjects.len() as f64 * scene + has(Part::Stability) * checks as f64 * CHECK + has(Part::Growth) * growth
 }
@@ -316,6 +318,17 @@ fn all_stability(
     let sweeps = sweeps.collect::<Result<_, _>>()?;
     let maps = || check(tally, "stability-maps", "maps of Fresnel's equations", effort, stability::maps);
     let maps = plan.has_maps.then(maps).transpose()?.flatten().unwrap_or_default();
+    let by_estimators = OTHER_ESTIMATORS.map(|estimator| {
+        let cases = of_images(plan).map(|case| {
+            let (inputs, label) = ((effort, case.name, estimator), format!("stability, {estimator}"));
+            tally.piece([&label, case.name], CHECK, "stability-case-estimator", &inputs, |progress| {
+                let found = case.run(&stability::Subject::estimator(effort, estimator, progress.cancel));
+                Ok((!progress.is_cancelled()).then_some(found))
+            })
+        });
+        Ok(stability::ByEstimator { estimator, cases: cases.collect::<Result<_, ReportError>>()? })
+    });
+    let by_estimators = by_estimators.into_iter().collect::<Result<_, ReportError>>()?;
     let graphics: Option<Result<_, ReportError>> = adapter.map(|adapter| {
         let cases = of_images(plan).map(|case| {
             let inputs = (effort, case.name, &adapter.label);
@@ -327,10 +340,13 @@ fn all_stability(
         let KnownAdapter { label, is_software } = adapter.clone();
         Ok(stability::Graphics { adapter: label, is_software, cases: cases.collect::<Result<_, _>>()? })
     });
-    Ok(Stability { effort, cases, sweeps, maps, graphics: graphics.transpose()? })
+    Ok(Stability { effort, cases, sweeps, maps, by_estimators, graphics: graphics.transpose()? })
 }
 
-/// The cases that are put to the graphics processor too.
+/// The estimators beside the usual one.
+const OTHER_ESTIMATORS: [Estimator; 2] = [Estimator::Bidirectional, Estimator::Merging];
+
+/// The cases that are put to the other estimators and to the graphics processor too.
 fn of_images(plan: &StabilityPlan) -> impl Iterator<Item = stability::CaseDefinition> {
     stability::cases().into_iter().take(plan.cases).filter(|case| case.is_of_images)
 }

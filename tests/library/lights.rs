@@ -3,30 +3,15 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::common::{add, empty, mean, nest, ready, render, sphere};
+use crate::common::{ALBEDO, add, floor, mean, nest, ready, render, sphere};
 use glam::DVec3;
-use iorect::scene::description::{Description, Environment, Light, Object, Paint, Quantity, Shape, Solid};
+use iorect::scene::description::{Light, Object, Paint, Quantity, Shape, Solid};
 use iorect::scene::needs::SceneNeeds;
 use iorect::scene::{MediumId, Scene};
 use iorect::tracking::{Mode, Prepared};
 
-const ALBEDO: f64 = 0.6;
 /// Of every light along its axis or across it.
 const STRENGTH: f64 = 5.0;
-
-/// A wide grey floor in the dark, seen at the origin from above.
-fn floor() -> Description {
-    let mut description = empty(1.0);
-    description.environment = Environment::Color([0.0; 3]);
-    description.objects.push(Object::new(
-        "floor",
-        Shape::Quad { center: DVec3::ZERO, edge_u: DVec3::Z * 200.0, edge_v: DVec3::X * 200.0 },
-        Solid::of(Paint::Color([ALBEDO; 3])),
-    ));
-    description.camera.position = DVec3::new(3.0, 4.0, 0.0);
-    description.camera.vertical_fov = 1e-6;
-    description
-}
 
 fn light(shape: Shape) -> Object {
     let quantity = shape.quantity();

@@ -3,6 +3,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use iorect::render::Estimator;
 use iorect::report::stability::{
     Case, Effort, ErrorKind, Formula, Measurement, NOISE_ALLOWANCE, Outcome, Stability, Subject, Sweep, cases, maps,
     sweeps,
@@ -63,7 +64,14 @@ fn all_forty_cases_are_there_and_pass() {
     let worst = angles.flat_map(|case| &case.measurements).map(|m| m.error).fold(0.0, f64::max);
     assert!(worst < 1e-6, "{worst}");
 
-    let report = Stability { effort: Effort::Quick, cases: ran, sweeps: Vec::new(), maps: Vec::new(), graphics: None };
+    let report = Stability {
+        effort: Effort::Quick,
+        cases: ran,
+        sweeps: Vec::new(),
+        maps: Vec::new(),
+        by_estimators: Vec::new(),
+        graphics: None,
+    };
     let [passed, failed, not_run] = report.counts();
     assert_eq!([passed, failed, not_run], [report.cases.len(), 0, 0]);
     // What is written can be read back, to the last digit but one.
@@ -77,6 +85,21 @@ fn all_forty_cases_are_there_and_pass() {
             assert_eq!((&a.what, a.kind, &a.unit, &a.limit), (&b.what, b.kind, &b.unit, &b.limit));
             assert!((a.measured - b.measured).abs() <= 1e-15 * b.measured.abs());
             assert!((a.expected - b.expected).abs() <= 1e-15 * b.expected.abs());
+        }
+    }
+}
+
+/// Whatever is measured in images is as right by paths from both ends.
+#[test]
+fn other_estimators_pass_what_is_measured_in_images() {
+    for estimator in [Estimator::Bidirectional, Estimator::Merging] {
+        let subject = Subject::estimator(Effort::Quick, estimator, &NEVER);
+        let ran: Vec<Case> =
+            cases().iter().filter(|case| case.is_of_images).map(|definition| definition.run(&subject)).collect();
+        ran.iter().for_each(show);
+        assert!(ran.len() >= 10);
+        for case in ran {
+            assert!(case.outcome.is_passed() && !case.measurements.is_empty(), "{estimator}: {case:#?}");
         }
     }
 }

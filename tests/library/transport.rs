@@ -4,12 +4,12 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use crate::common::{self, add, empty, mean, nest, ready, render, sphere};
+use crate::common::{self, ALBEDO, ESTIMATORS, add, empty, floor, mean, nest, ready, render, render_by, sphere};
 use glam::DVec3;
 use iorect::formats;
 use iorect::geometry::Mesh;
 use iorect::measure::metrics;
-use iorect::render::{Film, ImageSettings, RenderTask};
+use iorect::render::{Estimator, Film, ImageSettings, RenderTask};
 use iorect::scene::Scene;
 use iorect::scene::camera::Camera;
 use iorect::scene::description::{Description, Environment, Light, Object, Paint, Shape, Solid};
@@ -17,22 +17,6 @@ use iorect::scene::environment::EnvironmentImage;
 use iorect::scene::needs::SceneNeeds;
 use iorect::tracking::Mode;
 use iorect::tracking::{Prepared, prepare};
-
-const ALBEDO: f64 = 0.6;
-
-/// A wide grey floor in the dark, seen at one point from above.
-fn floor() -> Description {
-    let mut description = empty(1.0);
-    description.environment = Environment::Color([0.0; 3]);
-    description.objects.push(Object::new(
-        "floor",
-        Shape::Quad { center: DVec3::ZERO, edge_u: DVec3::Z * 200.0, edge_v: DVec3::X * 200.0 },
-        Solid::of(Paint::Color([ALBEDO; 3])),
-    ));
-    description.camera.position = DVec3::new(3.0, 4.0, 0.0);
-    description.camera.vertical_fov = 1e-6;
-    description
-}
 
 fn lamp(shape: Shape) -> Object {
     Object::new("lamp", shape, Light::of_radiance([5.0; 3]))
@@ -43,8 +27,18 @@ fn square_lamp() -> Object {
     lamp(Shape::Quad { center: DVec3::Y, edge_u: DVec3::X * 0.5, edge_v: DVec3::Z })
 }
 
+/// By each estimator.
 fn check_mean(scene: &Prepared, expected: f64) {
-    let (measured, error) = mean(&render(scene, Mode::Rectified, (32, 32), 64, None));
+    for (estimator, bias) in ESTIMATORS {
+        let (measured, error) = mean(&render_by(scene, estimator, (32, 32), 64, None));
+        let allowed = 4.0 * error + bias * expected + 1e-9;
+        assert!((measured - expected).abs() <= allowed, "{estimator}: {measured} ± {error} is not {expected}");
+    }
+}
+
+/// By paths from the camera that find light by scattering alone.
+fn check_without_light_sampling(scene: &Prepared, expected: f64) {
+    let (measured, error) = mean(&render(&without_light_sampling(scene), Mode::Rectified, (32, 32), 64, None));
     assert!((measured - expected).abs() <= 4.0 * error + 1e-9, "{measured} ± {error} is not {expected}");
 }
 
@@ -64,7 +58,7 @@ fn direct_light_of_a_sphere() {
     let d = center.length();
     let expected = ALBEDO * 5.0 * (0.5 / d).powi(2) * (2.0 / d);
     check_mean(&scene, expected);
-    check_mean(&without_light_sampling(&scene), expected);
+    check_without_light_sampling(&scene, expected);
 }
 
 /// A rectangle a × b at height h over the point: four times the form factor of a quarter with its corner above the point.
@@ -78,7 +72,7 @@ fn direct_light_of_a_rectangle() {
     let form_factor = 4.0 * (part(a, b) + part(b, a)) / std::f64::consts::TAU;
     let expected = ALBEDO * 5.0 * form_factor;
     check_mean(&scene, expected);
-    check_mean(&without_light_sampling(&scene), expected);
+    check_without_light_sampling(&scene, expected);
 }
 
 /// Lamps shine from their outward side only.
@@ -98,11 +92,15 @@ fn light_through_a_matched_absorbing_pane() {
     let (min, max) = (DVec3::new(-90.0, 1.0, -90.0), DVec3::new(90.0, 2.0, 90.0));
     add(&mut description, Shape::Box { min, max }, 1.0, 0.7);
     let scene = ready(description);
-    for mode in Mode::ALL {
-        let (measured, error) = mean(&render(&scene, mode, (16, 16), 64, None));
-        let expected = ALBEDO * 5.0 * (0.5f64 / 50.0).powi(2) * (-1.4f64).exp();
+    let expected = ALBEDO * 5.0 * (0.5f64 / 50.0).powi(2) * (-1.4f64).exp();
+    let films = Mode::ALL.map(|mode| (mode.name(), 0.0, render(&scene, mode, (16, 16), 64, None)));
+    let by_estimators =
+        ESTIMATORS.map(|(estimator, bias)| (estimator.name(), bias, render_by(&scene, estimator, (16, 16), 64, None)));
+    for (name, bias, film) in films.into_iter().chain(by_estimators) {
+        let (measured, error) = mean(&film);
         // The path through the pane is up to 0.01 % longer than its thickness.
-        assert!((measured - expected).abs() <= 4.0 * error + 3e-4 * expected, "{mode}: {measured} is not {expected}");
+        let allowed = 4.0 * error + (3e-4 + bias) * expected;
+        assert!((measured - expected).abs() <= allowed, "{name}: {measured} ± {error} is not {expected}");
     }
 }
 
@@ -115,8 +113,11 @@ fn matched_absorbing_ball() {
         description.camera.position = DVec3::new(0.0, 0.0, 1e5);
         description.camera.vertical_fov = 2.0 * (1e-5f64).atan().to_degrees();
         let expected = 1.0 - (1.0 - expected) * std::f64::consts::FRAC_PI_4;
-        let (measured, _) = mean(&render(&ready(description), Mode::Rectified, (128, 128), 16, None));
-        assert!((measured - expected).abs() < 2e-4, "{measured} is not {expected}");
+        let scene = ready(description);
+        for (estimator, _) in ESTIMATORS {
+            let (measured, _) = mean(&render_by(&scene, estimator, (128, 128), 16, None));
+            assert!((measured - expected).abs() < 2e-4, "{estimator}: {measured} is not {expected}");
+        }
     }
 }
 
@@ -142,14 +143,19 @@ fn image_environments_are_sampled_without_bias() {
     let mut description = floor();
     description.environment = Environment::Image { path: "sky".into(), image, rotation: 40.0, scale: 1.5 };
     let scene = ready(description);
-    let (sampled, error) = mean(&render(&scene, Mode::Rectified, (32, 32), 64, None));
     let (scattered, other_error) = mean(&render(&without_light_sampling(&scene), Mode::Rectified, (64, 64), 256, None));
-    assert!(
-        (sampled - scattered).abs() <= 4.0 * error.hypot(other_error),
-        "{sampled} ± {error}, {scattered} ± {other_error}"
-    );
-    // A quarter of the error would be what sixteen times the samples give.
-    assert!(error < 2.0 * other_error, "sampling helps: {error} against {other_error} with sixteen times the samples");
+    for (estimator, bias) in ESTIMATORS {
+        let (sampled, error) = mean(&render_by(&scene, estimator, (32, 32), 64, None));
+        assert!(
+            (sampled - scattered).abs() <= 4.0 * error.hypot(other_error) + bias * scattered,
+            "{estimator}: {sampled} ± {error}, {scattered} ± {other_error}"
+        );
+        // A quarter of the error would be what sixteen times the samples give.
+        assert!(
+            error < 2.0 * other_error,
+            "{estimator}, sampling helps: {error} against {other_error} with sixteen times the samples"
+        );
+    }
 }
 
 /// A grey convex solid in a white room has the radiance of its albedo; in a mirror the room looks as it is, times the tint.
@@ -354,20 +360,25 @@ mod against_another_renderer {
     /// relMSE against the image of `name`, of pixels and of means over 16×16 of them, freed from noise: (x₁ − r)(x₂ − r)/(r² + 0.01) of two
     /// independent renders of half the samples, which is 0 on average where only noise differs. Measured over pairs of seeds: ±5e-5 and
     /// ±3e-6 for s1 at 16 samples, ±1.4e-4 and ±5e-6 for s2 at 8.
-    #[expect(clippy::print_stdout, reason = "shown on failure, and asked for with --nocapture")]
     fn errors(name: &str, description: Description, mode: Mode, spp: u32) -> (f64, f64) {
+        errors_by(Estimator::Path, name, description, mode, spp)
+    }
+
+    #[expect(clippy::print_stdout, reason = "shown on failure, and asked for with --nocapture")]
+    fn errors_by(estimator: Estimator, name: &str, description: Description, mode: Mode, spp: u32) -> (f64, f64) {
         let path = format!("tests/data/reference/{}_refdeep256.exr", name.to_uppercase());
         let truth = image::open(path).expect("the image is in the repository").to_rgb32f();
         let truth: Vec<[f32; 3]> = truth.pixels().map(|p| p.0).collect();
         let scene = ready(description);
-        let [a, b] = [1, 2].map(|seed| scenes::render(&scene, mode, (256, 256), spp / 2, seed, None).unwrap().to_rgb());
+        let [a, b] = [1, 2]
+            .map(|seed| scenes::render_by(&scene, estimator, mode, (256, 256), spp / 2, seed, None).unwrap().to_rgb());
         let both: Vec<[f32; 3]> = a.iter().zip(&b).map(|(a, b)| [0, 1, 2].map(|c| 0.5 * (a[c] + b[c]))).collect();
         let blocks = |rgb: &[[f32; 3]]| metrics::block_means(rgb, 256, 256, 16).unwrap();
         let [blocks_a, blocks_b, blocks_of_both, blocks_of_truth] = [&a, &b, &both, &truth].map(|rgb| blocks(rgb));
         let (pixels, of_blocks) = (common_error(&a, &b, &truth), common_error(&blocks_a, &blocks_b, &blocks_of_truth));
         let relmse = |a: &[[f32; 3]], b: &[[f32; 3]]| metrics::difference(a, b).unwrap().relmse;
         println!(
-            "{name} {mode} at {spp} spp: relMSE {:.3e}, of blocks {:.3e}; without noise {pixels:.3e} and {of_blocks:.3e}",
+            "{name} {mode} {estimator} at {spp} spp: relMSE {:.3e}, of blocks {:.3e}; without noise {pixels:.3e} and {of_blocks:.3e}",
             relmse(&both, &truth),
             relmse(&blocks_of_both, &blocks_of_truth)
         );
@@ -385,6 +396,17 @@ mod against_another_renderer {
     fn rectified_agrees_on_nested_spheres() {
         let (pixels, blocks) = errors("s1", load_scene("s1"), Mode::Rectified, spp(16));
         assert!(pixels < 3e-4 && blocks < 3e-5, "{pixels:e} {blocks:e}");
+    }
+
+    /// By paths from both ends, with fewer samples, which take longer: their noise is larger, and cancels out of what is compared.
+    #[test]
+    fn other_estimators_agree() {
+        for estimator in [Estimator::Bidirectional, Estimator::Merging] {
+            for (name, limit, of_blocks) in [("s1", 6e-4, 6e-5), ("s2", 3e-3, 1e-4)] {
+                let (pixels, blocks) = errors_by(estimator, name, load_scene(name), Mode::Rectified, spp(4));
+                assert!(pixels < limit && blocks < of_blocks, "{name}, {estimator}: {pixels:e} {blocks:e}");
+            }
+        }
     }
 
     #[test]

@@ -24,6 +24,7 @@ pub fn section(found: &Stability) -> Markup {
             &[("case", "n"), ("what", ""), ("outcome", ""), ("expected", "n"), ("measured", "n"), ("error", "n"), ("bound", "n")],
             &html! { @for case in &found.cases { (row(case)) } },
         ))
+        (by_estimators(found))
         (graphics(found))
         (faults(found))
         @if !found.sweeps.is_empty() {
@@ -36,6 +37,40 @@ pub fn section(found: &Stability) -> Markup {
             (map::scale())
             div class="plots" { @for one in &found.maps { (map::figure(one)) } }
         }
+    }
+}
+
+/// What the other estimators make of the cases that are measured in images.
+fn by_estimators(found: &Stability) -> Markup {
+    let Some(first) = found.by_estimators.first() else { return html! {} };
+    let columns: Vec<(&str, &str)> = [("case", "n"), ("what", "")]
+        .into_iter()
+        .chain(found.by_estimators.iter().flat_map(|by| [(by.estimator.name(), ""), ("error", "n"), ("bound", "n")]))
+        .collect();
+    html! {
+        h3 { "By other estimators" }
+        p { "The cases that are measured in images, in mode rectified, with paths from lights too: against the same values within the same bounds." }
+        (table(
+            Some("cases-estimators"),
+            "Of several measurements, the one nearest to its bound",
+            &columns,
+            &html! { @for (index, case) in first.cases.iter().enumerate() { tr {
+                td class="n" { @match case.number { Some(number) => (number), None => "+" } }
+                th scope="row" class="wide" { (case.name) }
+                @for by in &found.by_estimators { @if let Some(case) = by.cases.get(index) {
+                    td { (outcome(&case.outcome)) }
+                    td class="n" { @match case.worst() { Some(m) => { (number(m.error)) (kind(m)) }, None => "–" } }
+                    td class="n" { (bound(case.worst())) }
+                } }
+            } } },
+        ))
+    }
+}
+
+/// The largest error allowed.
+fn bound(measurement: Option<&Measurement>) -> Markup {
+    html! {
+        @match measurement { Some(m) => { (number(m.bound)) @if m.noise > 0.0 { " + 4 × " (number(m.noise)) } }, None => "–" }
     }
 }
 
@@ -67,9 +102,7 @@ fn graphics(found: &Stability) -> Markup {
                 th scope="row" class="wide" { (case.name) span class="source" { (case.worst().map_or_else(|| reason(case), |m| m.what.clone())) } }
                 td class="n" { @match case.worst() { Some(m) => { (number(m.error)) (kind(m)) }, None => "–" } }
                 td class="n" { @match of_cpu(case) { Some(error) => (number(error)), None => "–" } }
-                td class="n" {
-                    @match case.worst() { Some(m) => { (number(m.bound)) @if m.noise > 0.0 { " + 4 × " (number(m.noise)) } }, None => "–" }
-                }
+                td class="n" { (bound(case.worst())) }
                 td {
                     @match &case.outcome { Outcome::NotRun { .. } => "refused", other => { @if other.is_passed() { "within" } @else { "beyond" } } }
                 }
@@ -102,9 +135,7 @@ fn row(case: &Case) -> Markup {
             (value(|m| m.expected))
             (value(|m| m.measured))
             td class="n" { @match worst { Some(m) => { (number(m.error)) (kind(m)) }, None => "–" } }
-            td class="n" {
-                @match worst { Some(m) => { (number(m.bound)) @if m.noise > 0.0 { " + 4 × " (number(m.noise)) } }, None => "–" }
-            }
+            td class="n" { (bound(worst)) }
         }
     }
 }
@@ -125,9 +156,11 @@ fn kind(measurement: &Measurement) -> &'static str {
 
 /// Reasons of what failed and of what was not run.
 fn faults(found: &Stability) -> Markup {
-    let of_cases = found.cases.iter().map(|case| (case.name.as_str(), &case.outcome));
-    let of_sweeps = found.sweeps.iter().map(|sweep| (sweep.name.as_str(), &sweep.outcome));
-    let open: Vec<_> = of_cases.chain(of_sweeps).filter(|(_, outcome)| !outcome.is_passed()).collect();
+    let of_cases = found.cases.iter().map(|case| (case.name.clone(), &case.outcome));
+    let of_sweeps = found.sweeps.iter().map(|sweep| (sweep.name.clone(), &sweep.outcome));
+    let by_others = (found.by_estimators.iter())
+        .flat_map(|by| by.cases.iter().map(|case| (format!("{}, {}", case.name, by.estimator), &case.outcome)));
+    let open: Vec<_> = of_cases.chain(by_others).chain(of_sweeps).filter(|(_, outcome)| !outcome.is_passed()).collect();
     if open.is_empty() {
         return html! {};
     }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::formula::Formula;
 use super::outcome::{Case, Effort, Measurement, Outcome, Step, Sweep};
 use super::scenes;
-use crate::render::{Backend, Film, ImageSettings, RenderTask, Unsupported};
+use crate::render::{Backend, Estimator, Film, ImageSettings, RenderTask, Unsupported};
 use crate::scene::SceneError;
 use crate::scene::camera::Camera;
 use crate::tracking::{Mode, Prepared};
@@ -20,6 +20,8 @@ pub struct Subject<'a> {
     pub formula: Formula,
     /// What renders the images.
     pub backend: Backend,
+    /// How.
+    pub estimator: Estimator,
     /// Set to stop early: what has not been measured by then is not run.
     pub cancel: &'a AtomicBool,
 }
@@ -31,6 +33,7 @@ impl<'a> Subject<'a> {
             modes: &[Mode::Rectified, Mode::Reference],
             formula: Formula::Shipped,
             backend: Backend::Cpu,
+            estimator: Estimator::Path,
             cancel,
         }
     }
@@ -38,6 +41,11 @@ impl<'a> Subject<'a> {
     /// The graphics processor, in the mode that must be right: for [`CaseDefinition::is_of_images`].
     pub fn graphics(effort: Effort, cancel: &'a AtomicBool) -> Self {
         Self { modes: &[Mode::Rectified], backend: Backend::Gpu, ..Self::shipped(effort, cancel) }
+    }
+
+    /// Another estimator, in the mode that must be right: for [`CaseDefinition::is_of_images`].
+    pub fn estimator(effort: Effort, estimator: Estimator, cancel: &'a AtomicBool) -> Self {
+        Self { modes: &[Mode::Rectified], estimator, ..Self::shipped(effort, cancel) }
     }
 
     /// An image of a scene by its camera.
@@ -51,7 +59,7 @@ impl<'a> Subject<'a> {
         max_depth: Option<u32>,
     ) -> Result<Film, Unmeasured> {
         if self.backend == Backend::Cpu {
-            return Ok(scenes::render(scene, mode, size, samples, seed, max_depth)?);
+            return Ok(scenes::render_by(scene, self.estimator, mode, size, samples, seed, max_depth)?);
         }
         let camera = Camera::new(&scene.description.camera)?;
         let usual = ImageSettings { max_depth, ..ImageSettings::new(mode, seed) };
@@ -142,7 +150,7 @@ pub struct CaseDefinition {
     pub name: &'static str,
     pub source: &'static str,
     pub(super) measure: fn(&Subject) -> Measured,
-    /// Whether everything is measured in images, so that any backend can be put to the test.
+    /// Whether everything is measured in images, so that any backend and any estimator can be put to the test.
     pub is_of_images: bool,
 }
 

@@ -30,7 +30,7 @@ pub use definition::{CaseDefinition, Subject, SweepDefinition};
 pub use formula::{Evaluated, Formula};
 pub use map::maps;
 pub use outcome::{
-    Case, Effort, ErrorKind, Graphics, Map, Measurement, NOISE_ALLOWANCE, Outcome, Stability, Step, Sweep,
+    ByEstimator, Case, Effort, ErrorKind, Graphics, Map, Measurement, NOISE_ALLOWANCE, Outcome, Stability, Step, Sweep,
 };
 
 pub fn sweeps() -> Vec<SweepDefinition> {

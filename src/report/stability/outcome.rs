@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::render::Estimator;
+
 /// Standard errors that a random estimate may be off, next to its bound.
 pub const NOISE_ALLOWANCE: f64 = 4.0;
 
@@ -265,9 +267,19 @@ pub struct Stability {
     pub cases: Vec<Case>,
     pub sweeps: Vec<Sweep>,
     pub maps: Vec<Map>,
+    /// The cases that are measured in images by the other estimators.
+    #[serde(default)]
+    pub by_estimators: Vec<ByEstimator>,
     /// `None` without a graphics processor.
     #[serde(default)]
     pub graphics: Option<Graphics>,
+}
+
+/// Cases whose images are rendered in another way than by paths from the camera.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ByEstimator {
+    pub estimator: Estimator,
+    pub cases: Vec<Case>,
 }
 
 /// The cases that are measured in images, by the graphics processor, which computes in f32.
