@@ -312,11 +312,12 @@ mod tests {
     /// Each refractor of each scene is moved in turn: what is taken over and what is found anew together say what a layout from nothing says.
     #[test]
     fn an_edit_redoes_what_it_touches_and_no_more() {
+        let mut kept_divisions = 0;
         for name in ["iced-water", "half-submerged", "siblings"] {
             let mut description = formats::open(name).expect("a built-in scene");
             let mut scene = compile(&description, None).expect("it is fine");
             let mut table = InterfaceTable::new(&scene);
-            let (mut kept, mut kept_divisions) = (0, 0);
+            let mut kept = 0;
             for index in 0..description.objects.refractors().len() {
                 for step in [0.13, -0.4, 0.05, 0.003] {
                     let before = description.clone();
@@ -339,10 +340,8 @@ mod tests {
                     (scene, table) = (moved, after);
                 }
             }
-            assert!(
-                kept > 0 && kept_divisions > 0,
-                "{name}: {kept} objects and {kept_divisions} faces were taken over"
-            );
+            assert!(kept > 0, "{name}: nothing was taken over");
         }
+        assert!(kept_divisions > 0, "no face of an object beside the moved one was taken over");
     }
 }

@@ -5,10 +5,10 @@ use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use super::asked;
+use super::contact::Contact;
 use super::containers::Containers;
 use super::encounters::{self, Encounter};
 use super::flat::{ASKED, BY_FACE, DIVIDED, FlatTable, Lookup};
-use super::contact::Contact;
 use super::layout::{Earlier, Layout, lay_out};
 use super::nest;
 use super::object_table::ObjectTable;

@@ -301,7 +301,7 @@ mod tests {
         let long = Work { size: [1000, 1000], samples: Some(1 << 20), ..work };
         let chosen = choose(BackendChoice::Auto, &long).unwrap();
         assert_eq!(chosen.backend == Backend::Gpu, chosen.adapter.is_some());
-        assert!(chosen.adapter.is_some() || chosen.reason.is_some());
+        assert!(chosen.adapter.is_some() || chosen.reason.is_some() || !cfg!(feature = "gpu"));
         assert!(hardware().is_ok() || chosen.backend == Backend::Cpu);
     }
 
