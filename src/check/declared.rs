@@ -141,8 +141,9 @@ fn outside(prepared: &Prepared, object: ObjectId, found: &Found) -> Option<Probl
         let parts = if patches > 1 { format!(", on every one of its {patches} patches,") } else { String::new() };
         let of = share(area, found.area);
         let of = if of == "all" { "all".to_owned() } else { format!("all that shows ({of})") };
+        let renderer = in_renderer(prepared, object, most);
         format!(
-            "{start}, but {of} of its surface{parts} lies in {}: declare `{}`.{differs}",
+            "{start}, but {of} of its surface{parts} lies in {}: declare `{}`.{renderer}{differs}",
             word(scene, most),
             scene.medium(most).name
         )
@@ -168,6 +169,27 @@ fn outside(prepared: &Prepared, object: ObjectId, found: &Found) -> Option<Probl
     let largest = patches.iter().filter(is_wrong).max_by(|a, b| a.area.total_cmp(&b.area));
     let spot = largest.filter(|_| patches.len() > 1).map(|patch| confidence::spot(prepared, patch));
     Some(Problem { spot, ..problem })
+}
+
+/// What to write in the file of another renderer, so that `found` is outside of an object.
+fn in_renderer(prepared: &Prepared, object: ObjectId, found: MediumId) -> String {
+    let scene = &*prepared.scene;
+    let (inside, outside) = (scene.medium(medium_of(scene, Some(object))), scene.medium(found));
+    let (own, around) = (brief(inside.ior(), 5), brief(outside.ior(), 5));
+    let absorbs = !outside.absorption.is_black();
+    let import = prepared.description.source.as_deref().and_then(|source| source.import.as_ref());
+    match import.map(|import| import.format) {
+        Some("Mitsuba") => {
+            let medium =
+                if absorbs { format!(", and the medium `{}` as its exterior", outside.name) } else { String::new() };
+            format!(" In Mitsuba: ext_ior = {around}{medium}.")
+        }
+        Some("pbrt") => {
+            let ratio = brief(inside.ior() / outside.ior(), 5);
+            format!(" In pbrt: eta = {ratio} ({own}/{around}), and `{}` outside in its MediumInterface.", outside.name)
+        }
+        _ => String::new(),
+    }
 }
 
 /// A part of an object's surface is no interface, because another refractor fills both of its sides or its inner side.

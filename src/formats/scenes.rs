@@ -5,20 +5,25 @@ use std::path::Path;
 use super::disk::{MAX_DATA_BYTES, MAX_SCENE_BYTES};
 use super::ending::{Format, by_ending};
 use super::files::Input;
-use super::{gltf, toml};
+use super::{gltf, mitsuba, pbrt, toml};
 use crate::scene::{Description, SceneError};
 
 pub(super) type SceneFormat = Format<fn(&Input<'_>) -> Result<Description, SceneError>>;
 
 /// The endings of files that scenes are read from, in lower case.
-pub const SCENE_ENDINGS: &[&str] = &["toml", "glb", "gltf"];
+pub const SCENE_ENDINGS: &[&str] = &["toml", "glb", "gltf", "xml", "pbrt"];
 
 /// The program's own format, which files of any other ending are taken for too.
 const OWN: SceneFormat =
     SceneFormat { endings: &["toml"], read: |input| toml::read(input.bytes, input.path, input.files) };
 
 /// Every scene format that is read.
-const FORMATS: &[SceneFormat] = &[OWN, SceneFormat { endings: &["glb", "gltf"], read: gltf::scene }];
+const FORMATS: &[SceneFormat] = &[
+    OWN,
+    SceneFormat { endings: &["glb", "gltf"], read: gltf::scene },
+    SceneFormat { endings: &["xml"], read: mitsuba::read },
+    SceneFormat { endings: &["pbrt"], read: pbrt::read },
+];
 
 /// The format that a file's ending names; `None` where it names none.
 pub(super) fn format_of(path: &Path) -> Option<&'static SceneFormat> {

@@ -21,7 +21,7 @@ pub mod validate;
 
 pub use declared::Declared;
 pub use description::Description;
-pub use error::{Fault, SceneError};
+pub use error::{Fault, Place, SceneError};
 pub use fingerprint::Fingerprint;
 pub use needs::SceneNeeds;
 pub use note::LoadNote;

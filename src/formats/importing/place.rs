@@ -1,0 +1,208 @@
+//! Where shapes stand: matrices as scale, rotation and translation where they are that, and meshes that are transformed where they are not.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::FileMesh;
+use crate::geometry::Mesh;
+use crate::scene::description::{MeshPart, Shape, Transform};
+
+/// Relative error of a matrix that is put together again from its scale, rotation and translation.
+const SAME: f64 = 1e-9;
+/// A surface whose area vectors cancel but for this share encloses something.
+const ENCLOSES: f64 = 1.0 / 3.0;
+
+/// A shape where it stands.
+#[derive(Debug, Clone)]
+pub struct Placed {
+    pub shape: Shape,
+    pub transform: Transform,
+    /// Whether the file's normals point to the side that is inside here.
+    pub is_inward: bool,
+    pub is_smooth: bool,
+}
+
+impl Placed {
+    pub fn new(shape: Shape) -> Self {
+        Self { shape, transform: Transform::IDENTITY, is_inward: false, is_smooth: false }
+    }
+}
+
+/// Which way a mesh's faces look, counter-clockwise ones towards the viewer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Facing {
+    /// It encloses something, and they look outward.
+    Outward,
+    /// They look inward; such a mesh is turned over when the scene is compiled.
+    Inward,
+    /// It is open: they look where they look.
+    Open,
+}
+
+impl Facing {
+    pub fn of(mesh: &Mesh) -> Self {
+        let Some(&origin) = mesh.positions.first() else { return Self::Open };
+        let (mut sum, mut area, mut volume) = (DVec3::ZERO, 0.0, 0.0);
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|corner| mesh.positions[corner as usize] - origin);
+            let across = (b - a).cross(c - a);
+            sum += across;
+            area += across.length();
+            volume += a.dot(b.cross(c));
+        }
+        match () {
+            () if sum.length() > ENCLOSES * area => Self::Open,
+            () if volume < 0.0 => Self::Inward,
+            () => Self::Outward,
+        }
+    }
+}
+
+/// Scale, rotation and translation that make up a matrix; `None` where it shears.
+pub fn transform_of(matrix: &DAffine3) -> Option<Transform> {
+    let columns = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis];
+    let lengths = columns.map(DVec3::length);
+    if lengths.iter().any(|length| !(*length > 0.0 && length.is_finite())) || !matrix.translation.is_finite() {
+        return None;
+    }
+    let mut scale = DVec3::from(lengths);
+    if matrix.matrix3.determinant() < 0.0 {
+        scale.x = -scale.x;
+    }
+    let [x, y, z] = [0, 1, 2].map(|k| columns[k] / scale[k]);
+    let sine = (-x.z).clamp(-1.0, 1.0);
+    // Of R = Rz Ry Rx. Where the y rotation is a quarter turn, x and z turn about one axis.
+    let rotate = if sine.abs() < 1.0 - 1e-12 {
+        DVec3::new(y.z.atan2(z.z), sine.asin(), x.y.atan2(x.x))
+    } else {
+        DVec3::new((-z.y).atan2(y.y), sine.asin(), 0.0)
+    };
+    let rotate = rotate.to_array().map(|angle| tidy(angle.to_degrees())).into();
+    let scale = DVec3::from(scale.to_array().map(tidy));
+    let transform = Transform { scale, rotate, translate: matrix.translation };
+    let again = transform.matrix().matrix3;
+    let size = scale.abs().max_element();
+    let is_same = [again.x_axis, again.y_axis, again.z_axis]
+        .iter()
+        .zip(columns)
+        .all(|(a, b)| (*a - b).abs().max_element() <= SAME * size);
+    is_same.then_some(transform)
+}
+
+/// A number within rounding of one with few digits is that one.
+fn tidy(x: f64) -> f64 {
+    let round = (x * 1e6).round() / 1e6;
+    if (x - round).abs() <= 1e-12 * x.abs().max(1.0) { round + 0.0 } else { x }
+}
+
+/// The mesh with `matrix` applied. Its outside stays outside.
+pub fn transformed(mesh: &Mesh, matrix: &DAffine3) -> Mesh {
+    let positions = mesh.positions.iter().map(|p| matrix.transform_point3(*p)).collect();
+    let DMat3 { x_axis, y_axis, z_axis } = matrix.matrix3;
+    let determinant = matrix.matrix3.determinant();
+    let cofactors = DMat3::from_cols(y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis))
+        * if determinant < 0.0 { -1.0 } else { 1.0 };
+    let normals = mesh.normals.iter().map(|n| (cofactors * *n).normalize_or(DVec3::Y)).collect();
+    let mut triangles = mesh.triangles.clone();
+    if determinant < 0.0 {
+        triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    }
+    Mesh { positions, normals, triangles }
+}
+
+/// The mesh with its faces and normals turned over.
+pub fn turned_over(mesh: &Mesh) -> Mesh {
+    let mut mesh = mesh.clone();
+    mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    mesh.normals.iter_mut().for_each(|normal| *normal = -*normal);
+    mesh
+}
+
+/// A mesh that is made here, where it stands.
+pub fn made(mesh: Mesh, is_smooth: bool) -> Placed {
+    let shape =
+        Shape::Mesh { path: Default::default(), part: MeshPart::default(), mesh: Arc::new(mesh), notes: Vec::new() };
+    Placed { is_smooth, ..Placed::new(shape) }
+}
+
+/// A file's mesh. `is_flipped`: whether the file's normals point to the side from which its faces are clockwise, where a mirroring has turned them
+/// so that their outside stays outside.
+pub fn placed_mesh(file: &FileMesh, matrix: &DAffine3, is_flipped: bool, is_smooth: bool) -> Placed {
+    let is_inward = (file.facing == Facing::Inward) != is_flipped;
+    match transform_of(matrix) {
+        Some(transform) => {
+            let FileMesh { mesh, notes, path, .. } = file;
+            let (mesh, notes) = (Arc::clone(mesh), notes.clone());
+            let shape = Shape::Mesh { path: path.clone(), part: MeshPart::default(), mesh, notes };
+            Placed { shape, transform, is_inward, is_smooth }
+        }
+        None => Placed { is_inward, ..made(transformed(&file.mesh, matrix), is_smooth) },
+    }
+}
+
+/// The surface of a light, which shines from the side that its normals point to, and is not turned over when the scene is compiled.
+pub fn shining(placed: Placed, is_flipped: bool) -> Placed {
+    let shape = match placed.shape {
+        Shape::Quad { center, edge_u, edge_v } if is_flipped => Shape::Quad { center, edge_u: edge_v, edge_v: edge_u },
+        Shape::Mesh { mesh, .. } if is_flipped => {
+            return made(turned_over(&transformed(&mesh, &placed.transform.matrix())), placed.is_smooth);
+        }
+        shape => shape,
+    };
+    Placed { shape, ..placed }
+}
+
+/// The mirror image in x of a light without a surface.
+pub fn reflected(mut placed: Placed) -> Placed {
+    let turn = |v: &mut DVec3| v.x = -v.x;
+    match &mut placed.shape {
+        Shape::Point { position } => turn(position),
+        Shape::Spot { position, target, .. } => {
+            turn(position);
+            turn(target);
+        }
+        Shape::Directional { direction, .. } => turn(direction),
+        _ => {}
+    }
+    placed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn matrices_are_taken_apart() {
+        for (scale, rotate) in [
+            (DVec3::ONE, DVec3::ZERO),
+            (DVec3::new(1.0, 2.0, 3.0), DVec3::new(30.0, -70.0, 200.0)),
+            (DVec3::new(-1.0, 2.0, 0.5), DVec3::new(-10.0, 90.0, 0.0)),
+            (DVec3::new(2.0, -2.0, 2.0), DVec3::new(0.0, -90.0, 45.0)),
+            (DVec3::splat(-3.0), DVec3::new(180.0, 0.0, 0.1)),
+        ] {
+            let matrix = Transform { scale, rotate, translate: DVec3::new(1.0, -2.0, 3.0) }.matrix();
+            let found = transform_of(&matrix).unwrap_or_else(|| panic!("{scale} {rotate}"));
+            let error = found.matrix().matrix3 - matrix.matrix3;
+            assert!(error.to_cols_array().iter().all(|x| x.abs() < 1e-9), "{scale} {rotate}: {found:?}");
+        }
+        let shear = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::new(0.5, 1.0, 0.0), DVec3::Z));
+        assert_eq!(transform_of(&shear), None);
+        assert_eq!(transform_of(&DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0))), None);
+    }
+
+    #[test]
+    fn which_way_a_mesh_faces() {
+        let tetrahedron = Mesh {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].iter().map(|p| *p + 7.0).collect(),
+            normals: Vec::new(),
+            triangles: vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]],
+        };
+        assert_eq!(Facing::of(&tetrahedron), Facing::Outward);
+        assert_eq!(Facing::of(&turned_over(&tetrahedron)), Facing::Inward);
+        let mirror = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
+        assert_eq!(Facing::of(&transformed(&tetrahedron, &mirror)), Facing::Outward);
+        let open = Mesh { triangles: vec![[0, 1, 2]], ..tetrahedron };
+        assert_eq!(Facing::of(&open), Facing::Open);
+    }
+}
