@@ -1,11 +1,10 @@
-//! What the panes show when a built-in scene is opened.
+//! What the panes show when a scene is opened that is built in, or that declares media for another renderer.
 
 use super::settings::{MAX_PANES, PaneContent};
 use crate::scene::Description;
 use crate::session::first_modes::{self, FirstModes};
 
-/// The mode that goes wrong and one that does not above, a third and the difference of the first two below; `None` for a scene that is not
-/// built in.
+/// The mode that goes wrong and one that does not above, a third and the difference of the first two below; `None` for other scenes.
 pub fn of(description: &Description) -> Option<[PaneContent; MAX_PANES]> {
     use PaneContent::{Difference, Mode as Film};
     let FirstModes { wrong, right, third, .. } = *first_modes::of(description)?;
@@ -23,5 +22,10 @@ mod tests {
             assert!(of(&open(scene.name).unwrap()).is_some(), "{}", scene.name);
         }
         assert_eq!(of(&crate::app::opening::no_scene()), None);
+        let text = b"<scene><shape type=\"sphere\"><bsdf type=\"dielectric\"/></shape></scene>";
+        let read =
+            |name: &str| crate::formats::read(text, std::path::Path::new(name), &crate::formats::Memory::default());
+        let panes = of(&read("s.xml").unwrap()).expect("it declares what lies outside");
+        assert_eq!(panes[0], PaneContent::Mode(crate::tracking::Mode::Declared));
     }
 }

@@ -184,6 +184,14 @@ fn in_renderer(prepared: &Prepared, object: ObjectId, found: MediumId) -> String
                 if absorbs { format!(", and the medium `{}` as its exterior", outside.name) } else { String::new() };
             format!(" In Mitsuba: ext_ior = {around}{medium}.")
         }
+        // No medium has an index below 1: it is the ratio already, of media that the file does not name.
+        Some("pbrt") if inside.ior() < 1.0 => {
+            let absolute = brief(inside.ior() * outside.ior(), 5);
+            format!(
+                " In pbrt: eta = {own} is the ratio {absolute}/{around} already; name the media of both surfaces by MediumInterface, so that it is \
+                 known what lies outside."
+            )
+        }
         Some("pbrt") => {
             let ratio = brief(inside.ior() / outside.ior(), 5);
             format!(" In pbrt: eta = {ratio} ({own}/{around}), and `{}` outside in its MediumInterface.", outside.name)

@@ -1,4 +1,4 @@
-//! What a built-in scene is opened with: the mode that goes wrong there beside one that does not.
+//! What a scene is opened with that is made for it: the mode that goes wrong there beside one that does not.
 
 use crate::scene::Description;
 use crate::tracking::Mode;
@@ -6,7 +6,7 @@ use crate::tracking::Mode;
 /// The modes of a scene's first picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FirstModes {
-    /// Name of the built-in scene.
+    /// Name of the built-in scene; empty for others.
     scene: &'static str,
     /// The one that goes wrong, where one does; its difference from `right` is shown too.
     pub wrong: Mode,
@@ -36,9 +36,16 @@ const ALL: &[FirstModes] = &[
     modes("half-submerged", Mode::RectifiedObject, Mode::Rectified, Mode::Stack),
 ];
 
-/// The modes for a scene as it was read; `None` for a scene that is not built in.
+/// Of a scene of another program that declares what lies around its objects: what that program makes of it.
+const IMPORTED: FirstModes = modes("", Mode::Declared, Mode::Rectified, Mode::Stack);
+
+/// The modes for a scene as it was read; `None` for one that is neither built in nor of another program with declarations.
 pub fn of(description: &Description) -> Option<&'static FirstModes> {
-    let source = description.source.as_ref().filter(|source| source.is_builtin)?;
+    let source = description.source.as_ref()?;
+    if source.import.is_some() && description.declared().next().is_some() {
+        return Some(&IMPORTED);
+    }
+    let source = Some(source).filter(|source| source.is_builtin)?;
     let name = source.path.file_stem()?;
     ALL.iter().find(|first| name == first.scene)
 }

@@ -37,7 +37,7 @@ def by_iorect(program, path, seed, size, folder):
     picture = folder / "picture.exr"
     width, height = size
     command = [program, "render", path, "--mode", "declared", "--spp", SPP, "--seed", seed, "--size", f"{width}x{height}",
-               "--sampler", "independent", "-o", picture]
+               "--estimator", "path", "--sampler", "independent", "-o", picture]
     subprocess.run([str(word) for word in command], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     return np.array(mi.Bitmap(str(picture)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32))
 

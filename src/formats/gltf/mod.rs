@@ -18,4 +18,5 @@ mod tests;
 mod textures;
 
 pub(super) use self::file::File;
+pub(super) use self::nodes::transform;
 pub(super) use self::scene::scene;

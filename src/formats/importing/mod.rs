@@ -20,12 +20,12 @@ use super::files::Input;
 use super::names::Names;
 use super::{image, mesh};
 use crate::geometry::Mesh;
+use crate::scene::Place;
 use crate::scene::camera::Camera;
 use crate::scene::description::{
     CameraDescription, Environment, Import, Light, MeshPart, Object, Objects, Refractor, Role, Shape, Solid, Source,
 };
 use crate::scene::environment::EnvironmentImage;
-use crate::scene::Place;
 use crate::scene::shapes::validate;
 use crate::scene::{Description, LoadNote, SceneError};
 

@@ -5,11 +5,10 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::FileMesh;
+use crate::formats::gltf::transform;
 use crate::geometry::Mesh;
 use crate::scene::description::{MeshPart, Shape, Transform};
 
-/// Relative error of a matrix that is put together again from its scale, rotation and translation.
-const SAME: f64 = 1e-9;
 /// A surface whose area vectors cancel but for this share encloses something.
 const ENCLOSES: f64 = 1.0 / 3.0;
 
@@ -59,43 +58,6 @@ impl Facing {
     }
 }
 
-/// Scale, rotation and translation that make up a matrix; `None` where it shears.
-pub fn transform_of(matrix: &DAffine3) -> Option<Transform> {
-    let columns = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis];
-    let lengths = columns.map(DVec3::length);
-    if lengths.iter().any(|length| !(*length > 0.0 && length.is_finite())) || !matrix.translation.is_finite() {
-        return None;
-    }
-    let mut scale = DVec3::from(lengths);
-    if matrix.matrix3.determinant() < 0.0 {
-        scale.x = -scale.x;
-    }
-    let [x, y, z] = [0, 1, 2].map(|k| columns[k] / scale[k]);
-    let sine = (-x.z).clamp(-1.0, 1.0);
-    // Of R = Rz Ry Rx. Where the y rotation is a quarter turn, x and z turn about one axis.
-    let rotate = if sine.abs() < 1.0 - 1e-12 {
-        DVec3::new(y.z.atan2(z.z), sine.asin(), x.y.atan2(x.x))
-    } else {
-        DVec3::new((-z.y).atan2(y.y), sine.asin(), 0.0)
-    };
-    let rotate = rotate.to_array().map(|angle| tidy(angle.to_degrees())).into();
-    let scale = DVec3::from(scale.to_array().map(tidy));
-    let transform = Transform { scale, rotate, translate: matrix.translation };
-    let again = transform.matrix().matrix3;
-    let size = scale.abs().max_element();
-    let is_same = [again.x_axis, again.y_axis, again.z_axis]
-        .iter()
-        .zip(columns)
-        .all(|(a, b)| (*a - b).abs().max_element() <= SAME * size);
-    is_same.then_some(transform)
-}
-
-/// A number within rounding of one with few digits is that one.
-fn tidy(x: f64) -> f64 {
-    let round = (x * 1e6).round() / 1e6;
-    if (x - round).abs() <= 1e-12 * x.abs().max(1.0) { round + 0.0 } else { x }
-}
-
 /// The mesh with `matrix` applied. Its outside stays outside.
 pub fn transformed(mesh: &Mesh, matrix: &DAffine3) -> Mesh {
     let positions = mesh.positions.iter().map(|p| matrix.transform_point3(*p)).collect();
@@ -130,7 +92,7 @@ pub fn made(mesh: Mesh, is_smooth: bool) -> Placed {
 /// so that their outside stays outside.
 pub fn placed_mesh(file: &FileMesh, matrix: &DAffine3, is_flipped: bool, is_smooth: bool) -> Placed {
     let is_inward = (file.facing == Facing::Inward) != is_flipped;
-    match transform_of(matrix) {
+    match transform(matrix) {
         Some(transform) => {
             let FileMesh { mesh, notes, path, .. } = file;
             let (mesh, notes) = (Arc::clone(mesh), notes.clone());
@@ -171,25 +133,6 @@ pub fn reflected(mut placed: Placed) -> Placed {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn matrices_are_taken_apart() {
-        for (scale, rotate) in [
-            (DVec3::ONE, DVec3::ZERO),
-            (DVec3::new(1.0, 2.0, 3.0), DVec3::new(30.0, -70.0, 200.0)),
-            (DVec3::new(-1.0, 2.0, 0.5), DVec3::new(-10.0, 90.0, 0.0)),
-            (DVec3::new(2.0, -2.0, 2.0), DVec3::new(0.0, -90.0, 45.0)),
-            (DVec3::splat(-3.0), DVec3::new(180.0, 0.0, 0.1)),
-        ] {
-            let matrix = Transform { scale, rotate, translate: DVec3::new(1.0, -2.0, 3.0) }.matrix();
-            let found = transform_of(&matrix).unwrap_or_else(|| panic!("{scale} {rotate}"));
-            let error = found.matrix().matrix3 - matrix.matrix3;
-            assert!(error.to_cols_array().iter().all(|x| x.abs() < 1e-9), "{scale} {rotate}: {found:?}");
-        }
-        let shear = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::new(0.5, 1.0, 0.0), DVec3::Z));
-        assert_eq!(transform_of(&shear), None);
-        assert_eq!(transform_of(&DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0))), None);
-    }
 
     #[test]
     fn which_way_a_mesh_faces() {

@@ -2,7 +2,8 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::place::{Placed, made, transform_of, transformed};
+use super::place::{Placed, made, transformed};
+use crate::formats::gltf::transform;
 use crate::geometry::Mesh;
 use crate::scene::description::Shape;
 use crate::scene::shapes::tessellate;
@@ -98,7 +99,7 @@ fn quads() -> impl Iterator<Item = [u32; 3]> {
 
 /// A shape with a matrix: transformed by numbers where they can say it, or else a mesh.
 fn at(shape: Shape, matrix: &DAffine3) -> Placed {
-    match transform_of(matrix) {
+    match transform(matrix) {
         Some(transform) => Placed { transform, ..Placed::new(shape) },
         None => match tessellate(&shape) {
             Ok(Some(mesh)) => made(transformed(&mesh, matrix), false),

@@ -122,7 +122,7 @@ fn variables_includes_and_references() {
     let missing = scene_with(main, &[]).unwrap_err();
     assert!(missing.starts_with("s.xml:3:1: parts/glass.xml cannot be read"), "{missing}");
     let unknown = scene_with("<scene>\n<shape type=\"sphere\"><ref id=\"x\"/></shape></scene>", &[]).unwrap_err();
-    assert!(unknown.starts_with("s.xml:2:23: there is no element with the id `x`"), "{unknown}");
+    assert!(unknown.starts_with("s.xml:2:22: there is no element with the id `x`"), "{unknown}");
     let broken = scene_with("<scene>\n<shape></scene>", &[]).unwrap_err();
     assert!(broken.starts_with("s.xml:2:"), "{broken}");
 }

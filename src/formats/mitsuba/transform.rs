@@ -22,16 +22,27 @@ fn step_of(node: &Node) -> Result<DAffine3, SceneError> {
         "translate" => Ok(DAffine3::from_translation(vector(node, 0.0)?)),
         "scale" => Ok(DAffine3::from_scale(vector(node, 1.0)?)),
         "rotate" => {
-            let axis = vector(node, 0.0)?.try_normalize();
-            let axis = axis.ok_or_else(|| at(&node.place, "the axis of a rotation must not be 0"))?;
+            let axis = vector(node, 0.0)?;
             let angle = node.attribute("angle").unwrap_or("0");
             let [angle] = numbers(node, angle)?[..] else { return Err(at(&node.place, "`angle` needs one number")) };
-            Ok(DAffine3::from_axis_angle(axis, angle.to_radians()))
+            Ok(DAffine3::from_mat3(rotation(axis, angle.to_radians())))
         }
         "lookat" => look_at(node),
         "matrix" => matrix(node),
         tag => Err(at(&node.place, format!("<{tag}> is no step of a transform"))),
     }
+}
+
+/// Rodrigues' formula with the axis as it is written: Mitsuba takes it for a unit vector, also where it is none.
+fn rotation(axis: DVec3, angle: f64) -> DMat3 {
+    let (sin, cos) = angle.sin_cos();
+    let cross = DMat3::from_cols(
+        DVec3::new(0.0, axis.z, -axis.y),
+        DVec3::new(-axis.z, 0.0, axis.x),
+        DVec3::new(axis.y, -axis.x, 0.0),
+    );
+    let outer = DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
+    DMat3::IDENTITY * cos + cross * sin + outer * (1.0 - cos)
 }
 
 /// The z axis goes from `origin` to `target`, x to the left.

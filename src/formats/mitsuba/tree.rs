@@ -6,8 +6,8 @@ use std::path::Path;
 use roxmltree::Document;
 
 use crate::formats::importing::{Importer, at};
-use crate::scene::SceneError;
 use crate::scene::Place;
+use crate::scene::SceneError;
 
 /// Most bytes of all of a scene's XML files.
 const MOST_BYTES: usize = 64 << 20;

@@ -7,9 +7,9 @@ use super::state::{Lamp, Reader};
 use super::tokens::Parameters;
 use crate::formats::importing::at;
 use crate::formats::importing::place::Placed;
+use crate::scene::Place;
 use crate::scene::SceneError;
 use crate::scene::description::{Environment, Light, MAX_RADIANCE, Quantity, Shape};
-use crate::scene::Place;
 
 /// The light of the shapes that follow.
 pub(super) fn area(reader: &mut Reader<'_>, parameters: &Parameters, place: &Place) -> Result<Light, SceneError> {

@@ -4,16 +4,17 @@ use super::state::Reader;
 use super::tokens::{Parameter, Parameters};
 use crate::formats::importing::{at, indices};
 use crate::optics::ior::IOR_RANGE;
+use crate::scene::Place;
 use crate::scene::SceneError;
 use crate::scene::description::{Paint, Solid};
-use crate::scene::Place;
 
 /// What a surface is.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Material {
-    /// The index inside over that outside.
+    /// The index inside over that outside; `is_glass`: it was given by the name of a glass, whose own index it is.
     Dielectric {
         eta: f64,
+        is_glass: bool,
     },
     /// It bends nothing: media may change there.
     Null,
@@ -64,7 +65,8 @@ pub(super) fn material(
             if is_rough {
                 reader.importer.note("roughness", place, "rough dielectrics are taken for smooth ones");
             }
-            Ok(Material::Dielectric { eta: eta(reader, parameters)? })
+            let is_glass = parameters.get("eta").is_some_and(|eta| !eta.texts.is_empty());
+            Ok(Material::Dielectric { eta: eta(reader, parameters)?, is_glass })
         }
         "thindielectric" => {
             let message = "thin dielectrics are left out: light goes through them as if they were not there";

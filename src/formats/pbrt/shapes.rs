@@ -10,9 +10,9 @@ use super::tokens::Parameters;
 use crate::formats::importing::place::{Facing, Placed, placed_mesh};
 use crate::formats::importing::{FileMesh, at, shapes};
 use crate::geometry::Mesh;
+use crate::scene::Place;
 use crate::scene::SceneError;
 use crate::scene::description::Light;
-use crate::scene::Place;
 
 /// A shape with the attributes that it has where it stands.
 #[derive(Debug, Clone)]

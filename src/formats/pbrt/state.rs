@@ -12,8 +12,8 @@ use crate::formats::files::Input;
 use crate::formats::importing::media::Side;
 use crate::formats::importing::place::{Placed, reflected};
 use crate::formats::importing::{Importer, Matter};
-use crate::scene::description::{CameraDescription, Light};
 use crate::scene::Place;
+use crate::scene::description::{CameraDescription, Light};
 use crate::scene::{Description, SceneError};
 
 /// Of a film and a camera that give none.
@@ -143,8 +143,17 @@ impl<'a> Reader<'a> {
                 continue;
             }
             let matter = match found.material {
-                Material::Dielectric { eta } => {
+                Material::Dielectric { eta, is_glass } => {
                     let around = outside.ior.unwrap_or(1.0);
+                    if is_glass && around != 1.0 {
+                        let message = format!(
+                            "pbrt takes the index of a glass relative to what is outside, here `{}` of {around}: if the glass itself is meant, its \
+                             eta there is {:.5}",
+                            outside.name,
+                            eta / around
+                        );
+                        self.importer.note("relative_glass", &place, message);
+                    }
                     let inside = Side { ior: Some(eta * around), ..inside };
                     Matter::Refractor { inside, outside: Side { ior: Some(around), ..outside } }
                 }
@@ -224,7 +233,7 @@ fn indices(waiting: &[(Found, Place)]) -> HashMap<String, f64> {
     loop {
         let before = known.len();
         for (found, _) in waiting {
-            let Material::Dielectric { eta } = found.material else { continue };
+            let Material::Dielectric { eta, .. } = found.material else { continue };
             let [inside, outside] = &found.media;
             let around = if outside.is_empty() { Some(1.0) } else { known.get(outside).copied() };
             if let (Some(around), false) = (around, inside.is_empty() || inside == outside) {

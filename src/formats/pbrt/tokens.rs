@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::formats::importing::at;
-use crate::scene::SceneError;
 use crate::scene::Place;
+use crate::scene::SceneError;
 
 /// Most numbers of one parameter.
 const MOST_VALUES: usize = 1 << 28;

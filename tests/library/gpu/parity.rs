@@ -67,7 +67,7 @@ fn all_scenes_are_as_on_the_cpu() {
 fn all_modes_are_as_on_the_cpu() {
     let Some(device) = device() else { return };
     let (gpu, workshop) = (Gpu::new(device), Subject::new(workshop()));
-    let mut problems = compare(&gpu, "workshop", &workshop, &MODES[..4], MOST_PARTED_WHERE_FACES_COINCIDE);
+    let mut problems = compare(&gpu, "workshop", &workshop, &MODES[..5], MOST_PARTED_WHERE_FACES_COINCIDE);
     problems.extend(compare(&gpu, "workshop", &workshop, &[Mode::Rectified], MOST_PARTED));
     assert_eq!(problems, Vec::<String>::new());
 }
