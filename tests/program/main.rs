@@ -5,6 +5,7 @@ mod desk;
 mod tev_listener;
 
 mod cli;
+mod declared;
 mod files;
 mod gpu;
 mod hostile_text;

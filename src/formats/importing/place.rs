@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn which_way_a_mesh_faces() {
         let tetrahedron = Mesh {
-            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].iter().map(|p| *p + 7.0).collect(),
+            positions: [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].iter().map(|p| *p + 7.0).collect(),
             normals: Vec::new(),
             triangles: vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]],
         };
