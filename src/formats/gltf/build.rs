@@ -11,7 +11,7 @@ use super::container::Container;
 use super::file::{MATERIALS, NO_MATERIAL, Pointer};
 use super::materials::{self, Look};
 use super::nodes::{Placed, transform};
-use super::surface::{Budget, Wanted, called, moved};
+use super::surface::{Budget, OBJECT, Wanted, called, moved};
 use super::textures::Averages;
 use crate::formats::files::Input;
 use crate::formats::names::Names;
@@ -70,13 +70,15 @@ impl<'a> Builder<'a> {
         let Some(mesh) = node.mesh else { return Ok(()) };
         let name = called("node", place.node, &node.name);
         let of_node = |message: String| Fault::new(format!("{name}: {message}"));
-        let materials = self.container.materials_of(mesh).map_err(|fault| of_node(fault.message))?;
+        self.container.mesh(mesh).map_err(|fault| of_node(fault.message))?;
+        let materials = self.container.materials_of(mesh);
         let transform = transform(&place.world);
         if transform.is_none() {
             let what = "what is sheared or flattened by its nodes has its mesh in the scene's coordinates";
             self.tally.add("sheared", what, &node.name);
         }
-        for &material in &materials {
+        for &material in materials {
+            self.budget.take(OBJECT as u64).map_err(of_node)?;
             let Some((mesh_data, notes)) = self.piece(mesh, material)? else { continue };
             let (pointer, mesh_data, transform) = match transform {
                 Some(transform) => (Pointer::Mesh(mesh), mesh_data, transform),

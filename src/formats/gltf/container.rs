@@ -7,7 +7,7 @@ use std::sync::Arc;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use super::schema::{BufferView, Root};
+use super::schema::{BufferView, Mesh, Root};
 use crate::formats::files::{Input, normal};
 use crate::formats::polygons::Fault;
 
@@ -19,19 +19,33 @@ const BINARY: u32 = 0x004e_4942;
 /// Extensions by which geometry is stored in ways that are not read.
 const COMPRESSIONS: [&str; 3] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
+/// Most bytes of the JSON, which may hold buffers, and most tables in it: each takes much more room than the two bytes of an empty one.
+const MAX_JSON_BYTES: usize = 1 << 30;
+const MAX_TABLES: usize = 1 << 22;
+
 /// A glTF file with the bytes of its buffers.
 #[derive(Debug)]
 pub struct Container {
     pub root: Root,
+    /// The materials of each mesh, each once, in the order in which its primitives have them.
+    materials: Vec<Vec<Option<usize>>>,
+    /// The primitives of a mesh by their material.
+    primitives: HashMap<(usize, Option<usize>), Vec<usize>>,
     /// Or why they cannot be read, which matters where they are used.
-    buffers: Vec<Result<Arc<[u8]>, String>>,
+    buffers: Vec<Result<Arc<Vec<u8>>, String>>,
     /// What `uri`s of images and buffers name, by paths.
-    files: HashMap<PathBuf, Result<Arc<[u8]>, String>>,
+    files: HashMap<PathBuf, Result<Arc<Vec<u8>>, String>>,
 }
 
 impl Container {
     pub fn read(input: &Input<'_>) -> Result<Self, Fault> {
         let (json, binary) = split(input.bytes)?;
+        if json.len() > MAX_JSON_BYTES {
+            return Err(Fault::new(format!("has {} bytes of JSON; at most {MAX_JSON_BYTES} are read", json.len())));
+        }
+        if json.iter().filter(|byte| **byte == b'{').count() > MAX_TABLES {
+            return Err(Fault::new(format!("has more than the {MAX_TABLES} tables that are read at most")));
+        }
         let root: Root = serde_json::from_slice(json).map_err(|error| {
             let message = format!("the JSON cannot be read: {}", without_place(&error.to_string()));
             match binary {
@@ -48,8 +62,10 @@ impl Container {
         if let Some(name) = root.extensions_required.iter().find(|name| COMPRESSIONS.contains(&name.as_str())) {
             return Err(Fault::new(format!("needs {name}, which is not read: save it without compression")));
         }
-        let mut container = Self { root, buffers: Vec::new(), files: HashMap::new() };
-        let mut binary = binary.map(Arc::from);
+        let (materials, primitives, buffers, files) = (Vec::new(), HashMap::new(), Vec::new(), HashMap::new());
+        let mut container = Self { root, materials, primitives, buffers, files };
+        container.sort_primitives();
+        let mut binary = binary.map(|bytes| Arc::new(bytes.to_vec()));
         for (index, buffer) in std::mem::take(&mut container.root.buffers).into_iter().enumerate() {
             let bytes = match &buffer.uri {
                 Some(uri) => container.resource(uri, input),
@@ -71,16 +87,40 @@ impl Container {
         Ok(container)
     }
 
+    fn sort_primitives(&mut self) {
+        for (mesh, Mesh { primitives, .. }) in self.root.meshes.iter().enumerate() {
+            let mut materials = Vec::new();
+            for (number, primitive) in primitives.iter().enumerate() {
+                let of_material = self.primitives.entry((mesh, primitive.material)).or_default();
+                if of_material.is_empty() {
+                    materials.push(primitive.material);
+                }
+                of_material.push(number);
+            }
+            self.materials.push(materials);
+        }
+    }
+
+    /// The materials of a mesh that is there.
+    pub fn materials_of(&self, mesh: usize) -> &[Option<usize>] {
+        &self.materials[mesh]
+    }
+
+    /// The numbers of the primitives that a mesh has of a material.
+    pub fn primitives_of(&self, mesh: usize, material: Option<usize>) -> &[usize] {
+        self.primitives.get(&(mesh, material)).map_or(&[], |numbers| numbers)
+    }
+
     /// The bytes of a `uri`, which are read once.
-    fn resource(&mut self, uri: &str, input: &Input<'_>) -> Result<Arc<[u8]>, String> {
+    fn resource(&mut self, uri: &str, input: &Input<'_>) -> Result<Arc<Vec<u8>>, String> {
         if uri.starts_with("data:") {
-            return embedded(uri).map(Arc::from);
+            return embedded(uri).map(Arc::new);
         }
         let path = path_of(uri)?;
         let read = || {
             let file = input.files.locate(&input.path.parent().unwrap_or(Path::new("")).join(&path));
             let bytes = input.files.read(&file).map_err(|why| format!("{} {why}", file.display()))?;
-            Ok(Arc::from(&*bytes))
+            Ok(Arc::new(bytes.into_owned()))
         };
         self.files.entry(path.clone()).or_insert_with(read).clone()
     }
@@ -93,15 +133,15 @@ impl Container {
     }
 
     /// The bytes of an image; an error says why there are none.
-    pub fn image(&self, index: usize) -> Result<Arc<[u8]>, String> {
+    pub fn image(&self, index: usize) -> Result<Arc<Vec<u8>>, String> {
         let image = self.root.images.get(index).ok_or_else(|| format!("there is no image {index}"))?;
         match (&image.uri, image.buffer_view) {
-            (Some(uri), _) if uri.starts_with("data:") => embedded(uri).map(Arc::from),
+            (Some(uri), _) if uri.starts_with("data:") => embedded(uri).map(Arc::new),
             (Some(uri), _) => {
                 let path = path_of(uri)?;
                 self.files.get(&path).cloned().unwrap_or_else(|| Err("it was not read".to_owned()))
             }
-            (None, Some(view)) => self.view(view).map(|(bytes, _)| Arc::from(bytes)),
+            (None, Some(view)) => self.view(view).map(|(bytes, _)| Arc::new(bytes.to_vec())),
             (None, None) => Err("it has neither `uri` nor `bufferView`".to_owned()),
         }
     }

@@ -6,7 +6,7 @@ use std::collections::hash_map::Entry;
 use super::container::Container;
 use super::materials;
 use super::nodes::placed;
-use super::surface::{Budget, Wanted, moved};
+use super::surface::{Budget, OBJECT, Wanted, moved};
 use crate::formats::files::Input;
 use crate::formats::mesh::PartFault;
 use crate::formats::parts::NoSuchPart;
@@ -18,6 +18,8 @@ use crate::scene::description::MeshPart;
 
 /// How exact names of materials begin, by their places in the JSON.
 pub const MATERIALS: &str = "/materials/";
+/// Most nodes one above the other by whose names a mesh is found.
+const MOST_ABOVE: usize = 100;
 /// What has no material.
 pub const NO_MATERIAL: &str = "default";
 
@@ -86,19 +88,19 @@ impl File {
             let Some(mesh) = root.nodes[place.node].mesh else { continue };
             let mut names: Vec<&str> = Vec::new();
             let mut above = Some(place);
-            while let Some(node) = above {
+            while let Some(node) = above.filter(|_| names.len() < MOST_ABOVE) {
                 names.push(root.nodes[node.node].name.trim());
                 above = node.parent.map(|parent| &placed[parent]);
             }
             names.push(self.0.mesh(mesh)?.name.trim());
-            for material in self.0.materials_of(mesh)? {
+            for &material in self.0.materials_of(mesh) {
                 let surface = match known.entry((mesh, material)) {
                     Entry::Occupied(found) => found.into_mut(),
                     Entry::Vacant(free) => {
                         free.insert(self.0.surface(mesh, Wanted::Material(material), &mut budget, &mut tally)?)
                     }
                 };
-                budget.take((surface.positions.len() + surface.faces.len()) as u64).map_err(Fault::new)?;
+                budget.take((surface.positions.len() + surface.faces.len() + OBJECT) as u64).map_err(Fault::new)?;
                 let material = material.map(|index| materials::name(&self.0, index));
                 let names = names.iter().copied().filter(|name| !name.is_empty());
                 all.parts.begin(all.faces.len(), names, material.as_deref());

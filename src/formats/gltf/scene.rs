@@ -33,8 +33,10 @@ pub fn scene(input: &Input<'_>) -> Result<Description, SceneError> {
     if objects.is_empty() {
         return Err(in_file("the scene has no triangles".to_owned()));
     }
-    let corners = objects.iter().flat_map(corners);
-    let (min, max) = studio::bounds(corners);
+    let has_glass = !objects.refractors().is_empty();
+    // What the program is about; floors and rooms may be much larger.
+    let shown = if has_glass { objects.refractors() } else { &objects };
+    let (min, max) = studio::bounds(shown.iter().flat_map(corners));
     let (center, radius) = ((min + max) / 2.0, (max - min).length() / 2.0);
     if !(radius > 0.0 && radius.is_finite()) {
         return Err(in_file("the scene has no extent, or too large a one".to_owned()));
@@ -43,7 +45,8 @@ pub fn scene(input: &Input<'_>) -> Result<Description, SceneError> {
     lights.into_iter().for_each(|light| objects.push(light));
     let camera = container.camera(&placed, (center, radius), &mut tally).map_err(in_file)?;
     let camera = camera.unwrap_or_else(|| {
-        tally.add("no_camera", "the file has no camera: the whole scene is shown", "");
+        let shown = if has_glass { "all that is transparent" } else { "all of it" };
+        tally.add("no_camera", &format!("the file has no camera: one is added that shows {shown}"), "");
         studio::camera_at(center, radius)
     });
     let environment = if objects.lights().is_empty() {
@@ -53,7 +56,6 @@ pub fn scene(input: &Input<'_>) -> Result<Description, SceneError> {
         Environment::DEFAULT
     };
     note_others(&container, &placed, &mut tally);
-    let has_glass = !objects.refractors().is_empty();
     if has_glass {
         // glTF knows no other medium around things.
         let outsides = objects.iter_mut().filter_map(Object::outside_mut);

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use serde::Deserialize;
-use serde_json::Value;
+use serde::de::IgnoredAny;
 
 macro_rules! tables {
     ($($(#[$doc:meta])* struct $name:ident { $($(#[$field_doc:meta])* $field:ident: $type:ty,)* })*) => {
@@ -33,7 +33,7 @@ tables! {
         textures: Vec<Texture>,
         images: Vec<Image>,
         cameras: Vec<Camera>,
-        animations: Vec<Value>,
+        animations: Vec<IgnoredAny>,
         extensions: RootExtensions,
         extensions_required: Vec<String>,
         extensions_used: Vec<String>,
@@ -91,7 +91,7 @@ tables! {
         #[serde(rename = "KHR_lights_punctual")]
         light: Option<LightReference>,
         #[serde(rename = "EXT_mesh_gpu_instancing")]
-        instancing: Option<Value>,
+        instancing: Option<IgnoredAny>,
     }
 
     struct LightReference {
@@ -108,8 +108,8 @@ tables! {
         indices: Option<usize>,
         material: Option<usize>,
         mode: Option<u32>,
-        targets: Vec<Value>,
-        extensions: HashMap<String, Value>,
+        targets: Vec<IgnoredAny>,
+        extensions: HashMap<String, IgnoredAny>,
     }
 
     struct Accessor {
@@ -194,7 +194,7 @@ tables! {
         #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
         specular_glossiness: Option<SpecularGlossiness>,
         #[serde(flatten)]
-        others: HashMap<String, Value>,
+        others: HashMap<String, IgnoredAny>,
     }
 
     struct IorExtension {

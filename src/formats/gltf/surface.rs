@@ -1,7 +1,5 @@
 //! The surfaces of a glTF file's meshes: triangles, strips and fans.
 
-use std::collections::HashSet;
-
 use glam::DVec3;
 
 use super::container::Container;
@@ -12,6 +10,9 @@ use crate::scene::description::MeshPart;
 
 /// Most vertices and triangles that one file may amount to, each as often as it is used.
 const MAX_ELEMENTS: u64 = 1 << 27;
+
+/// What an object counts for beside its vertices and triangles.
+pub const OBJECT: usize = 100;
 
 /// What may still be made of a file: a few bytes can ask for the same numbers many times.
 #[derive(Debug)]
@@ -39,26 +40,10 @@ pub enum Wanted {
     Material(Option<usize>),
 }
 
-impl Wanted {
-    fn has(self, primitive: &Primitive) -> bool {
-        match self {
-            Self::All => true,
-            Self::Material(material) => primitive.material == material,
-        }
-    }
-}
-
 impl Container {
     pub fn mesh(&self, index: usize) -> Result<&Mesh, Fault> {
         let meshes = &self.root.meshes;
         meshes.get(index).ok_or_else(|| Fault::new(format!("there is no mesh {index}: there are {}", meshes.len())))
-    }
-
-    /// The materials of a mesh, each once, in the order in which its primitives have them.
-    pub fn materials_of(&self, mesh: usize) -> Result<Vec<Option<usize>>, Fault> {
-        let mut seen = HashSet::new();
-        let materials = self.mesh(mesh)?.primitives.iter().map(|primitive| primitive.material);
-        Ok(materials.filter(|material| seen.insert(*material)).collect())
     }
 
     /// The faces of a mesh as it stands in the file, without any node's transform, and none but vertices that they use.
@@ -71,7 +56,12 @@ impl Container {
     ) -> Result<Polygons, Fault> {
         let mesh = self.mesh(index)?;
         let mut polygons = Polygons::default();
-        for (number, primitive) in mesh.primitives.iter().enumerate().filter(|(_, primitive)| wanted.has(primitive)) {
+        let numbers = match wanted {
+            Wanted::All => &(0..mesh.primitives.len()).collect::<Vec<usize>>(),
+            Wanted::Material(material) => self.primitives_of(index, material),
+        };
+        for &number in numbers {
+            let primitive = &mesh.primitives[number];
             self.add(primitive, &mesh.name, &mut polygons, budget, tally).map_err(|why| {
                 Fault::new(format!("{}, primitive {number}: {why}", called("mesh", index, &mesh.name)))
             })?;

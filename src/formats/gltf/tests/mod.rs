@@ -385,4 +385,14 @@ fn numbers_that_are_used_very_often_are_refused() {
     assert!(error_of(&maker).contains("no triangles"));
     maker.root["accessors"][0]["count"] = json!(1 << 22);
     assert!(error_of(&maker).contains("more than"));
+    // As many objects as nodes times materials.
+    let mut maker = Maker::cube(None);
+    let primitive = |material: usize| json!({"attributes": {"POSITION": 0}, "indices": 1, "material": material});
+    maker.root["meshes"][0]["primitives"] = (0..2000).map(primitive).collect();
+    (0..2000).for_each(|_| _ = maker.push("materials", json!({})));
+    (0..2000).for_each(|_| _ = maker.node(json!({"mesh": 0})));
+    assert!(error_of(&maker).contains("more than"));
+    let many = [b"{\"asset\": {\"version\": \"2.0\"}, \"nodes\": [{}".to_vec(), b",{}".repeat(1 << 22), b"]}".to_vec()]
+        .concat();
+    assert!(error(&many).contains("more than the 4194304 tables"));
 }
