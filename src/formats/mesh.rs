@@ -7,10 +7,10 @@ use super::ending::{Format, by_ending, list};
 use super::files::Input;
 use super::parts::NoSuchPart;
 use super::polygons::{Fault, Polygons};
-use super::{gltf, obj, ply, stl};
+use super::{gltf, obj, ply, scenes, stl};
 use crate::geometry::Mesh;
-use crate::scene::description::MeshPart;
-use crate::scene::{LoadNote, SceneError};
+use crate::scene::description::{MeshPart, Shape};
+use crate::scene::{Description, LoadNote, SceneError};
 
 pub(super) type MeshFormat = Format<fn(&Input<'_>) -> Result<MeshFile, Fault>>;
 
@@ -28,13 +28,22 @@ const FORMATS: &[MeshFormat] = &[
     },
 ];
 
+/// Scenes of other formats, whose objects have meshes that are in no file of their own: they are named so until the scene is saved.
+const SCENES: &[MeshFormat] = &[MeshFormat {
+    endings: &["xml", "pbrt"],
+    read: |input| match scenes::read(input) {
+        Ok(scene) => Ok(MeshFile::Scene(Box::new(scene))),
+        Err(error) => Err(Fault::new(error.to_string())),
+    },
+}];
+
 fn surface(read: Result<Polygons, Fault>) -> Result<MeshFile, Fault> {
     read.map(Box::new).map(MeshFile::Surface)
 }
 
 /// The format that a file's ending names; an error lists those that are read.
 pub(super) fn format_of(path: &Path) -> Result<&'static MeshFormat, String> {
-    by_ending(FORMATS, path)
+    (by_ending(FORMATS, path).or_else(|| by_ending(SCENES, path)))
         .ok_or_else(|| format!("`{}` is no mesh that is read: use {}", path.display(), list(FORMATS)))
 }
 
@@ -43,6 +52,7 @@ pub(super) fn format_of(path: &Path) -> Result<&'static MeshFormat, String> {
 pub(super) enum MeshFile {
     Surface(Box<Polygons>),
     Gltf(Box<gltf::File>),
+    Scene(Box<Description>),
 }
 
 /// Why a part cannot be had.
@@ -63,6 +73,7 @@ impl MeshFile {
         match self {
             Self::Surface(surface) => surface.finish(),
             Self::Gltf(file) => file.whole(),
+            Self::Scene(_) => Err(Fault::new("is a scene: name the mesh of one of its objects by `group`")),
         }
     }
 
@@ -73,6 +84,7 @@ impl MeshFile {
                 surface.part(part).map_err(PartFault::NoSuchPart)?.finish().map_err(PartFault::Fault)
             }
             Self::Gltf(file) => file.part(part),
+            Self::Scene(scene) => of_object(scene, part).map_err(PartFault::NoSuchPart),
         }
     }
 
@@ -80,7 +92,7 @@ impl MeshFile {
     pub fn libraries(&self) -> &[String] {
         match self {
             Self::Surface(surface) => &surface.libraries,
-            Self::Gltf(_) => &[],
+            Self::Gltf(_) | Self::Scene(_) => &[],
         }
     }
 
@@ -107,9 +119,25 @@ impl MeshFile {
     }
 }
 
+/// The mesh of an object of a scene, which is its part `group`.
+fn of_object(scene: &Description, part: &MeshPart) -> Result<(Mesh, Vec<LoadNote>), NoSuchPart> {
+    let found = scene.objects.iter().find_map(|object| match &object.shape {
+        Shape::Mesh { part: own, mesh, notes, .. } if own == part => Some((Mesh::clone(mesh), notes.clone())),
+        _ => None,
+    });
+    let name = part.group.as_deref().unwrap_or_default();
+    let missing = || NoSuchPart { key: "group", message: format!("has no mesh of its own for an object `{name}`") };
+    found.ok_or_else(missing)
+}
+
 /// Reads a whole mesh, and says what was passed over.
 pub(super) fn read(input: &Input<'_>, format: &MeshFormat) -> Result<(Mesh, Vec<LoadNote>), Fault> {
     MeshFile::read(input, format)?.whole()
+}
+
+/// Whether a path's ending is that of a mesh format.
+pub(super) fn is_mesh(path: &Path) -> bool {
+    by_ending(FORMATS, path).is_some()
 }
 
 /// What is wrong in the file `path`.

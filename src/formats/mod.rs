@@ -89,9 +89,14 @@ pub fn read(bytes: &[u8], path: &Path, files: &dyn Files) -> Result<Description,
     scenes::read(&files::Input { bytes, path, files })
 }
 
+/// Whether a path's ending is that of another format than the program's own, from which scenes or meshes are read.
+fn is_of_another_format(path: &Path) -> bool {
+    scenes::is_foreign(path) || is_mesh(path)
+}
+
 /// Whether a path's ending is that of a mesh format that is read.
 pub fn is_mesh(path: &Path) -> bool {
-    mesh::format_of(path).is_ok()
+    mesh::is_mesh(path)
 }
 
 /// A mesh from the `bytes` of a file called `name`, of which only the ending counts.

@@ -30,12 +30,14 @@ pub(super) fn format_of(path: &Path) -> Option<&'static SceneFormat> {
     by_ending(FORMATS, path)
 }
 
+/// Whether a file's ending names the format of another program.
+pub(super) fn is_foreign(path: &Path) -> bool {
+    format_of(path).is_some_and(|format| format.endings != OWN.endings)
+}
+
 /// Most bytes of a scene's file: those of other programs may hold their meshes.
 pub(super) fn most_bytes(path: &Path) -> u64 {
-    match format_of(path) {
-        Some(format) if format.endings != OWN.endings => MAX_DATA_BYTES,
-        _ => MAX_SCENE_BYTES,
-    }
+    if is_foreign(path) { MAX_DATA_BYTES } else { MAX_SCENE_BYTES }
 }
 
 pub(super) fn read(input: &Input<'_>) -> Result<Description, SceneError> {

@@ -156,7 +156,11 @@ impl<'a> Builder<'a> {
             Look::Opaque { color, is_mirror } => {
                 Solid { mirror: is_mirror, smooth, ..Solid::of(Paint::Color(color)) }.into()
             }
-            Look::Light { radiance } => Light::of_radiance(radiance).into(),
+            Look::Light { radiance, is_double_sided } => {
+                // The inward side of what is closed is seen by nobody.
+                let two_sided = is_double_sided && !is_closed(mesh);
+                Light { two_sided, ..Light::of_radiance(radiance) }.into()
+            }
             Look::Glass { ior, absorption } => {
                 let medium = self.media_of.entry(material).or_insert_with(|| {
                     let name = material.map(|index| materials::name(self.container, index)).unwrap_or_default();
@@ -168,4 +172,19 @@ impl<'a> Builder<'a> {
             }
         })
     }
+}
+
+/// Whether every edge of a face is one of another face, the other way about. Vertices at one place are one.
+fn is_closed(mesh: &Mesh) -> bool {
+    // −0 and 0 are one place.
+    let place = |corner: u32| (mesh.positions[corner as usize] + 0.0).to_array().map(f64::to_bits);
+    let mut open: HashMap<_, i64> = HashMap::new();
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(place);
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let (edge, way) = if from < to { ((from, to), 1) } else { ((to, from), -1) };
+            *open.entry(edge).or_default() += way;
+        }
+    }
+    open.values().all(|balance| *balance == 0)
 }

@@ -38,7 +38,7 @@ impl File {
     }
 
     /// A part of the mesh: by the name of a node, with all below it, or of a mesh, and by the name of a material. The exact names that
-    /// [`super::scene`] gives are understood too.
+    /// objects of a scene have are understood too.
     pub fn part(&self, part: &MeshPart) -> Result<(Mesh, Vec<LoadNote>), PartFault> {
         let surface = match part.group.as_deref().and_then(Pointer::of) {
             Some(pointer) => {

@@ -24,9 +24,19 @@ const MOST_POLISHED: f64 = 0.5;
 /// What an object of a material is.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Look {
-    Glass { ior: Ior, absorption: [f64; 3] },
-    Opaque { color: [f64; 3], is_mirror: bool },
-    Light { radiance: [f64; 3] },
+    Glass {
+        ior: Ior,
+        absorption: [f64; 3],
+    },
+    Opaque {
+        color: [f64; 3],
+        is_mirror: bool,
+    },
+    /// Sheets of it may emit from both sides.
+    Light {
+        radiance: [f64; 3],
+        is_double_sided: bool,
+    },
 }
 
 /// What a material is called in a scene.
@@ -84,7 +94,7 @@ pub fn look(
         let average = averages.color(container, material.emissive_texture.as_ref(), tally);
         let radiance = [0, 1, 2].map(|axis| (material.emissive_factor[axis] * strength * average[axis]).max(0.0));
         if radiance.iter().any(|component| *component >= LEAST_EMISSION) {
-            return Ok(Look::Light { radiance });
+            return Ok(Look::Light { radiance, is_double_sided: material.double_sided });
         }
         tally.add("weak_emission", "weak emission is left out", &named);
     }

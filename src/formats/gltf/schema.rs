@@ -167,6 +167,7 @@ tables! {
         emissive_texture: Option<TextureReference>,
         normal_texture: Option<TextureReference>,
         alpha_mode: String,
+        double_sided: bool,
         extensions: MaterialExtensions,
     }
 

@@ -241,3 +241,23 @@ fn circles_and_doublings_end() {
     let itself = "<scene><include filename=\"s.xml\"/></scene>";
     assert!(scene_with(itself, &[("s.xml", itself)]).unwrap_err().contains("include each other"));
 }
+
+/// Meshes that are in no file of their own are named as parts of the scene's, until it is saved.
+#[test]
+fn a_scene_in_words_is_the_same_scene() {
+    let sheared = r#"<transform name="to_world"><matrix value="1 0.5 0 0 0 1 0 0 0 0 1 0 0 0 0 1"/></transform>"#;
+    let text = format!(
+        "<scene version=\"3.0.0\">{SENSOR}<shape type=\"cube\" id=\"block\">{sheared}{}</shape></scene>",
+        glass("", "1.5", "")
+    );
+    let scene = scene_with(&text, &[]).unwrap();
+    let Shape::Mesh { part, .. } = &scene.objects[0].shape else { panic!("a mesh: {:?}", scene.objects[0]) };
+    assert_eq!(part.group.as_deref(), Some("block"));
+    let files = Memory([("s.xml".into(), text.into_bytes())].into());
+    let saved = crate::formats::to_text(&scene);
+    let again = crate::formats::parse(&saved, Path::new("s.toml"), &files).unwrap();
+    assert_eq!(again.fingerprint(), scene.fingerprint(), "{saved}");
+    let missing =
+        crate::formats::parse(&saved.replace("group = \"block\"", "group = \"rock\""), Path::new("s.toml"), &files);
+    assert!(missing.unwrap_err().to_string().contains("s.xml has no mesh of its own for an object `rock`"));
+}

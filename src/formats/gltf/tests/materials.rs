@@ -2,7 +2,7 @@ use std::io::Cursor;
 
 use serde_json::{Value, json};
 
-use super::make::Maker;
+use super::make::{CUBE_FACES, Maker};
 use super::{notes, opened};
 use crate::optics::Ior;
 use crate::scene::description::{Description, Paint};
@@ -118,6 +118,17 @@ fn what_emits_is_a_light() {
     assert_eq!(scene.objects.lights()[0].light().unwrap().emission.rgb, [5.0, 0.0, 0.0]);
     assert!(!notes(&scene).contains(&"no_light"));
     assert_eq!(notes(&of(lamp(0.001)))[0], "weak_emission");
+    // Sheets of it may shine from both sides; the inside of a cube shines for nobody.
+    let two_sided = |faces: &[u16]| {
+        let mut material = lamp(1.0);
+        material["doubleSided"] = json!(true);
+        let mut maker = Maker::cube(Some(material));
+        let indices = maker.shorts(faces);
+        maker.root["meshes"][0]["primitives"][0]["indices"] = json!(indices);
+        maker.node(json!({"mesh": 0}));
+        opened(&maker).objects.lights()[0].light().unwrap().two_sided
+    };
+    assert!(two_sided(&CUBE_FACES[..6]) && !two_sided(&CUBE_FACES));
 }
 
 #[test]

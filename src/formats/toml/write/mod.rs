@@ -17,6 +17,7 @@ use self::lines::ends_as_in;
 use self::merge::{set, update};
 use self::tree::Tree;
 use super::read::parse_text_only;
+use crate::formats::is_of_another_format;
 use crate::scene::SceneError;
 use crate::scene::description::Description;
 
@@ -63,8 +64,11 @@ fn edit(document: &mut DocumentMut, old: &Tree, new: &Tree) {
 /// meshes within a file of another format into a folder beside it, called `NAME-meshes`.
 ///
 /// # Errors
-/// When a file cannot be written.
+/// When a file cannot be written, or its ending is that of another format.
 pub fn save(description: &Description, path: &Path) -> Result<(), SceneError> {
+    if is_of_another_format(path) {
+        return Err(SceneError::in_file(path, "scenes are written as TOML: give the file the ending .toml"));
+    }
     let mut copy = description.clone();
     paths::relocate(&mut copy, path)?;
     paths::write(path, to_text(&copy).as_bytes())

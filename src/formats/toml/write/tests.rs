@@ -573,6 +573,9 @@ fn a_scene_of_another_format_is_saved_with_its_meshes() {
     let text = std::fs::read_to_string(at("out/mine.toml")).unwrap();
     save(&scene, &at("out/mine.toml")).unwrap();
     assert_eq!((files().len(), std::fs::read_to_string(at("out/mine.toml")).unwrap()), (4, text));
+    // Nothing is written over the file itself.
+    let refused = save(&scene, &at("set.gltf")).unwrap_err().to_string();
+    assert!(refused.contains(".toml") && std::fs::read(at("set.gltf")).unwrap() == gltf(), "{refused}");
     // What was added from elsewhere stays where it is.
     let mut added = scene.clone();
     std::fs::write(at("wine.obj"), WINE).unwrap();
