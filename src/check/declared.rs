@@ -10,18 +10,20 @@ use super::rims::Rims;
 use super::{Problem, confidence, samples};
 use crate::geometry::Enclosure;
 use crate::rectify::containment::{containment, containment_beside, medium_of, top};
-use crate::rectify::{Patch, PatchKind};
+use crate::rectify::{Patch, PatchKind, Progress};
 use crate::scene::{MediumId, ObjectId, Scene};
 use crate::tracking::Prepared;
 
-/// Points at which it is asked what lies on both sides of the mixed patches of an object.
-const POINTS: u32 = 1024;
+/// Points of an object at which it is asked what lies on both sides of its mixed patches, and of all objects together where there are many.
+const POINTS: std::ops::RangeInclusive<u32> = 64..=1024;
+const ALL_POINTS: u32 = 1 << 16;
 /// A smaller share of an object's surface is not worth a word: facets of curved surfaces cross each other by so much.
 const LEAST: f64 = 0.002;
 /// Indices that differ by less, relatively, bend light alike for the eye: air and vacuum do.
 const ALIKE: f64 = 5e-4;
 
-pub(super) fn problems(prepared: &Prepared, rims: &Rims) -> Vec<Problem> {
+/// Incomplete once `progress` is cancelled.
+pub(super) fn problems(prepared: &Prepared, rims: &Rims, progress: &Progress) -> Vec<Problem> {
     let scene = &*prepared.scene;
     if scene.declared.is_empty() {
         return Vec::new();
@@ -29,8 +31,14 @@ pub(super) fn problems(prepared: &Prepared, rims: &Rims) -> Vec<Problem> {
     let refractors = || scene.refractors().map(|(id, _)| id);
     let are_sheets = |id: &ObjectId| scene.object(*id).enclosure == Enclosure::Sheet || rims.contains_key(id);
     let mut problems: Vec<Problem> = Vec::new();
+    let is_mixed = |id: &ObjectId| prepared.table.patches_of(*id).iter().any(|patch| patch.kind == PatchKind::Mixed);
+    let mixed = refractors().filter(is_mixed).count() as u32;
+    let points = (ALL_POINTS / mixed.max(1)).clamp(*POINTS.start(), *POINTS.end());
     for refractor in refractors().filter(|id| !are_sheets(id)) {
-        let found = Found::of(prepared, refractor);
+        if progress.is_cancelled() {
+            return problems;
+        }
+        let found = Found::of(prepared, refractor, points);
         problems.extend(outside(prepared, refractor, &found));
         problems.extend(inside(prepared, refractor, &found));
     }
@@ -51,7 +59,7 @@ struct Found {
 }
 
 impl Found {
-    fn of(prepared: &Prepared, object: ObjectId) -> Self {
+    fn of(prepared: &Prepared, object: ObjectId, points: u32) -> Self {
         let (scene, table) = (&*prepared.scene, &*prepared.table);
         let mut found = Self::default();
         let mut mixed = 0.0;
@@ -67,7 +75,7 @@ impl Found {
             }
         }
         if mixed > 0.0 {
-            let points: Vec<_> = samples::of_surface(&scene.geometry, object.0, 0..POINTS)
+            let points: Vec<_> = samples::of_surface(&scene.geometry, object.0, 0..points)
                 .map(|(point, _)| point)
                 .filter(|point| {
                     let patch = table.patch_of(&scene.geometry, point.primitive);

@@ -110,7 +110,7 @@ pub fn check_watched(prepared: &Prepared, progress: &Progress) -> Result<Vec<Pro
         &|| notes::problems(prepared),
         &|| overlap::problems(prepared, &encounters, &rims),
         &|| crowded::problems(prepared),
-        &|| declared::problems(prepared, &rims),
+        &|| declared::problems(prepared, &rims, progress),
         &|| confidence::problems(prepared, &doubts),
         &|| film::problems(prepared, progress),
         &|| enclosed::problems(prepared),

@@ -30,14 +30,15 @@ Examples:
   iorect rectify nested-spheres                 what lies on the other side of every surface
   iorect trace camera-in-water --pixel 256,256  one path, vertex by vertex
   iorect check my-scene.toml                    what is wrong or doubtful in a scene
+  iorect check scene.xml --deny warning         a linter for scenes of other renderers
   iorect report -o report --quick               error against time, stability, speed, growth: a page
 
 Exit codes: 0 fine, 1 the work failed, 2 the command or the scene was wrong.";
 
 /// Scenes in which dielectrics sit inside dielectrics: seen, compared, measured.
 ///
-/// Without a command, opens the window. Wherever a SCENE is asked for, the path of a scene file, a glTF file or a mesh, or the name
-/// of a built-in scene will do.
+/// Without a command, opens the window. Wherever a SCENE is asked for, the path of a scene file, a glTF, Mitsuba or pbrt file or a mesh,
+/// or the name of a built-in scene will do.
 #[derive(Debug, Parser)]
 #[command(name = "iorect", version, args_conflicts_with_subcommands = true, after_help = EXAMPLES, max_term_width = 110)]
 pub struct Arguments {
@@ -61,7 +62,7 @@ pub enum Command {
     Trace(TraceArguments),
     /// Say what is wrong or doubtful in a scene, with advice
     Check(CheckArguments),
-    /// Write a glTF file, a scene around a mesh, or a built-in scene as a scene file
+    /// Write a glTF, Mitsuba or pbrt file, a scene around a mesh, or a built-in scene as a scene file
     Convert(ConvertArguments),
     /// List the built-in scenes
     Scenes(ListArguments),
@@ -436,7 +437,7 @@ Examples:
   iorect convert table.glb table.toml             a glTF file, with its meshes as PLY in the folder table-meshes
   iorect convert iced-water mine.toml             a built-in scene, with the files that it names")]
 pub struct ConvertArguments {
-    /// A scene file, a glTF file, a mesh, or a built-in scene's name
+    /// A scene file, a glTF, Mitsuba or pbrt file, a mesh, or a built-in scene's name
     pub from: PathBuf,
     /// The file to write; its ending must be `.toml`
     pub to: PathBuf,

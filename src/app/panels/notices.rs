@@ -154,7 +154,7 @@ pub fn drop_hint_ui(ctx: &Context) {
     painter.text(
         rect.center(),
         Align2::CENTER_CENTER,
-        "Drop a scene or glTF file to open it, a mesh or an environment image to add it",
+        "Drop a scene file to open it, a mesh or an environment image to add it",
         font,
         Color32::WHITE,
     );

@@ -35,8 +35,19 @@ pub fn resolve(objects: &mut [(Object, Matter)], camera: Option<&Side>) -> (Worl
     let mut media = Media { world, list: Vec::new(), names: Names::default() };
     // Insides first: what lies outside of something is mostly inside something else.
     for (object, matter) in &mut *objects {
-        if let (Matter::Refractor { inside, .. }, Role::Refractor(refractor)) = (&*matter, &mut object.role) {
+        if let (Matter::Refractor { inside, .. }, Role::Refractor(refractor)) = (&*matter, &mut object.role)
+            && inside.ior.is_some()
+        {
             refractor.medium = media.inside(inside, &object.name);
+        }
+    }
+    // What bends nothing has the index of what is outside.
+    for (object, matter) in &mut *objects {
+        if let (Matter::Refractor { inside, outside }, Role::Refractor(refractor)) = (&*matter, &mut object.role)
+            && inside.ior.is_none()
+        {
+            let ior = media.index_of(outside);
+            refractor.medium = media.inside(&Side { ior: Some(ior), ..inside.clone() }, &object.name);
         }
     }
     for (object, matter) in objects {
@@ -49,7 +60,7 @@ pub fn resolve(objects: &mut [(Object, Matter)], camera: Option<&Side>) -> (Worl
             *declared = Some(media.outside(outside));
         }
     }
-    let camera = camera.map(|camera| media.around_camera(camera));
+    let camera = camera.map(|camera| media.outside(camera));
     let Media { world: (ior, absorption), list, .. } = media;
     (WorldMedium { ior: Ior::Constant(ior), absorption }, list, camera)
 }
@@ -111,7 +122,7 @@ impl Media {
     }
 
     fn outside(&mut self, side: &Side) -> String {
-        let ior = side.ior.unwrap_or(self.world.0);
+        let Some(ior) = side.ior else { return self.by_absorption(side) };
         let is_world = (ior - self.world.0).abs() < NEAR_WORLD;
         let found = match side.absorption {
             Some(absorption) if is_world && absorption == self.world.1 => Some(medium::WORLD.to_owned()),
@@ -126,18 +137,113 @@ impl Media {
         found.unwrap_or_else(|| self.add(ior, side.absorption.unwrap_or_default(), &side.name, &format!("IOR {ior}")))
     }
 
-    /// Around a camera files declare what absorbs, and not the index.
-    fn around_camera(&mut self, side: &Side) -> String {
-        if side.ior.is_some() {
-            return self.outside(side);
+    /// Around cameras and lights, and where nothing bends, files declare what absorbs and not the index.
+    fn by_absorption(&mut self, side: &Side) -> String {
+        match self.known(side) {
+            Some(name) => name,
+            None => self.add(self.world.0, side.absorption.unwrap_or_default(), &side.name, "medium"),
         }
+    }
+
+    /// The medium of that name, or else of that absorption.
+    fn known(&self, side: &Side) -> Option<String> {
         let absorption = side.absorption.unwrap_or_default();
         let by_name = self.list.iter().find(|medium| !side.name.is_empty() && medium.name == side.name);
-        let found = by_name.or_else(|| self.list.iter().find(|medium| medium.absorption == absorption));
-        match found {
-            _ if absorption == self.world.1 && by_name.is_none() => medium::WORLD.to_owned(),
-            Some(medium) => medium.name.clone(),
-            None => self.add(self.world.0, absorption, &side.name, "camera"),
+        match by_name {
+            Some(medium) => Some(medium.name.clone()),
+            None if absorption == self.world.1 => Some(medium::WORLD.to_owned()),
+            None => self.list.iter().find(|medium| medium.absorption == absorption).map(|medium| medium.name.clone()),
         }
+    }
+
+    /// The index of a side; of one that does not say it, that of the medium that it is taken for.
+    fn index_of(&self, side: &Side) -> f64 {
+        let known = || {
+            let name = self.known(side)?;
+            self.list.iter().find(|medium| medium.name == name).map(|medium| medium.ior.ior())
+        };
+        side.ior.or_else(known).unwrap_or(self.world.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::description::{Light, Refractor, Shape};
+    use glam::DVec3;
+
+    fn side(ior: Option<f64>, absorption: Option<f64>, name: &str) -> Side {
+        Side { ior, absorption: absorption.map(|sigma| [sigma; 3]), name: name.to_owned() }
+    }
+
+    fn ball(name: &str, inside: Side, outside: Side) -> (Object, Matter) {
+        let shape = Shape::Sphere { center: DVec3::ZERO, radius: 1.0 };
+        (Object::new(name, shape, Refractor::of("")), Matter::Refractor { inside, outside })
+    }
+
+    /// Medium, index and what is declared outside, by object.
+    fn resolved(objects: &mut [(Object, Matter)]) -> Vec<(String, f64, String)> {
+        let (_, media, _) = resolve(objects, None);
+        let ior = |name: &str| media.iter().find(|medium| medium.name == name).map_or(f64::NAN, |m| m.ior.ior());
+        (objects.iter())
+            .map(|(object, _)| {
+                let medium = object.refractor().map(|refractor| refractor.medium.clone()).unwrap_or_default();
+                (medium.clone(), ior(&medium), object.outside().unwrap_or_default().to_owned())
+            })
+            .collect()
+    }
+
+    fn row(medium: &str, ior: f64, outside: &str) -> (String, f64, String) {
+        (medium.to_owned(), ior, outside.to_owned())
+    }
+
+    #[test]
+    fn equal_declarations_are_one_medium() {
+        let mut objects = [
+            ball("tank", side(Some(1.333), Some(0.1), "sea"), side(Some(1.000_277), None, "air")),
+            // Whose outside is not said to absorb.
+            ball("ice", side(Some(1.31), None, ""), side(Some(1.333), None, "")),
+            ball("bubble", side(Some(1.0), None, ""), side(Some(1.333), Some(0.1), "sea")),
+            ball("stone", side(Some(1.7), None, ""), side(Some(1.2), None, "")),
+        ];
+        assert_eq!(
+            resolved(&mut objects),
+            [
+                row("sea", 1.333, "world"),
+                row("ice", 1.31, "sea"),
+                row("bubble", 1.0, "sea"),
+                // Nothing is of that index but what is declared here.
+                row("stone", 1.7, "IOR 1.2")
+            ]
+        );
+    }
+
+    #[test]
+    fn the_world_is_what_is_outside_of_most_and_inside_of_none() {
+        let mut objects = [
+            ball("a", side(Some(1.5), None, ""), side(Some(1.33), None, "water")),
+            ball("b", side(Some(1.0), None, ""), side(Some(1.5), None, "")),
+        ];
+        let (world, ..) = resolve(&mut objects, None);
+        assert_eq!(world.ior.ior(), 1.33);
+        assert_eq!(objects[0].0.outside(), Some("world"));
+        assert_eq!(resolve(&mut [], None).0.ior.ior(), 1.0);
+    }
+
+    #[test]
+    fn what_bends_nothing_has_the_index_around_it() {
+        let shape = Shape::Point { position: DVec3::ZERO };
+        let light = Light::of_radiance([1.0; 3]);
+        let lamp = Object::new("lamp", shape, light.clone());
+        let mut objects = [
+            ball("ink", side(None, Some(2.0), "ink"), side(None, Some(0.1), "sea")),
+            ball("tank", side(Some(1.333), Some(0.1), "sea"), side(Some(1.0), None, "")),
+            ball("smoke", side(None, Some(0.5), "smoke"), side(None, None, "")),
+            (lamp, Matter::Light { light, around: Some(side(None, Some(0.1), "sea")) }),
+        ];
+        let expected = [row("ink", 1.333, "sea"), row("sea", 1.333, "world"), row("smoke", 1.0, "world")];
+        let found = resolved(&mut objects);
+        assert_eq!(found[..3], expected);
+        assert_eq!(found[3].2, "sea");
     }
 }

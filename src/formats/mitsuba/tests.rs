@@ -1,12 +1,9 @@
 use std::path::Path;
-use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::check::{Problem, Severity, check};
 use crate::formats::{Memory, read, to_text};
 use crate::scene::description::{Description, Environment, Shape};
-use crate::tracking::prepare;
 
 fn scene_with(text: &str, files: &[(&str, &str)]) -> Result<Description, String> {
     let files = files.iter().map(|(name, text)| ((*name).into(), text.as_bytes().to_vec())).collect();
@@ -29,12 +26,6 @@ fn declared(description: &Description, object: &str) -> (String, f64, String) {
     (refractor.medium.clone(), ior, refractor.outside.clone().unwrap_or_default())
 }
 
-/// What `check` says of declarations.
-fn found(description: Description) -> Vec<Problem> {
-    let problems = check(&prepare(Arc::new(description), None).unwrap());
-    problems.into_iter().filter(|problem| problem.kind.starts_with("declared")).collect()
-}
-
 const SENSOR: &str = r#"<sensor type="perspective"><float name="fov" value="40"/>
 <transform name="to_world"><lookat origin="0, 0, 9" target="0, 0, 0" up="0, 1, 0"/></transform></sensor>"#;
 
@@ -46,46 +37,6 @@ fn cube(id: &str, half: f64, inner: &str) -> String {
     format!(
         r#"<shape type="cube" id="{id}"><transform name="to_world"><scale value="{half}"/></transform>{inner}</shape>"#
     )
-}
-
-/// An ice cube in water that is declared against air, and the same declared against water.
-#[test]
-fn a_wrong_exterior_is_found() {
-    let tank = cube("tank", 3.0, &glass("", "1.333", r#"<string name="ext_ior" value="air"/>"#));
-    let ice = |outside: &str| cube("ice", 1.0, &glass("", "1.31", outside));
-    let wrong = scene(&(SENSOR.to_owned() + &tank + &ice("")));
-    assert_eq!(declared(&wrong, "ice"), ("ice".into(), 1.31, "world".into()));
-    assert_eq!(declared(&wrong, "tank"), ("water".into(), 1.333, "world".into()));
-    assert_eq!(wrong.world.ior.ior(), 1.000_277);
-    let problems = found(wrong);
-    let [only] = &problems[..] else { panic!("{problems:?}") };
-    assert_eq!((only.severity, only.kind, only.place.as_str()), (Severity::Warning, "declared_outside", "ice"));
-    assert!(
-        only.message.contains("all of its surface lies in `water` (IOR 1.333): declare `water`"),
-        "{}",
-        only.message
-    );
-    assert!(only.message.contains("ext_ior"), "{}", only.message);
-    let right = scene(&(SENSOR.to_owned() + &tank + &ice(r#"<float name="ext_ior" value="1.333"/>"#)));
-    assert_eq!(declared(&right, "ice").2, "water");
-    assert_eq!(found(right), []);
-}
-
-#[test]
-fn a_forgotten_medium_of_the_camera_is_found() {
-    let medium = r#"<medium type="homogeneous" id="sea"><rgb name="sigma_t" value="0.2, 0.1, 0"/><float name="albedo" value="0"/></medium>"#;
-    let tank = cube("tank", 30.0, &(glass("", "1.333", "") + r#"<ref name="interior" id="sea"/>"#));
-    let forgotten = scene(&(medium.to_owned() + SENSOR + &tank));
-    assert_eq!(declared(&forgotten, "tank"), ("sea".into(), 1.333, "world".into()));
-    assert_eq!(forgotten.media[0].absorption, [0.2, 0.1, 0.0]);
-    let problems = found(forgotten);
-    let [only] = &problems[..] else { panic!("{problems:?}") };
-    assert_eq!((only.kind, only.place.as_str()), ("declared_camera", "camera"));
-    assert!(only.message.contains("`sea` (IOR 1.333)") && only.message.contains("declare `sea`"), "{}", only.message);
-    let sensor = SENSOR.replace("</sensor>", r#"<ref id="sea"/></sensor>"#);
-    let right = scene(&(medium.to_owned() + &sensor + &tank));
-    assert_eq!(right.camera_medium.as_deref(), Some("sea"));
-    assert_eq!(found(right), []);
 }
 
 #[test]

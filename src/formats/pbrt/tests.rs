@@ -1,13 +1,10 @@
 use std::path::Path;
-use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::check::{Problem, Severity, check};
 use crate::formats::{Memory, read};
 use crate::scene::camera::Camera;
 use crate::scene::description::{Description, Environment, Shape};
-use crate::tracking::prepare;
 
 fn scene_with(text: &str, files: &[(&str, &str)]) -> Result<Description, String> {
     let files = files.iter().map(|(name, text)| ((*name).into(), text.as_bytes().to_vec())).collect();
@@ -25,12 +22,6 @@ fn declared(description: &Description, object: &str) -> (String, f64, String) {
     (refractor.medium.clone(), ior, refractor.outside.clone().unwrap_or_default())
 }
 
-/// What `check` says of declarations.
-fn found(description: Description) -> Vec<Problem> {
-    let problems = check(&prepare(Arc::new(description), None).unwrap());
-    problems.into_iter().filter(|problem| problem.kind.starts_with("declared")).collect()
-}
-
 const CAMERA: &str = "LookAt 0 0 -9  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" [40]\n";
 const MEDIA: &str = "MakeNamedMedium \"sea\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [0.2 0.1 0] \"rgb sigma_s\" [0 0 0]\n\
                      MakeNamedMedium \"frost\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [0.01 0 0] \"rgb sigma_s\" [0 0 0]\n";
@@ -41,43 +32,6 @@ fn ball(radius: f64, eta: f64, media: [&str; 2]) -> String {
         "AttributeBegin\nMediumInterface \"{inside}\" \"{outside}\"\nMaterial \"dielectric\" \"float eta\" {eta}\n\
          Shape \"sphere\" \"float radius\" {radius}\nAttributeEnd\n"
     )
-}
-
-/// Ice in water that is declared against air, and the same declared against the water.
-#[test]
-fn a_wrong_exterior_is_found() {
-    let with = |ice: &str| scene(&format!("{CAMERA}WorldBegin\n{MEDIA}{}{ice}", ball(3.0, 1.333, ["sea", ""])));
-    let wrong = with(&ball(1.0, 1.31, ["frost", ""]));
-    assert_eq!(declared(&wrong, "sphere"), ("sea".into(), 1.333, "world".into()));
-    assert_eq!(declared(&wrong, "sphere 2"), ("frost".into(), 1.31, "world".into()));
-    let problems = found(wrong);
-    let [only] = &problems[..] else { panic!("{problems:?}") };
-    assert_eq!((only.severity, only.kind, only.place.as_str()), (Severity::Warning, "declared_outside", "sphere 2"));
-    assert!(only.message.contains("all of its surface lies in `sea` (IOR 1.333): declare `sea`"), "{}", only.message);
-    assert!(only.message.contains("eta = 0.98275"), "{}", only.message);
-    // The index of a medium follows along the names.
-    let right = with(&ball(1.0, 1.31 / 1.333, ["frost", "sea"]));
-    let (medium, ior, outside) = declared(&right, "sphere 2");
-    assert_eq!((medium.as_str(), outside.as_str()), ("frost", "sea"));
-    assert!((ior - 1.31).abs() < 1e-12);
-    assert_eq!(found(right), []);
-    // Without names nobody knows what a ratio is to.
-    let unnamed =
-        scene(&format!("{CAMERA}WorldBegin\n{}{}", ball(3.0, 1.333, ["", ""]), ball(1.0, 1.31 / 1.333, ["", ""])));
-    let problems = found(unnamed);
-    assert!(problems[0].message.contains("is the ratio 1.31/1.333 already"), "{problems:?}");
-}
-
-#[test]
-fn a_forgotten_medium_of_the_camera_is_found() {
-    let with = |before: &str| scene(&format!("{MEDIA}{before}{CAMERA}WorldBegin\n{}", ball(30.0, 1.333, ["sea", ""])));
-    let problems = found(with(""));
-    let [only] = &problems[..] else { panic!("{problems:?}") };
-    assert_eq!((only.kind, only.place.as_str()), ("declared_camera", "camera"));
-    assert!(only.message.contains("declare `sea`"), "{}", only.message);
-    let right = with("MediumInterface \"\" \"sea\"\n");
-    assert_eq!(right.camera_medium.as_deref(), Some("sea"));
-    assert_eq!(found(right), []);
 }
 
 /// pbrt's coordinates are left-handed: what is at +x is at the right of a camera that looks along +z.
