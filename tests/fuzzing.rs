@@ -88,6 +88,11 @@ fn damaged_obj_meshes_are_answered() {
 }
 
 #[test]
+fn damaged_materials_are_answered() {
+    run("mtl", targets::mtl);
+}
+
+#[test]
 fn damaged_ply_meshes_are_answered() {
     run("ply", targets::ply);
 }
@@ -169,7 +174,7 @@ fn every_target_can_be_fuzzed() {
     let mut targets: Vec<String> =
         fs::read_dir(folder.join("corpus")).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     targets.retain(|name| folder.join("corpus").join(name).is_dir());
-    assert_eq!(targets.len(), 9);
+    assert_eq!(targets.len(), 10);
     for target in targets {
         let program = fs::read_to_string(folder.join(format!("fuzz_targets/{target}.rs"))).unwrap();
         assert!(program.contains(&format!("targets::{target}(bytes)")), "{target}");

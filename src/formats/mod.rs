@@ -73,20 +73,26 @@ pub fn open(name_or_path: impl AsRef<Path>) -> Result<Description, SceneError> {
 /// # Errors
 /// When the file or one that it names cannot be read or used.
 pub fn file(path: &Path) -> Result<Description, SceneError> {
-    if scenes::format_of(path).is_none() && is_mesh(path) {
-        return studio::open(path, &Disk);
-    }
-    let bytes = disk::read_or_receive(path, scenes::most_bytes(path));
+    let bytes = match is_lone_mesh(path) {
+        true => disk::read(path, disk::MAX_DATA_BYTES),
+        false => disk::read_or_receive(path, scenes::most_bytes(path)),
+    };
     read(&bytes.map_err(|error| SceneError::in_file(path, error.to_string()))?, path, &Disk)
 }
 
-/// A scene from the bytes of its file. `path` names it in errors, its ending tells the format (TOML where it is that of none), and the files that
-/// it names are looked for in its folder, among `files`.
+/// A scene from the bytes of its file, or a scene around the mesh in them. `path` names it in errors, its ending tells the format (TOML where it is
+/// that of none), and the files that it names are looked for in its folder, among `files`.
 ///
 /// # Errors
 /// When the scene or a file that it names cannot be used.
 pub fn read(bytes: &[u8], path: &Path, files: &dyn Files) -> Result<Description, SceneError> {
-    scenes::read(&files::Input { bytes, path, files })
+    let input = files::Input { bytes, path, files };
+    if is_lone_mesh(path) { studio::open(&input) } else { scenes::read(&input) }
+}
+
+/// Whether a file of that name holds a mesh and no scene.
+fn is_lone_mesh(path: &Path) -> bool {
+    scenes::format_of(path).is_none() && is_mesh(path)
 }
 
 /// Whether a path's ending is that of another format than the program's own, from which scenes or meshes are read.

@@ -11,7 +11,7 @@ use super::names::Names;
 use super::obj::mtl::{self, Material};
 use crate::geometry::Mesh;
 use crate::optics::{Ior, Medium, catalog};
-use crate::scene::description::{Light, MeshPart, Paint, Refractor, Role, Solid};
+use crate::scene::description::{Light, MAX_RADIANCE, MeshPart, Paint, Refractor, Role, Solid};
 use crate::scene::fields::IOR;
 use crate::scene::{LoadNote, SceneError};
 
@@ -84,7 +84,8 @@ pub(super) fn pieces(file: MeshFile, stem: &str, input: &Input<'_>) -> Result<Ve
         let mut notes: Vec<LoadNote> = own_notes.into_iter().chain(notes.iter().cloned()).collect();
         let (role, medium) = match material {
             Some(material) if !is_single && material.light().is_some() => {
-                (Light::of_radiance(material.light().unwrap_or_default()).into(), None)
+                let radiance = material.light().unwrap_or_default();
+                (Light::of_radiance(radiance.map(|component| component.clamp(0.0, MAX_RADIANCE))).into(), None)
             }
             Some(material) if any_glass && !material.is_glass() => {
                 let color = material.color.unwrap_or([0.8; 3]).map(|share| share.clamp(0.0, 1.0));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::files::{Files, Input};
+use super::files::Input;
 use super::mesh::{self, MeshFile};
 use super::names::Names;
 use super::pieces::{Piece, pieces};
@@ -13,7 +13,7 @@ use crate::geometry::Mesh;
 use crate::scene::description::{
     CameraDescription, Environment, Light, Object, Objects, Paint, Shape, Solid, WorldMedium,
 };
-use crate::scene::{Description, SceneError};
+use crate::scene::{Description, SceneError, validate};
 
 /// Where the camera looks from, as the mesh sees it.
 const VIEW: DVec3 = DVec3::new(0.55, 0.5, 1.0);
@@ -30,15 +30,16 @@ pub(super) const BRIGHT_SKY: Environment =
 /// The scene around the mesh in a file: each of its materials, or else of its groups, is an object.
 ///
 /// # Errors
-/// When the file cannot be read, or the mesh has no extent.
-pub(super) fn open(path: &Path, files: &dyn Files) -> Result<Description, SceneError> {
-    let in_file = |message: String| SceneError::in_file(path, message);
-    let format = mesh::format_of(path).map_err(in_file)?;
-    let bytes = files.read(path).map_err(in_file)?;
-    let input = Input { bytes: &bytes, path, files };
-    let file = MeshFile::read(&input, format).map_err(|fault| mesh::error_in(path, fault))?;
+/// When the file holds no mesh, or one that has no extent or too large a one.
+pub(super) fn open(input: &Input<'_>) -> Result<Description, SceneError> {
+    let path = input.path;
+    let format = mesh::format_of(path).map_err(|message| SceneError::in_file(path, message))?;
+    let file = MeshFile::read(input, format).map_err(|fault| mesh::error_in(path, fault))?;
     let stem = path.file_stem().map_or_else(|| "mesh".into(), |stem| stem.to_string_lossy().into_owned());
-    around(path, &stem, pieces(file, &stem, &input)?)
+    let description = around(path, &stem, pieces(file, &stem, input)?)?;
+    // What comes out can be saved and read again.
+    validate::description(&description).map_err(|fault| SceneError::in_file(path, fault.message))?;
+    Ok(description)
 }
 
 /// The scene around pieces of a file. All lengths are in proportion to them together.
@@ -146,9 +147,8 @@ mod tests {
     }
 
     fn opened(text: &str, library: Option<&str>) -> Description {
-        let mut files = Memory([("a/set.obj".into(), text.into())].into());
-        files.0.extend(library.map(|text| ("a/table set.mtl".into(), text.into())));
-        open(Path::new("a/set.obj"), &files).unwrap()
+        let files = Memory(library.map(|text| ("a/table set.mtl".into(), text.into())).into_iter().collect());
+        open(&Input { bytes: text.as_bytes(), path: Path::new("a/set.obj"), files: &files }).unwrap()
     }
 
     fn media(scene: &Description) -> Vec<(&str, f64)> {

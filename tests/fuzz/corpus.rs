@@ -85,6 +85,11 @@ f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 const TETRAHEDRON_OBJ: &str = "v 0 0 0 1.0\r\nv 1.0e0 0 0\r\nv 0 1 0\r\nv 0 0 1\r\nvn 0 0 -1\r\nvn 0 -1 0\r\nvn -1 0 0\r\nvn 1 1 1\r\n\
 vt 0 0\r\nvt 1 0\r\nf -4//1 -2//1 -3//1\r\nf 1/1/2 2/2/2 4/1/2\r\nf 1/1/3 4/2/3 3/1/3\r\nf 2//4 3//4 4//4\r\n";
 
+const TABLE_MTL: &str = "# as programs write it\nnewmtl glass\nNs 250\nKa 1 1 1\nKd 0.8 0.8 0.8\nKe 0 0 0\nNi 1.46\nd 0.1\nillum 7\n\n\
+newmtl red wine\nNi 1.34\nTf 0.5 0.1 0.1\nillum 6\nnewmtl lamp\nKe 10 9 8\nnewmtl wood\nKd 0.4 0.2 0.1\nmap_Kd oak.png\nPm 0.0\nTr 0\n";
+
+const PLAIN_MTL: &str = "newmtl glass\r\nNi 1.7\r\nnewmtl red wine\r\nNi 1.4\r\nTf 1 1 1\r\nnewmtl lamp\r\nNi 1.2\r\nnewmtl wood\r\nNi 1.3\r\n";
+
 const POSITIONS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 const FACES: [[i32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
 
@@ -101,6 +106,8 @@ pub fn all() -> Vec<(&'static str, &'static str, Vec<u8>)> {
         ("gltf", "table.glb", super::gltf::binary()),
         ("gltf", "table.gltf", super::gltf::embedded(&encoded(bytes(3, 2), ImageFormat::Png))),
         ("gltf", "packed.glb", super::gltf::packed()),
+        ("mtl", "table.mtl", TABLE_MTL.into()),
+        ("mtl", "plain.mtl", PLAIN_MTL.into()),
         ("hdr", "runs.hdr", encoded(floats(16, 4), ImageFormat::Hdr)),
         ("hdr", "flat.hdr", flat_hdr()),
         ("exr", "image.exr", encoded(floats(6, 4), ImageFormat::OpenExr)),

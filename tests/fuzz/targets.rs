@@ -21,7 +21,30 @@ pub fn scene(bytes: &[u8]) -> bool {
 }
 
 pub fn obj(bytes: &[u8]) -> bool {
+    // Whether its parts can be shown or not: it is answered.
+    let _ = read(
+        bytes,
+        Path::new("fuzz.obj"),
+        &Memory([("a.mtl".into(), b"newmtl glass\nNi 1.5\nTf 0.5\n".to_vec())].into()),
+    );
+    for part in ["group = \"cube\"", "group = \"sides\", material = \"glass\""] {
+        let head = "[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n[[solid]]\nname = \"s\"\n";
+        let text = format!("{head}shape = {{ mesh = \"fuzz.obj\", {part} }}\n");
+        let _ = parse(&text, Path::new("fuzz.toml"), &Memory([("fuzz.obj".into(), bytes.to_vec())].into()));
+    }
     mesh(bytes, "fuzz.obj")
+}
+
+/// A library of materials, for a mesh that uses them.
+pub fn mtl(bytes: &[u8]) -> bool {
+    const CORNERS: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+    const FACES: &str = "f 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 4\n";
+    let parts: String = ["glass", "red wine", "lamp", "wood"].map(|name| format!("usemtl {name}\n{FACES}")).concat();
+    let obj = format!("mtllib a.mtl\n{CORNERS}{parts}");
+    let scene = read(obj.as_bytes(), Path::new("fuzz.obj"), &Memory([("a.mtl".into(), bytes.to_vec())].into()));
+    let scene = scene.expect("a scene, whatever the materials say");
+    assert_eq!(scene.objects.len(), 6, "all parts are there");
+    scene.objects.refractors().len() > 1 && scene.media.iter().all(|medium| medium.ior.ior() != 1.5)
 }
 
 pub fn ply(bytes: &[u8]) -> bool {
