@@ -204,6 +204,7 @@ fn in_renderer(prepared: &Prepared, object: ObjectId, found: MediumId) -> String
             let ratio = brief(inside.ior() / outside.ior(), 5);
             format!(" In pbrt: eta = {ratio} ({own}/{around}), and `{}` outside in its MediumInterface.", outside.name)
         }
+        Some("glTF") => " Renderers of glTF take the world there: no glTF file can say otherwise.".to_owned(),
         _ => String::new(),
     }
 }

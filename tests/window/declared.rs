@@ -14,12 +14,16 @@ fn outside<'a>(harness: &'a Harness<'_, App>, object: &str) -> Option<&'a str> {
 }
 
 fn choose_in(harness: &mut Harness<'_, App>, list: &str, entry: &str) {
-    harness.get_by_role_and_label(Role::ComboBox, list).click();
+    // What has the focus is scrolled to.
+    harness.get_by_role_and_label(Role::ComboBox, list).focus();
+    harness.run_steps(20);
+    let combo = harness.get_by_role_and_label(Role::ComboBox, list).rect().center();
+    press(harness, Modifiers::NONE, Key::Enter);
     harness.run_steps(4);
-    // The list is drawn over everything else.
-    let place =
-        harness.query_all_by_label(entry).last().unwrap_or_else(|| panic!("there is no {entry}")).rect().center();
-    click_at(harness, place);
+    // Rows of the tree may be called the same.
+    let places = harness.query_all_by_role_and_label(Role::Button, entry).map(|node| node.rect().center());
+    let nearest = places.min_by(|a, b| a.distance(combo).total_cmp(&b.distance(combo)));
+    click_at(harness, nearest.unwrap_or_else(|| panic!("there is no {entry}")));
     harness.run_steps(4);
 }
 

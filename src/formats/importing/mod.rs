@@ -130,7 +130,9 @@ impl<'a> Importer<'a> {
         if let Some(known) = self.meshes.get(&path) {
             return Ok(Arc::clone(known));
         }
-        let format = mesh::format_of(&path).map_err(|message| at(place, message))?;
+        // A scene is no mesh: it could name itself.
+        let format = mesh::format_of(&path).ok().filter(|_| mesh::is_mesh(&path));
+        let format = format.ok_or_else(|| at(place, format!("{named} is no mesh that is read")))?;
         let (bytes, file) = self.bytes_of(named, place)?;
         let input = Input { bytes: &bytes, path: &file, files: self.input.files };
         let (mesh, notes) = mesh::read(&input, format).map_err(|fault| mesh::error_in(&file, fault))?;

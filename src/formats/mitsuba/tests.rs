@@ -189,6 +189,8 @@ fn circles_and_doublings_end() {
     assert!(scene_with(texture, &[]).unwrap_err().contains("deep in each other"));
     let group = r#"<scene><shape type="shapegroup" id="g"><shape type="instance"><ref id="g"/></shape></shape><shape type="instance"><ref id="g"/></shape></scene>"#;
     assert!(scene_with(group, &[]).unwrap_err().contains("too many shapes"));
+    let mesh = r#"<scene><shape type="obj"><string name="filename" value="s.xml"/></shape></scene>"#;
+    assert!(scene_with(mesh, &[("s.xml", mesh)]).unwrap_err().contains("s.xml is no mesh that is read"));
     let itself = "<scene><include filename=\"s.xml\"/></scene>";
     assert!(scene_with(itself, &[("s.xml", itself)]).unwrap_err().contains("include each other"));
 }

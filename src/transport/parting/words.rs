@@ -82,9 +82,9 @@ impl Cause {
             },
             Self::VacuumOutside => "takes everything outside for vacuum".to_owned(),
             Self::WrongDeclaration { refractor, declared } => {
-                format!("believes that {declared} is outside {refractor}")
+                format!("believes that {} is outside {refractor}", with_article(declared))
             }
-            Self::WrongStart { declared } => format!("believes that it starts in {declared}"),
+            Self::WrongStart { declared } => format!("believes that it starts in {}", with_article(declared)),
             Self::OneAnswerPerObject { refractor, .. } => format!("has one answer for all of {refractor}"),
             Self::Overlap { hidden, filler } => format!("forgets that {hidden} and {filler} overlap"),
             Self::EqualPriorities { a, b } => format!("cannot tell which fills both, {a} or {b}"),
@@ -103,10 +103,12 @@ impl Cause {
             }
             Self::VacuumOutside => format!("{mode} takes the outside of everything for vacuum."),
             Self::WrongDeclaration { refractor, declared } => {
-                format!("{declared} is what the scene declares outside {refractor}, or says by saying nothing.")
+                let declared = with_article(declared);
+                format!("The scene declares {declared} outside {refractor}, or does so by saying nothing.")
             }
             Self::WrongStart { declared } => {
-                format!("The scene declares that the path starts in {declared}, or says so by saying nothing.")
+                let declared = with_article(declared);
+                format!("The scene declares that the path starts in {declared}, or does so by saying nothing.")
             }
             Self::OneAnswerPerObject { refractor, outsides } => {
                 let outsides = list(outsides);
@@ -134,6 +136,11 @@ impl Cause {
             Self::Unexplained => "The cause is not known.".to_owned(),
         }
     }
+}
+
+/// "the world", "water".
+fn with_article(medium: &str) -> &str {
+    if medium == "world" { "the world" } else { medium }
 }
 
 /// "a", "a and b", "a, b and c".
