@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 
 use crate::check::Severity;
+use crate::export::resolved::Target;
 use crate::render::{BackendChoice, Estimator, EstimatorChoice, ImageSettings, SampleRange, ToneCurve};
 use crate::report::make::Part;
 use crate::scene::shapes::MAX_LENGTH;
@@ -68,9 +69,8 @@ pub enum Command {
     Scenes(ListArguments),
     /// Measure scenes: error against run time, stability, what was left out, growth, as a page with plots and tables
     Report(ReportArguments),
-    /// The scene with every interface resolved, for other renderers (not yet supported)
-    #[command(hide = true)]
-    Export(NotYet),
+    /// Write a scene for another renderer, every interface resolved
+    Export(ExportArguments),
 }
 
 /// The window, and the flags by which the project takes pictures of it.
@@ -450,12 +450,43 @@ pub struct ListArguments {
     pub json: bool,
 }
 
-/// Swallows whatever follows a command that is to come.
 #[derive(Debug, Args)]
-#[command(disable_help_flag = true)]
-pub struct NotYet {
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
-    pub rest: Vec<String>,
+#[command(after_help = "\
+Every place where light meets another medium is written once, with the media on both sides: meshes are split along patches and along the curves where
+surfaces cross, of coincident surfaces one stands for all, and what has the same medium on both sides is left out. What can only be approximated is
+listed.
+
+  mitsuba   scene.xml for Mitsuba 3
+  pbrt      scene.pbrt for pbrt-v4
+  gltf      scene.glb for viewers: volumes as objects, nothing split
+  faces     faces.json and a PLY file for each refractor, whose faces have the properties `outside` and `inside`
+
+Examples:
+  iorect export iced-water --to mitsuba -o iced-water-mitsuba
+  iorect export my.toml --to faces -o tables --json")]
+pub struct ExportArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// What for: mitsuba, pbrt, gltf or faces
+    #[arg(long, value_name = "TARGET", value_parser = target)]
+    pub to: Target,
+    /// Folder to write to; it is made if it is not there
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Size of the picture that the scene asks for
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size, allow_hyphen_values = true)]
+    pub size: Size,
+    /// Samples of each of its pixels
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: u32,
+}
+
+fn target(text: &str) -> Result<Target, String> {
+    let all = [Target::Mitsuba, Target::Pbrt, Target::Gltf, Target::Faces];
+    let valid = || all.map(Target::name).join(", ");
+    all.into_iter()
+        .find(|target| target.name() == text)
+        .ok_or_else(|| format!("unknown target `{text}`; valid: {}", valid()))
 }
 
 /// Width and height in pixels.

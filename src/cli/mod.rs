@@ -7,6 +7,7 @@ mod arguments;
 mod check;
 mod compare;
 mod convert;
+mod export;
 mod image;
 mod merge;
 mod preparation;
@@ -98,7 +99,7 @@ pub fn main(open_window: impl FnOnce(&WindowArguments) -> Result<(), WindowError
         Some(Command::Convert(arguments)) => convert::run(arguments),
         Some(Command::Scenes(arguments)) => scenes::run(arguments),
         Some(Command::Report(arguments)) => report::run(arguments),
-        Some(Command::Export(_)) => not_yet("export"),
+        Some(Command::Export(arguments)) => export::run(arguments),
     };
     match result {
         Ok(code) => code,
@@ -128,11 +129,6 @@ fn shell_word(word: &str) -> String {
     } else {
         format!("'{}'", word.replace('\'', "'\\''"))
     }
-}
-
-fn not_yet(command: &str) -> Result<ExitCode, Failure> {
-    let advice = "see `iorect --help` for those that are";
-    Err(Failure::wrong(format!("the command `{command}` is not yet supported; {advice}")))
 }
 
 /// The estimator in a heading, where it is another than paths from the camera.

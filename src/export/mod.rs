@@ -1,4 +1,5 @@
-//! Pictures to files: PNG for looking at, EXR for measuring, and labelled comparisons of several modes in one picture.
+//! Pictures to files: PNG for looking at, EXR for measuring, and labelled comparisons of several modes in one picture. And scenes with every
+//! interface resolved, for other renderers ([`resolved`]).
 //!
 //! Parts of images go to files of their own kind, which can be merged without rounding ([`write_sums`]).
 //! Everything is written whole or not at all ([`crate::writing`]). A PNG carries what it shows as text chunks
@@ -12,6 +13,7 @@ mod error;
 pub mod escape;
 mod metadata;
 mod picture;
+pub mod resolved;
 mod slices;
 mod sums;
 mod surfaces;

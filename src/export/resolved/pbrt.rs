@@ -1,0 +1,284 @@
+//! The scene for pbrt-v4: a text file, with its meshes and images beside it.
+//!
+//! pbrt's `eta` is the index inside over that outside, and every surface names the media on both of its sides.
+
+use std::f64::consts::FRAC_PI_4;
+use std::fmt::Write;
+
+use glam::DVec3;
+
+use super::files::{Bundle, exr_bytes};
+use super::pieces::Piece;
+use super::ply::{Extra, to_bytes};
+use super::scene::{Frame, Lamp, ResolvedScene, list};
+use crate::scene::Albedo;
+use crate::scene::description::Environment;
+use crate::scene::lights::EnvironmentLight;
+use crate::scene::{MediumId, ObjectId, Surface};
+
+/// Segments of a path at the most: pbrt has no way to say that there is no cap.
+const MAX_DEPTH: u32 = 10_000;
+/// Side of the square image that stands for an environment that is none, in pixels.
+const GRADIENT_SIDE: usize = 512;
+/// The most of the side of one that is.
+const MOST_SIDE: usize = 4096;
+
+pub fn write(resolved: &ResolvedScene, frame: Frame) -> Bundle {
+    let mut writer = Writer { resolved, text: String::new(), files: Bundle::new(resolved.notes.clone()) };
+    writer.scene(frame);
+    let Writer { text, mut files, .. } = writer;
+    files.add_main("scene.pbrt", text.into_bytes());
+    files
+}
+
+struct Writer<'a> {
+    resolved: &'a ResolvedScene,
+    text: String,
+    files: Bundle,
+}
+
+fn triple(v: impl Into<[f64; 3]>) -> String {
+    let [x, y, z] = v.into();
+    format!("{x:?} {y:?} {z:?}")
+}
+
+fn rgb(name: &str, value: [f64; 3]) -> String {
+    format!("\"rgb {name}\" [ {} ]", triple(value))
+}
+
+impl Writer<'_> {
+    fn line(&mut self, line: impl AsRef<str>) {
+        let _ = writeln!(self.text, "{}", line.as_ref());
+    }
+
+    fn scene(&mut self, frame: Frame) {
+        let resolved = self.resolved;
+        let camera = resolved.description().camera;
+        self.line("# Every interface with the media on both of its sides, as IOR rectification found them.");
+        self.line("Integrator \"volpath\"");
+        self.line(format!("  \"integer maxdepth\" {MAX_DEPTH}"));
+        self.line(format!("Sampler \"zsobol\" \"integer pixelsamples\" {}", frame.samples));
+        self.line("PixelFilter \"box\" \"float xradius\" 0.5 \"float yradius\" 0.5");
+        self.line("Film \"rgb\" \"string filename\" \"scene.exr\"");
+        self.line(format!("  \"integer xresolution\" {} \"integer yresolution\" {}", frame.width, frame.height));
+        // Coordinates are right-handed here and left-handed there.
+        self.line("Scale -1 1 1");
+        let [position, target, up] = [camera.position, camera.target, camera.up].map(triple);
+        self.line(format!("LookAt {position}  {target}  {up}"));
+        // Media are named before the camera that stands in one.
+        for id in resolved.absorbing() {
+            let medium = resolved.medium(id);
+            self.line(format!("# {}", comment(&medium.name)));
+            self.line(format!("MakeNamedMedium \"{}\" \"string type\" \"homogeneous\"", medium_name(id)));
+            self.line(format!("  {} \"rgb sigma_s\" [ 0 0 0 ]", rgb("sigma_a", medium.absorption.to_rgb())));
+        }
+        let around = self.medium(resolved.camera_medium);
+        self.line(format!("MediumInterface \"\" {around}"));
+        // The angle is that over the shorter side.
+        let tangent = (0.5 * camera.vertical_fov).to_radians().tan();
+        let aspect = f64::from(frame.width) / f64::from(frame.height);
+        let fov = 2.0 * (tangent * aspect.min(1.0)).atan().to_degrees();
+        self.line(format!("Camera \"perspective\" \"float fov\" {fov:?}"));
+        if camera.aperture_radius > 0.0 {
+            let focus = camera.focus_distance.unwrap_or_else(|| camera.position.distance(camera.target));
+            self.line(format!("  \"float lensradius\" {:?} \"float focaldistance\" {focus:?}", camera.aperture_radius));
+        }
+        self.line("WorldBegin");
+        self.environment();
+        self.lamps();
+        self.interfaces();
+        self.opaque();
+    }
+
+    /// The quoted name of a medium that absorbs; of another, empty.
+    fn medium(&self, id: MediumId) -> String {
+        if self.resolved.absorbs(id) { format!("\"{}\"", medium_name(id)) } else { "\"\"".into() }
+    }
+
+    fn environment(&mut self) {
+        let resolved = self.resolved;
+        match &resolved.scene().environment {
+            light if light.is_black() => {}
+            EnvironmentLight::Constant(color) => {
+                self.line(format!("LightSource \"infinite\" {}", rgb("L", color.to_rgb())));
+            }
+            light => {
+                let side = match &resolved.description().environment {
+                    Environment::Image { image, .. } => (2 * image.height).clamp(16, MOST_SIDE),
+                    _ => GRADIENT_SIDE,
+                };
+                let pixel = |x: usize, y: usize| {
+                    let at = [x, y].map(|k| (k as f64 + 0.5) / side as f64);
+                    light.radiance(equal_area_direction(at)).to_rgb().map(|c| c as f32)
+                };
+                self.files.add("environment.exr", exr_bytes(side, side, pixel));
+                self.line("LightSource \"infinite\" \"string filename\" \"environment.exr\"");
+            }
+        }
+    }
+
+    fn lamps(&mut self) {
+        let (mut suns, mut spots) = (Vec::new(), Vec::new());
+        for (object, lamp) in self.resolved.lamps() {
+            let name = self.resolved.scene().object(object).name.clone();
+            let around = self.medium(self.resolved.medium_around(object));
+            self.line(format!("AttributeBegin # {}", comment(&name)));
+            self.line(format!("  MediumInterface \"\" {around}"));
+            match lamp {
+                Lamp::Point { position, intensity } => {
+                    self.line(format!("  LightSource \"point\" \"point3 from\" [ {} ]", triple(position)));
+                    self.line(format!("    {}", rgb("I", intensity)));
+                }
+                Lamp::Spot { position, axis, intensity, half_angles: [inner, outer] } => {
+                    spots.push(name);
+                    let [from, to] = [position, position + axis].map(triple);
+                    self.line(format!("  LightSource \"spot\" \"point3 from\" [ {from} ] \"point3 to\" [ {to} ]"));
+                    self.line(format!(
+                        "    \"float coneangle\" {outer:?} \"float conedeltaangle\" {:?}",
+                        outer - inner
+                    ));
+                    self.line(format!("    {}", rgb("I", intensity)));
+                }
+                Lamp::Directional { direction, irradiance, angle } => {
+                    if angle > 0.0 {
+                        suns.push(name);
+                    }
+                    let from = triple(-direction);
+                    self.line(format!("  LightSource \"distant\" \"point3 from\" [ {from} ] \"point3 to\" [ 0 0 0 ]"));
+                    self.line(format!("    {}", rgb("L", irradiance)));
+                }
+            }
+            self.line("AttributeEnd");
+        }
+        if !suns.is_empty() {
+            let what = "suns have no extent in pbrt; all of the light comes from one direction";
+            self.files.notes.push(format!("{}: {what}", list(&suns)));
+        }
+        if !spots.is_empty() {
+            self.files.notes.push(format!("{}: between their two angles spots fade otherwise in pbrt", list(&spots)));
+        }
+    }
+
+    fn interfaces(&mut self) {
+        let resolved = self.resolved;
+        for (index, interface) in resolved.interfaces.iter().enumerate() {
+            let (outside, inside) = (resolved.medium(interface.outside), resolved.medium(interface.inside));
+            let name = &resolved.scene().object(interface.refractor).name;
+            let sides = [&outside.name, &inside.name].map(|name| comment(name)).join(" | ");
+            self.line(format!("AttributeBegin # {}: {sides}", comment(name)));
+            let [inner, outer] = [interface.inside, interface.outside].map(|id| self.medium(id));
+            self.line(format!("  MediumInterface {inner} {outer}"));
+            let eta = inside.ior() / outside.ior();
+            self.line(format!("  Material \"dielectric\" \"float eta\" {eta:?}"));
+            let file = format!("{}-{index}.ply", resolved.name(interface.refractor));
+            self.shape(&interface.piece, &file, None);
+            self.line("AttributeEnd");
+        }
+    }
+
+    fn shape(&mut self, piece: &Piece, file: &str, object: Option<ObjectId>) {
+        let is_chequered =
+            object.is_some_and(|object| matches!(self.resolved.albedo(object), Some(Albedo::Checker { .. })));
+        match piece {
+            Piece::Sphere { center, radius } if !is_chequered => {
+                self.line(format!("  Translate {}", triple(*center)));
+                self.line(format!("  Shape \"sphere\" \"float radius\" {radius:?}"));
+            }
+            piece => {
+                let (mesh, uv) = match object {
+                    Some(object) => self.resolved.mesh_with_uv(object, piece),
+                    None => (piece.clone().into_mesh(), Vec::new()),
+                };
+                self.files.add(format!("meshes/{file}"), to_bytes(&mesh, Extra { uv: &uv, ..Extra::default() }));
+                self.line(format!("  Shape \"plymesh\" \"string filename\" \"meshes/{file}\""));
+            }
+        }
+    }
+
+    fn opaque(&mut self) {
+        let resolved = self.resolved;
+        for (object, piece) in &resolved.opaque {
+            let name = &resolved.scene().object(*object).name;
+            self.line(format!("AttributeBegin # {}", comment(name)));
+            match resolved.emission(*object) {
+                Some((radiance, two_sided)) => {
+                    let around = self.medium(resolved.medium_around(*object));
+                    self.line(format!("  MediumInterface {around} {around}"));
+                    self.line("  Material \"diffuse\" \"rgb reflectance\" [ 0 0 0 ]");
+                    self.line(format!("  AreaLightSource \"diffuse\" {}", rgb("L", radiance)));
+                    self.line(format!("    \"bool twosided\" {two_sided}"));
+                }
+                None => self.solid(*object),
+            }
+            self.shape(piece, &format!("{}.ply", resolved.name(*object)), Some(*object));
+            self.line("AttributeEnd");
+        }
+    }
+
+    fn solid(&mut self, object: ObjectId) {
+        let Some(albedo) = self.resolved.albedo(object) else { return };
+        let is_mirror = matches!(self.resolved.scene().object(object).surface, Surface::Mirror { .. });
+        let (material, parameter) = if is_mirror { ("conductor", "reflectance") } else { ("diffuse", "reflectance") };
+        match albedo {
+            Albedo::Color(color) => {
+                // A conductor refuses a reflectance of 1.
+                let value = color.to_rgb().map(|c| if is_mirror { c.min(0.9999) } else { c });
+                self.line(format!("  Material \"{material}\" {}", rgb(parameter, value)));
+            }
+            Albedo::Checker { a, b, .. } => {
+                let texture = format!("chequers-{}", self.resolved.name(object));
+                self.line(format!("  Texture \"{texture}\" \"spectrum\" \"checkerboard\""));
+                // Coordinates count two squares to a unit.
+                self.line("    \"float uscale\" 2 \"float vscale\" 2");
+                self.line(format!("    {} {}", rgb("tex1", a.to_rgb()), rgb("tex2", b.to_rgb())));
+                self.line(format!("  Material \"{material}\" \"texture {parameter}\" \"{texture}\""));
+            }
+        }
+    }
+}
+
+fn medium_name(medium: MediumId) -> String {
+    format!("medium-{}", medium.0)
+}
+
+/// Text for a comment, which ends with its line.
+fn comment(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '_' } else { c }).collect()
+}
+
+/// The direction of a place in [0, 1]² of an equal-area octahedral map (Clarberg 2008), as pbrt reads its environments.
+fn equal_area_direction(at: [f64; 2]) -> DVec3 {
+    let [u, v] = at.map(|x| 2.0 * x - 1.0);
+    let (across, down) = (u.abs(), v.abs());
+    let from_edge = 1.0 - (across + down);
+    let r = 1.0 - from_edge.abs();
+    let phi = if r == 0.0 { FRAC_PI_4 } else { ((down - across) / r + 1.0) * FRAC_PI_4 };
+    let z = (1.0 - r * r).copysign(from_edge);
+    let ring = r * (2.0 - r * r).sqrt();
+    DVec3::new(phi.cos().copysign(u) * ring, phi.sin().copysign(v) * ring, z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Equal areas: the mean of x², y² and z² over the square is a third each. And its marked places.
+    #[test]
+    fn the_map_is_of_equal_areas() {
+        let side = 200;
+        let mut sum = DVec3::ZERO;
+        for y in 0..side {
+            for x in 0..side {
+                let d = equal_area_direction([x, y].map(|k| (f64::from(k) + 0.5) / f64::from(side)));
+                assert!((d.length() - 1.0).abs() < 1e-12);
+                sum += d * d;
+            }
+        }
+        let mean = sum / f64::from(side * side);
+        assert!((mean - 1.0 / 3.0).abs().max_element() < 1e-3, "{mean}");
+        assert!(equal_area_direction([0.5, 0.5]).abs_diff_eq(DVec3::Z, 1e-12));
+        assert!(equal_area_direction([0.0, 0.0]).abs_diff_eq(DVec3::NEG_Z, 1e-12));
+        assert!(equal_area_direction([1.0, 0.5]).abs_diff_eq(DVec3::X, 1e-12));
+        assert!(equal_area_direction([0.5, 0.0]).abs_diff_eq(DVec3::NEG_Y, 1e-12));
+    }
+}

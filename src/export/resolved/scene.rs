@@ -1,0 +1,228 @@
+//! A scene with every interface resolved: what the writers of all formats take, each in its own words.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::pieces::{Interface, Piece, interfaces, opaque, with_meshes};
+use crate::geometry::{Mesh, Ray};
+use crate::rectify::start::start;
+use crate::scene::Albedo;
+use crate::scene::camera::Camera;
+use crate::scene::description::{Description, Shape};
+use crate::scene::lights::Light;
+use crate::scene::{MediumId, ObjectId, Scene, SceneError, SceneMedium, Surface};
+use crate::tracking::Prepared;
+
+/// The scene, its interfaces, and what cannot be said of it elsewhere.
+pub struct ResolvedScene {
+    pub prepared: Prepared,
+    pub interfaces: Vec<Interface>,
+    /// Solids, and lights with a surface.
+    pub opaque: Vec<(ObjectId, Piece)>,
+    pub camera_medium: MediumId,
+    /// Short names of the objects' files, each once.
+    names: Vec<String>,
+    /// What is approximated, and what is left out.
+    pub notes: Vec<String>,
+}
+
+/// A light without a surface, in scene coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Lamp {
+    Point {
+        position: DVec3,
+        intensity: [f64; 3],
+    },
+    /// Half angles in degrees, the inner one first; `axis` is a unit vector.
+    Spot {
+        position: DVec3,
+        axis: DVec3,
+        intensity: [f64; 3],
+        half_angles: [f64; 2],
+    },
+    /// `direction` is that of the light's rays; `angle` is the full one that it is seen under, in degrees.
+    Directional {
+        direction: DVec3,
+        irradiance: [f64; 3],
+        angle: f64,
+    },
+}
+
+/// The picture that a scene for another renderer asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Frame {
+    pub width: u32,
+    pub height: u32,
+    /// Of each pixel.
+    pub samples: u32,
+}
+
+impl ResolvedScene {
+    /// # Errors
+    /// When the scene is impossible.
+    pub fn new(description: &Arc<Description>) -> Result<Self, SceneError> {
+        let (prepared, spheres) = with_meshes(description)?;
+        let mut notes = Vec::new();
+        if !spheres.is_empty() {
+            notes.push(format!("{} became meshes, so that they can be cut where others cross them", list(&spheres)));
+        }
+        let crowded: Vec<String> = (prepared.table.crowded().into_iter())
+            .map(|(object, _)| prepared.scene.object(object).name.clone())
+            .collect();
+        if !crowded.is_empty() {
+            let what = "have faces that very many others meet, which are not cut: each has the media of its middle";
+            notes.push(format!("{} {what}", list(&crowded)));
+        }
+        let scene = &*prepared.scene;
+        let camera = Camera::new(&prepared.description.camera)?;
+        let eye = Ray::new(camera.position - scene.geometry.origin, camera.forward);
+        let camera_medium = start(scene, eye).medium;
+        let is_opaque = |id: &ObjectId| !scene.is_refractor(*id);
+        let opaque = (0..scene.objects.len() as u32)
+            .map(ObjectId)
+            .filter(is_opaque)
+            .filter_map(|id| Some((id, opaque(&prepared, id)?)))
+            .collect();
+        let interfaces = interfaces(&prepared);
+        let names = file_names(scene);
+        Ok(Self { interfaces, opaque, camera_medium, names, notes, prepared })
+    }
+
+    pub fn scene(&self) -> &Scene {
+        &self.prepared.scene
+    }
+
+    pub fn description(&self) -> &Description {
+        &self.prepared.description
+    }
+
+    pub fn medium(&self, id: MediumId) -> &SceneMedium {
+        self.scene().medium(id)
+    }
+
+    /// A short name of an object, of letters, digits and dashes, that no other object has.
+    pub fn name(&self, object: ObjectId) -> &str {
+        &self.names[object.0 as usize]
+    }
+
+    /// The media that absorb and occur: those that need a description of their own.
+    pub fn absorbing(&self) -> Vec<MediumId> {
+        let mut all: Vec<MediumId> = (self.interfaces.iter())
+            .flat_map(|interface| [interface.outside, interface.inside])
+            .chain([self.camera_medium])
+            .filter(|medium| !self.medium(*medium).absorption.is_black())
+            .collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    pub fn absorbs(&self, medium: MediumId) -> bool {
+        !self.medium(medium).absorption.is_black()
+    }
+
+    /// What most of a light's surface lies in, or what a light without a surface stands in.
+    pub fn medium_around(&self, light: ObjectId) -> MediumId {
+        let patches = self.prepared.table.lights.iter().filter(|patch| patch.refractor == light);
+        let largest = patches.filter(|patch| patch.outside.is_some()).max_by(|a, b| a.area.total_cmp(&b.area));
+        largest.and_then(|patch| patch.outside).unwrap_or(MediumId::WORLD)
+    }
+
+    /// Lights without a surface, with their objects.
+    pub fn lamps(&self) -> Vec<(ObjectId, Lamp)> {
+        let origin = self.scene().geometry.origin;
+        let shape = |id: ObjectId| &self.description().objects[id.0 as usize].shape;
+        (self.scene().emitters.iter())
+            .filter_map(|(light, _)| match light {
+                Light::Point(light) => {
+                    let (position, intensity) = (light.position + origin, light.intensity.to_rgb());
+                    Some((light.object, Lamp::Point { position, intensity }))
+                }
+                Light::Spot(light) => {
+                    let Shape::Spot { inner_angle, outer_angle, .. } = *shape(light.object) else { return None };
+                    let (position, intensity) = (light.position + origin, light.intensity.to_rgb());
+                    let half_angles = [inner_angle, outer_angle];
+                    Some((light.object, Lamp::Spot { position, axis: light.axis, intensity, half_angles }))
+                }
+                Light::Directional(light) => {
+                    let Shape::Directional { angle, .. } = *shape(light.object) else { return None };
+                    let (direction, irradiance) = (-light.to_light, light.irradiance.to_rgb());
+                    Some((light.object, Lamp::Directional { direction, irradiance, angle }))
+                }
+                Light::Area(_) | Light::Environment(_) => None,
+            })
+            .collect()
+    }
+
+    /// The mesh of something opaque, and its texture coordinates where it is chequered: two squares to a unit.
+    pub fn mesh_with_uv(&self, object: ObjectId, piece: &Piece) -> (Mesh, Vec<[f64; 2]>) {
+        let mesh = piece.clone().into_mesh();
+        let Some(Albedo::Checker { origin, u_axis, v_axis, .. }) = self.albedo(object) else {
+            return (mesh, Vec::new());
+        };
+        let from = self.scene().geometry.origin + origin;
+        let uv = mesh.positions.iter().map(|p| [0.5 * (*p - from).dot(u_axis), 0.5 * (*p - from).dot(v_axis)]);
+        let uv = uv.collect();
+        (mesh, uv)
+    }
+
+    /// The albedo of a solid.
+    pub fn albedo(&self, object: ObjectId) -> Option<Albedo> {
+        match self.scene().object(object).surface {
+            Surface::Diffuse { albedo, .. } | Surface::Mirror { albedo, .. } => Some(albedo),
+            Surface::Refractor { .. } | Surface::Light { .. } => None,
+        }
+    }
+
+    /// The radiance of a light with a surface, and whether it shines on both sides.
+    pub fn emission(&self, object: ObjectId) -> Option<([f64; 3], bool)> {
+        match self.scene().object(object).surface {
+            Surface::Light { radiance, two_sided } => Some((radiance.to_rgb(), two_sided)),
+            _ => None,
+        }
+    }
+
+    /// The radius of a sphere around everything, and what lies beyond it the camera included.
+    pub fn reach(&self) -> f64 {
+        let geometry = &self.scene().geometry;
+        let eye = self.description().camera.position - geometry.origin;
+        geometry.bounding_sphere().map_or(1.0, |bounds| bounds.radius + bounds.center.distance(eye)).max(1e-30)
+    }
+}
+
+/// Names in a sentence.
+pub fn list(names: &[String]) -> String {
+    const MOST: usize = 4;
+    let mut unique: Vec<&String> = Vec::new();
+    names.iter().for_each(|name| {
+        if !unique.contains(&name) {
+            unique.push(name);
+        }
+    });
+    let shown: Vec<String> = unique.iter().take(MOST).map(|name| format!("`{name}`")).collect();
+    match unique.len().saturating_sub(MOST) {
+        0 => shown.join(", "),
+        more => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+fn file_names(scene: &Scene) -> Vec<String> {
+    let mut counts: HashMap<String, u32> = HashMap::new();
+    (scene.objects.iter())
+        .map(|object| {
+            let mut name: String = (object.name.chars().take(60))
+                .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' })
+                .collect();
+            name = name.split('-').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("-");
+            if name.is_empty() {
+                name = "object".into();
+            }
+            let count = counts.entry(name.clone()).or_default();
+            *count += 1;
+            // A name that ends in a number of its own might be another's with one added.
+            if *count == 1 { name } else { format!("{name}--{count}") }
+        })
+        .collect()
+}
