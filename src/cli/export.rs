@@ -26,6 +26,9 @@ struct Report<'a> {
 
 pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Failure> {
     let ExportArguments { scene, to, output, size, spp } = arguments;
+    if output.exists() && !output.is_dir() {
+        return Err(Failure::wrong(format!("{} is a file, not a folder; choose another", shown(output))));
+    }
     let description = Arc::new(formats::open(&scene.scene)?);
     let frame = Frame { width: size.width, height: size.height, samples: *spp };
     let bundle = export(&description, *to, frame)?;

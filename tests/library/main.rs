@@ -36,6 +36,7 @@ mod readme;
 mod rectification;
 mod reference;
 mod report;
+mod resolved;
 mod seams;
 mod smooth_normals;
 mod stability;

@@ -97,7 +97,7 @@ pub fn interfaces(prepared: &Prepared) -> Vec<Interface> {
             let builder = match builders.iter_mut().position(|(known, _)| *known == sides) {
                 Some(index) => &mut builders[index].1,
                 None => {
-                    builders.push((sides, Builder::default()));
+                    builders.push((sides, Builder::new(geometry)));
                     &mut builders.last_mut().expect("it has just been added").1
                 }
             };
@@ -107,7 +107,7 @@ pub fn interfaces(prepared: &Prepared) -> Vec<Interface> {
             refractor,
             outside,
             inside,
-            piece: Piece::Mesh(builder.finish(geometry.origin)),
+            piece: Piece::Mesh(builder.finish()),
         }));
     }
     all
@@ -124,11 +124,11 @@ pub fn opaque(prepared: &Prepared, object: ObjectId) -> Option<Piece> {
         ObjectRange::Triangles(range) if range.is_empty() => None,
         ObjectRange::Triangles(range) => {
             let is_smooth = is_smooth(prepared, object);
-            let mut builder = Builder::default();
+            let mut builder = Builder::new(geometry);
             for face in range.clone() {
                 builder.add(&geometry.corners(face), &normals_of(geometry, face, is_smooth));
             }
-            Some(Piece::Mesh(builder.finish(geometry.origin)))
+            Some(Piece::Mesh(builder.finish()))
         }
     }
 }
@@ -216,20 +216,29 @@ fn barycentric(corners: &[DVec3; 3], point: DVec3) -> [f64; 3] {
     [(1.0 - b - c).max(0.0), b, c]
 }
 
-/// Joins triangles whose corners are equal to the bit.
-#[derive(Default)]
+/// Joins triangles whose corners are equal. Coordinates are those of the scene, rounded to single precision as files hold them: what has no area then
+/// is left out.
 struct Builder {
+    origin: DVec3,
     mesh: Mesh,
-    numbers: HashMap<[u64; 6], u32>,
+    numbers: HashMap<[u32; 6], u32>,
 }
 
 impl Builder {
+    fn new(geometry: &Geometry) -> Self {
+        Self { origin: geometry.origin, mesh: Mesh::default(), numbers: HashMap::new() }
+    }
+
     fn add(&mut self, corners: &[DVec3; 3], normals: &[DVec3; 3]) {
+        let rounded = corners.map(|corner| (corner + self.origin).as_vec3() + 0.0);
+        if rounded[0] == rounded[1] || rounded[1] == rounded[2] || rounded[2] == rounded[0] {
+            return;
+        }
         let triangle = [0, 1, 2].map(|k| {
-            let ([x, y, z], [nx, ny, nz]) = ((corners[k] + 0.0).to_array(), (normals[k] + 0.0).to_array());
+            let ([x, y, z], [nx, ny, nz]) = (rounded[k].to_array(), (normals[k].as_vec3() + 0.0).to_array());
             let mesh = &mut self.mesh;
-            *self.numbers.entry([x, y, z, nx, ny, nz].map(f64::to_bits)).or_insert_with(|| {
-                mesh.positions.push(corners[k]);
+            *self.numbers.entry([x, y, z, nx, ny, nz].map(f32::to_bits)).or_insert_with(|| {
+                mesh.positions.push(rounded[k].as_dvec3());
                 mesh.normals.push(normals[k]);
                 mesh.positions.len() as u32 - 1
             })
@@ -237,11 +246,10 @@ impl Builder {
         self.mesh.triangles.push(triangle);
     }
 
-    /// In scene coordinates; without normals where faces are flat.
-    fn finish(self, origin: DVec3) -> Mesh {
+    /// Without normals where faces are flat.
+    fn finish(self) -> Mesh {
         let mut mesh = self.mesh;
-        mesh.positions.iter_mut().for_each(|position| *position += origin);
-        if mesh.normals.iter().any(|normal| *normal == DVec3::ZERO) {
+        if mesh.normals.contains(&DVec3::ZERO) {
             mesh.normals = Vec::new();
         }
         mesh
