@@ -151,10 +151,6 @@ fn pieces_of(prepared: &Prepared, refractor: ObjectId, face: PrimitiveId) -> Vec
     let (scene, geometry, table) = (&*prepared.scene, &*prepared.scene.geometry, &*prepared.table);
     let corners = geometry.corners(face);
     let normals = normals_of(geometry, face, is_smooth(prepared, refractor));
-    let whole = || {
-        let answer = table.sides_of(scene, face).filter(|answer| answer.outside != answer.inside);
-        answer.map(|answer| FacePiece { outside: answer.outside, inside: answer.inside, corners, normals }).into_iter()
-    };
     let is_mixed = table.is_mixed(refractor, face);
     let known = if is_mixed { None } else { table.sides_of(scene, face) };
     if !is_mixed && known.is_none_or(|answer| answer.outside == answer.inside) {
