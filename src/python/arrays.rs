@@ -1,16 +1,12 @@
 //! Arrays of NumPy, in and out.
 
-use bytemuck::{AnyBitPattern, NoUninit, pod_collect_to_vec};
+use bytemuck::{NoUninit, Pod, pod_collect_to_vec};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 /// Rows of three numbers, from anything that NumPy makes an array of that shape of. `what` names it in errors.
-pub fn rows_of_three<T>(given: &Bound<'_, PyAny>, kind: &str, what: &str) -> PyResult<Vec<[T; 3]>>
-where
-    T: AnyBitPattern + NoUninit,
-    [T; 3]: AnyBitPattern,
-{
+pub fn rows_of_three<T: Pod>(given: &Bound<'_, PyAny>, kind: &str, what: &str) -> PyResult<Vec<[T; 3]>> {
     let py = given.py();
     let numpy = py.import("numpy")?;
     let array = numpy.call_method1("asarray", (given,))?;

@@ -72,7 +72,13 @@ impl Body {
     }
 
     fn __repr__(&self) -> String {
-        format!("Body({:?}, {} faces, ior={}, medium={:?})", self.name, self.mesh.triangles.len(), self.ior, self.medium)
+        format!(
+            "Body({:?}, {} faces, ior={}, medium={:?})",
+            self.name,
+            self.mesh.triangles.len(),
+            self.ior,
+            self.medium
+        )
     }
 }
 
@@ -93,11 +99,9 @@ pub fn description_of(bodies: &[Body], world_ior: f64) -> PyResult<Description> 
                 return Err(PyValueError::new_err(message));
             }
             Some(_) => {}
-            None => media.push(Medium {
-                name: body.medium.clone(),
-                ior: Ior::Constant(body.ior),
-                absorption: [0.0; 3],
-            }),
+            None => {
+                media.push(Medium { name: body.medium.clone(), ior: Ior::Constant(body.ior), absorption: [0.0; 3] })
+            }
         }
         let shape = Shape::mesh(format!("{}.ply", body.name), Arc::clone(&body.mesh));
         let mut refractor = Refractor::of(body.medium.clone());

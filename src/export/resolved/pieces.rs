@@ -197,7 +197,7 @@ fn is_smooth(prepared: &Prepared, object: ObjectId) -> bool {
 }
 
 fn normals_of(geometry: &Geometry, face: PrimitiveId, is_smooth: bool) -> [DVec3; 3] {
-    if is_smooth { geometry.corner_normals(face).map(|normal| normal.as_dvec3()) } else { [DVec3::ZERO; 3] }
+    if is_smooth { geometry.corner_normals(face).map(glam::Vec3::as_dvec3) } else { [DVec3::ZERO; 3] }
 }
 
 /// Weights of a triangle's corners at a point of it.
