@@ -136,9 +136,18 @@ pub fn exr(path: &Path, picture: &Picture, text: &[(String, String)]) -> Result<
 }
 
 fn encode_exr(picture: &Picture, text: &[(String, String)]) -> exr::error::Result<Vec<u8>> {
-    use exr::prelude::{Encoding, Image, LayerAttributes, LineOrder, SpecificChannels, Text, Vec2, WritableImage};
     let size = (picture.width as usize, picture.height as usize);
-    let pixel = |at: Vec2<usize>| <(f32, f32, f32)>::from(picture.rgb[at.y() * size.0 + at.x()]);
+    exr_of_pixels(size, |x, y| picture.rgb[y * size.0 + x], text)
+}
+
+/// The bytes of an EXR file in f32, of pixels by column and row.
+pub(super) fn exr_of_pixels(
+    size: (usize, usize),
+    pixel: impl Sync + Fn(usize, usize) -> [f32; 3],
+    text: &[(String, String)],
+) -> exr::error::Result<Vec<u8>> {
+    use exr::prelude::{Encoding, Image, LayerAttributes, LineOrder, SpecificChannels, Text, Vec2, WritableImage};
+    let pixel = |at: Vec2<usize>| <(f32, f32, f32)>::from(pixel(at.x(), at.y()));
     // Blocks are compressed on all cores: in no particular order, equal pictures would not give equal files.
     let encoding = Encoding { line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
     let lines: Vec<String> = text.iter().map(|(keyword, text)| format!("{keyword}: {text}")).collect();

@@ -84,16 +84,25 @@ fn pieces_have_the_media_that_are_there() {
         let (mut points, mut expected) = (Vec::new(), Vec::new());
         for interface in &interfaces {
             assert_ne!(interface.outside, interface.inside);
+            let size = geometry.radius_of(interface.refractor.0);
             let mesh = interface.piece.clone().into_mesh();
             for _ in 0..200 {
-                let [a, b, c] = mesh.triangles[numbers.index(mesh.triangles.len())].map(|k| mesh.positions[k as usize]);
-                let normal = (b - a).cross(c - a);
-                let size = geometry.radius_of(interface.refractor.0);
-                if normal.length() < (2e-3 * size).powi(2) {
-                    continue;
-                }
-                let middle = (a + b + c) / 3.0 - geometry.origin;
-                let beside = normal.normalize() * 1e-4 * size;
+                let (middle, normal) = match &interface.piece {
+                    Piece::Sphere { center, radius } => {
+                        let normal = numbers.direction();
+                        (*center + normal * *radius, normal)
+                    }
+                    Piece::Mesh(_) => {
+                        let triangle = mesh.triangles[numbers.index(mesh.triangles.len())];
+                        let [a, b, c] = triangle.map(|k| mesh.positions[k as usize]);
+                        let normal = (b - a).cross(c - a);
+                        if normal.length() < (2e-3 * size).powi(2) {
+                            continue;
+                        }
+                        ((a + b + c) / 3.0, normal.normalize())
+                    }
+                };
+                let (middle, beside) = (middle - geometry.origin, normal * 1e-4 * size);
                 points.extend([middle + beside, middle - beside]);
                 expected.extend([interface.outside, interface.inside]);
             }

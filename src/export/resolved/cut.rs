@@ -167,9 +167,18 @@ impl Plane {
         for k in 0..3 {
             let [a, b] = [other[k], other[(k + 1) % 3]];
             match through([a, b], &self.corners) {
-                // It was found as a point of the face's edge.
-                Some((_, true)) | None => {}
-                Some((position, false)) => add(self.inner(position)),
+                None => {}
+                Some((position, [])) => add(self.inner(position)),
+                // Most have been found as points of the face's edges; one that lies in the other's plane has not.
+                Some((_, edges)) => {
+                    for &edge in edges {
+                        if self.edge(edge).iter().all(|end| volume(other, *end) == 0.0)
+                            && let Some(position) = nearest_on(self.edge(edge), [a, b])
+                        {
+                            add(self.on_edge(edge, position));
+                        }
+                    }
+                }
             }
             if volume(&self.corners, a) == 0.0 && covers(&self.corners, a) {
                 add(self.inner_or_on_edge(a));
@@ -184,12 +193,13 @@ impl Plane {
         pairs.max_by(|a, b| length(a).total_cmp(&length(b))).map(|pair| pair.map(|index| points[index]))
     }
 
+    /// The edge that a point lies on.
+    fn edge_at(&self, position: DVec3) -> Option<usize> {
+        (0..3).find(|edge| distance_to(position, self.edge(*edge)) <= SAME * self.size)
+    }
+
     fn inner_or_on_edge(&self, position: DVec3) -> Point {
-        let distance = |edge: usize| {
-            let [a, b] = self.edge(edge);
-            position.distance(a + (b - a) * self.along(edge, position).clamp(0.0, 1.0))
-        };
-        match (0..3).find(|edge| distance(*edge) <= SAME * self.size) {
+        match self.edge_at(position) {
             Some(edge) => self.on_edge(edge, position),
             None => self.inner(position),
         }
@@ -207,9 +217,12 @@ impl Plane {
         };
         (0..3)
             .filter_map(|k| {
-                let [a, b] = ordered([other[k], other[(k + 1) % 3]]);
+                let [a, b] = [other[k], other[(k + 1) % 3]];
+                let is_here = |p: &DVec3| inside(*p) || self.edge_at(*p).is_some();
                 let mut points: Vec<Point> =
-                    [a, b].into_iter().filter(|p| inside(*p)).map(|p| self.inner_or_on_edge(p)).collect();
+                    [a, b].into_iter().filter(is_here).map(|p| self.inner_or_on_edge(p)).collect();
+                let is_passed = |corner: &usize| distance_to(self.corners[*corner], [a, b]) <= SAME * self.size;
+                points.extend((0..3).filter(is_passed).map(|corner| self.corner(corner)));
                 for edge in 0..3 {
                     if let Some(position) = self.meeting_of_edges(edge, [a, b]) {
                         points.push(self.on_edge(edge, position));
@@ -232,13 +245,23 @@ impl Plane {
         {
             return None;
         }
-        // The place nearest to the other edge: the same whichever face's plane is looked at.
-        let (u, v, w) = (b - a, d - c, a - c);
-        let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
-        let determinant = uu * vv - uv * uv;
-        let t = (uv * v.dot(w) - vv * u.dot(w)) / determinant;
-        t.is_finite().then(|| a + u * t.clamp(0.0, 1.0))
+        nearest_on([a, b], [c, d])
     }
+}
+
+/// The place on an edge that is nearest to another one: the same whichever face's plane is looked at. `None` where they run side by side.
+fn nearest_on(edge: [DVec3; 2], other: [DVec3; 2]) -> Option<DVec3> {
+    let ([a, b], [c, d]) = (ordered(edge), ordered(other));
+    let (u, v, w) = (b - a, d - c, a - c);
+    let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
+    let determinant = uu * vv - uv * uv;
+    let t = (uv * v.dot(w) - vv * u.dot(w)) / determinant;
+    t.is_finite().then(|| a + u * t.clamp(0.0, 1.0))
+}
+
+fn distance_to(point: DVec3, [a, b]: [DVec3; 2]) -> f64 {
+    let along = (point - a).dot(b - a) / (b - a).length_squared();
+    point.distance(a + (b - a) * if along.is_finite() { along.clamp(0.0, 1.0) } else { 0.0 })
 }
 
 /// Both ends in an order that does not depend on which comes first.
@@ -256,8 +279,8 @@ fn volume(triangle: &[DVec3; 3], point: DVec3) -> f64 {
     orient3d(coord(triangle[0]), coord(triangle[1]), coord(triangle[2]), coord(point))
 }
 
-/// Where an edge goes from one side of a triangle to the other, through it or its outline, and whether through its outline.
-fn through(edge: [DVec3; 2], triangle: &[DVec3; 3]) -> Option<(DVec3, bool)> {
+/// Where an edge goes from one side of a triangle to the other, through it or its outline, and which of the triangle's edges it goes through.
+fn through(edge: [DVec3; 2], triangle: &[DVec3; 3]) -> Option<(DVec3, &'static [usize])> {
     let [a, b] = ordered(edge);
     let (below, above) = (volume(triangle, a), volume(triangle, b));
     if !(below < 0.0 && above > 0.0 || below > 0.0 && above < 0.0) {
@@ -265,7 +288,17 @@ fn through(edge: [DVec3; 2], triangle: &[DVec3; 3]) -> Option<(DVec3, bool)> {
     }
     let around = [0, 1, 2].map(|k| orient3d(coord(a), coord(b), coord(triangle[k]), coord(triangle[(k + 1) % 3])));
     let is_inside = around.iter().all(|side| *side >= 0.0) || around.iter().all(|side| *side <= 0.0);
-    is_inside.then(|| (a + (b - a) * (below / (below - above)), around.contains(&0.0)))
+    let met: &[usize] = match around.map(|side| side == 0.0) {
+        [false, false, false] => &[],
+        [true, false, false] => &[0],
+        [false, true, false] => &[1],
+        [false, false, true] => &[2],
+        [true, true, false] => &[0, 1],
+        [false, true, true] => &[1, 2],
+        [true, false, true] => &[0, 2],
+        [true, true, true] => &[0, 1, 2],
+    };
+    is_inside.then(|| (a + (b - a) * (below / (below - above)), met))
 }
 
 /// Whether a point in the plane of a triangle lies in it or on its outline.

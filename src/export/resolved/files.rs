@@ -1,11 +1,11 @@
 //! The files that make up an exported scene.
 
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
 use super::scene::ResolvedScene;
+use crate::export::picture::exr_of_pixels;
 use crate::scene::lights::EnvironmentLight;
 use crate::writing::{WriteError, write_atomically};
 
@@ -84,13 +84,7 @@ pub fn environment_exr(resolved: &ResolvedScene, light: &EnvironmentLight) -> (f
 }
 
 /// An EXR file in f32, of pixels by column and row.
-pub fn exr_bytes(width: usize, height: usize, pixel: impl Fn(usize, usize) -> [f32; 3]) -> Vec<u8> {
-    let mut pixels = image::Rgb32FImage::new(width as u32, height as u32);
-    for (x, y, to) in pixels.enumerate_pixels_mut() {
-        *to = image::Rgb(pixel(x as usize, y as usize));
-    }
-    let mut bytes = Cursor::new(Vec::new());
+pub fn exr_bytes(width: usize, height: usize, pixel: impl Sync + Fn(usize, usize) -> [f32; 3]) -> Vec<u8> {
     // Writing to memory does not fail.
-    let _ = image::DynamicImage::ImageRgb32F(pixels).write_to(&mut bytes, image::ImageFormat::OpenExr);
-    bytes.into_inner()
+    exr_of_pixels((width, height), pixel, &[]).unwrap_or_default()
 }

@@ -6,13 +6,13 @@
 //! scene    the whole scene: interfaces, solids, lights, the camera, and the media that they are in
 //! ply      meshes
 //! files    what is written, all or nothing
-//! mitsuba, pbrt, gltf, faces
+//! mitsuba, pbrt, glb, faces
 //! ```
 
 mod cut;
 mod faces;
 mod files;
-mod gltf;
+mod glb;
 mod mitsuba;
 mod pbrt;
 pub mod pieces;
@@ -51,7 +51,7 @@ pub fn export(description: &Arc<Description>, target: Target, frame: Frame) -> R
     Ok(match target {
         Target::Mitsuba => mitsuba::write(&resolved, frame),
         Target::Pbrt => pbrt::write(&resolved, frame),
-        Target::Gltf => gltf::write(&resolved, frame),
+        Target::Gltf => glb::write(&resolved, frame),
         Target::Faces => faces::write(&resolved),
     })
 }
