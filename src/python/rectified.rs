@@ -203,8 +203,8 @@ impl Rectified {
 
 impl Rectified {
     pub fn new(prepared: Prepared, bodies: Vec<Body>, problems: Vec<Problem>) -> Self {
-        // A camera, lights and media that nothing uses are not given.
-        let is_told = |problem: &Problem| !matches!(problem.kind, "no_light" | "unused_medium" | "camera_on_surface");
+        // There is neither a camera nor a light.
+        let is_told = |problem: &Problem| problem.place != "camera" && problem.kind != "no_light";
         let warnings = problems.into_iter().filter(is_told).map(Warning::of).collect();
         Self { prepared, bodies, warnings }
     }

@@ -2,7 +2,8 @@
 
     python3 fix_mitsuba.py scene.xml [--world 1.0] [--write]
 
-Without --write it only says what is wrong. What one pair of indices cannot say, a shape with several exteriors, is cut into pieces beside the scene.
+Without --write it only says what is wrong. What one pair of indices cannot say is cut into pieces beside the scene: a shape with several exteriors, or one
+that is no interface somewhere. The pieces are right as they are, and are not closed any more: such a scene is not to be corrected again.
 Shapes are triangles (`ply`, `obj`, `cube`, `rectangle`); an analytic sphere is taken as it is tessellated below.
 """
 
@@ -64,6 +65,11 @@ def triangles(shape, folder):
     return None
 
 
+def area(vertices, faces):
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    return numpy.linalg.norm(numpy.cross(b - a, c - a), axis=1).sum() / 2
+
+
 def number(element, name, default):
     found = element.find(f"./*[@name='{name}']")
     return default if found is None or found.tag != "float" else float(found.get("value"))
@@ -92,13 +98,14 @@ def main():
     mitsuba.set_variant("scalar_rgb")
     tree = xml.parse(arguments.scene)
     folder = arguments.scene.resolve().parent
-    shapes, bodies = {}, []
+    shapes, bodies, areas = {}, [], {}
     for shape in tree.getroot().findall("shape"):
         bsdf = shape.find("bsdf[@type='dielectric']")
         mesh = None if bsdf is None else triangles(shape, folder)
         if mesh is not None:
             name = shape.get("id") or f"shape {len(shapes) + 1}"
             shapes[name] = shape, bsdf
+            areas[name] = area(*mesh)
             bodies.append(iorect.Body(name, *mesh, number(bsdf, "int_ior", 1.5046)))
     found = iorect.rectify(bodies, world_ior=arguments.world)
     for warning in found.warnings:
@@ -111,11 +118,13 @@ def main():
         sides = {(piece.inside, piece.outside) for piece in pieces.get(name, [])}
         declared = number(bsdf, "int_ior", 1.5046), number(bsdf, "ext_ior", 1.000277)
         right = sorted((found.iors[inside], found.iors[outside]) for inside, outside in sides)
-        if len(right) == 1 and numpy.allclose(right[0], declared, atol=1e-6):
+        whole = sum(area(piece.vertices, piece.faces) for piece in pieces.get(name, [])) > (1 - 1e-5) * areas[name]
+        if whole and len(right) == 1 and numpy.allclose(right[0], declared, atol=1e-6):
             continue
         wrong += 1
-        print(f"{name}: declares {declared[0]:g} in {declared[1]:g}, is " + " and ".join(f"{i:g} in {o:g}" for i, o in right))
-        if len(right) == 1:
+        found_there = " and ".join(f"{i:g} in {o:g}" for i, o in right) + ("" if whole else " and partly no interface")
+        print(f"{name}: declares {declared[0]:g} in {declared[1]:g}, is {found_there}")
+        if whole and len(right) == 1:
             put(bsdf, "int_ior", right[0][0])
             put(bsdf, "ext_ior", right[0][1])
             continue
