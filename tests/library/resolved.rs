@@ -7,11 +7,13 @@ use glam::DVec3;
 use iorect::export::resolved::pieces::{Interface, Piece, interfaces, with_meshes};
 use iorect::export::resolved::{Frame, Target, export};
 use iorect::formats;
+use iorect::measure::metrics::block_means;
+use iorect::report::stability::scenes as made;
 use iorect::scene::MediumId;
 use iorect::scene::description::{Description, Shape};
 use iorect::tracking::{Mode, Prepared, Tracker, WithTracker};
 
-use crate::common::{Numbers, add, case, empty, icosphere, sphere};
+use crate::common::{Numbers, add, empty, icosphere, ready, sphere};
 
 const FRAME: Frame = Frame { width: 64, height: 48, samples: 16 };
 
@@ -28,11 +30,6 @@ fn scenes() -> Vec<(String, Description)> {
             .into_iter()
             .map(|name| (name.to_owned(), formats::open(name).unwrap()))
             .collect();
-    for path in ["three-sheets/scene.toml", "false-coincident/scene.toml"] {
-        if std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases").join(path).exists() {
-            scenes.push((path.to_owned(), case(path)));
-        }
-    }
     // Boxes and balls at irregular places, through each other.
     let mut numbers = Numbers(3);
     for round in 0..4 {
@@ -123,10 +120,6 @@ fn pieces_have_the_media_that_are_there() {
 #[test]
 fn pieces_leave_no_gap() {
     for (name, description) in scenes() {
-        if name.contains("sheets") {
-            // What is open stays open.
-            continue;
-        }
         let (_, interfaces) = resolved(description);
         let mut edges: HashMap<[[u32; 3]; 2], u32> = HashMap::new();
         for interface in &interfaces {
@@ -214,4 +207,34 @@ fn gltf_is_read_again() {
 fn spheres_stay_spheres() {
     let (_, found) = resolved(formats::open("nested-spheres").unwrap());
     assert!(found.iter().all(|interface| matches!(interface.piece, Piece::Sphere { .. })));
+}
+
+/// What is written for Mitsuba and for pbrt is read again: followed as it is declared, it looks like the scene that it was made from.
+#[test]
+fn what_is_written_is_read_again_as_declared() {
+    let size = (48, 48);
+    for name in ["half-submerged", "camera-in-water", "nested-spheres", "lamp-in-ice"] {
+        let description = formats::open(name).unwrap();
+        let frame = Frame { width: size.0, height: size.1, samples: 1 };
+        for target in [Target::Mitsuba, Target::Pbrt] {
+            let folder = tempfile::tempdir().unwrap();
+            let bundle = export(&Arc::new(description.clone()), target, frame).unwrap();
+            bundle.write(folder.path()).unwrap();
+            let again = formats::file(&folder.path().join(&bundle.main)).unwrap();
+            let films = |description: &Description, mode| {
+                let prepared = ready(description.clone());
+                [1, 2].map(|seed| {
+                    let rgb = made::render(&prepared, mode, size, 24, seed, None).unwrap().to_rgb();
+                    block_means(&rgb, size.0 as usize, size.1 as usize, 8).unwrap()
+                })
+            };
+            let (ours, theirs) = (films(&description, Mode::Rectified), films(&again, Mode::Declared));
+            let products = (ours[0].iter().zip(&ours[1]).zip(theirs[0].iter().zip(&theirs[1])))
+                .flat_map(|((a, b), (c, d))| (0..3).map(move |k| [a[k], b[k], c[k], d[k]].map(f64::from)))
+                .map(|[a, b, c, d]| (a - c) * (b - d) / ((a + b).powi(2) / 4.0 + 0.01));
+            let products: Vec<f64> = products.collect();
+            let error = products.iter().sum::<f64>() / products.len() as f64;
+            assert!(error < 1e-3, "{name}, {}: {error:.2e}", target.name());
+        }
+    }
 }
