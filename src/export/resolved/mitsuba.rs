@@ -258,6 +258,10 @@ impl Writer<'_> {
                     self.line(2, "<emitter type=\"area\">");
                     self.line(3, rgb("radiance", radiance));
                     self.line(2, "</emitter>");
+                    let around = resolved.medium_around(*object);
+                    if resolved.absorbs(around) {
+                        self.line(2, format!("<ref name=\"exterior\" id=\"{}\"/>", medium_id(around)));
+                    }
                     self.end_of_shape(is_smooth);
                     if two_sided {
                         self.back_of_light(*object, piece, radiance);

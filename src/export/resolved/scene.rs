@@ -112,6 +112,7 @@ impl ResolvedScene {
         let mut all: Vec<MediumId> = (self.interfaces.iter())
             .flat_map(|interface| [interface.outside, interface.inside])
             .chain([self.camera_medium])
+            .chain((0..self.scene().objects.len() as u32).map(|object| self.medium_around(ObjectId(object))))
             .filter(|medium| !self.medium(*medium).absorption.is_black())
             .collect();
         all.sort_unstable();
