@@ -194,8 +194,8 @@ fn impossible_shapes() {
         ("{ lathe = { profile = [[1, 0], [2, 1], [2, 0], [1, 1]] } }", 31, &["crosses"]),
         ("{ quad = { center = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [2, 0, 0] } }", 69, &["parallel"]),
         ("{}", 9, &["exactly one of sphere"]),
-        ("{ mesh = \"stone.glb\" }", 18, &["not yet supported"]),
-        ("{ mesh = \"stone.3ds\" }", 18, &["use .obj, .ply or .stl"]),
+        ("{ mesh = \"stone.glb\" }", 18, &["stone.glb", "no such file"]),
+        ("{ mesh = \"stone.3ds\" }", 18, &["use .obj, .ply, .stl"]),
         ("{ mesh = \"no-such.obj\" }", 18, &["no-such.obj", "no such file"]),
         ("{ mesh = \"\" }", 18, &["empty"]),
     ] {
