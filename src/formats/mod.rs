@@ -37,7 +37,7 @@ pub use self::builtin::BuiltIn;
 pub use self::disk::Disk;
 pub use self::files::{Files, Memory};
 pub use self::mesh::MESH_ENDINGS;
-pub use self::ply::to_bytes as ply_bytes;
+pub use self::ply::{PlyExtra, to_bytes as ply_bytes};
 pub use self::scenes::SCENE_ENDINGS;
 pub use self::suggest::closest;
 use self::suggest::suggestion;

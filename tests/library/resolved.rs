@@ -10,7 +10,7 @@ use iorect::formats;
 use iorect::measure::metrics::block_means;
 use iorect::report::stability::scenes as made;
 use iorect::scene::MediumId;
-use iorect::scene::description::{Description, Environment, Shape};
+use iorect::scene::description::{Description, Environment, Object, Paint, Shape, Solid};
 use iorect::tracking::{Mode, Prepared, Tracker, WithTracker};
 
 use crate::common::{Numbers, add, empty, icosphere, ready, sphere};
@@ -179,6 +179,27 @@ fn files_are_complete() {
             let again = export(&description, target, FRAME).unwrap();
             assert!(again.paths().all(|path| again.get(path) == bundle.get(path)), "{}", scene.name);
         }
+    }
+}
+
+/// Objects whose names are alike, with and without a number, have files of their own.
+#[test]
+fn no_two_surfaces_share_a_file() {
+    let mut description = empty(1.0);
+    for (index, name) in ["ball", "Ball", "ball 0", "ball-1", "ball.2", "?"].into_iter().enumerate() {
+        let min = DVec3::X * 3.0 * index as f64;
+        add(&mut description, Shape::Box { min, max: min + 1.0 }, 1.5, 0.0);
+        description.objects[index].name = name.to_owned();
+    }
+    for name in ["ball 2", "ball 3", "!"] {
+        let shape = Shape::Box { min: DVec3::Y * 5.0, max: DVec3::splat(7.0) };
+        description.objects.push(Object::new(name, shape, Solid::of(Paint::Color([0.5; 3]))));
+    }
+    let description = Arc::new(description);
+    for (target, meshes) in [(Target::Mitsuba, 9), (Target::Pbrt, 9), (Target::Faces, 6)] {
+        let bundle = export(&description, target, FRAME).unwrap();
+        let paths: std::collections::BTreeSet<_> = bundle.paths().collect();
+        assert_eq!((paths.len(), bundle.paths().count()), (meshes + 1, meshes + 1), "{}", target.name());
     }
 }
 

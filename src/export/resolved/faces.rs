@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::files::Bundle;
 use super::pieces::Piece;
-use super::ply::{Extra, to_bytes};
 use super::scene::ResolvedScene;
+use crate::formats::{PlyExtra, ply_bytes};
 use crate::geometry::Mesh;
 use crate::scene::ObjectId;
 
@@ -55,7 +55,7 @@ pub fn write(resolved: &ResolvedScene) -> Bundle {
             let file = (faces > 0).then(|| format!("{}.ply", resolved.name(refractor)));
             if let Some(file) = &file {
                 let of_faces = [("outside", outside), ("inside", inside)];
-                files.add(file, to_bytes(&mesh, Extra { of_faces: &of_faces, ..Extra::default() }));
+                files.add(file, ply_bytes(&mesh, PlyExtra { of_faces: &of_faces, ..PlyExtra::default() }));
             }
             Refractor { name: &scene.object(refractor).name, file, faces }
         })

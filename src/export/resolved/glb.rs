@@ -7,7 +7,7 @@ use glam::{DMat3, DQuat, DVec3};
 use serde_json::{Value, json};
 
 use super::files::Bundle;
-use super::pieces::whole;
+use super::pieces::{Piece, surface};
 use super::scene::{Frame, Lamp, ResolvedScene, list};
 use crate::color::srgb_from_linear;
 use crate::geometry::Mesh;
@@ -68,7 +68,7 @@ impl<'a> Writer<'a> {
     fn scene(&mut self, frame: Frame) {
         let scene = self.resolved.scene();
         for (refractor, medium) in scene.refractors() {
-            let Some(mesh) = whole(&self.resolved.prepared, refractor) else { continue };
+            let Some(mesh) = surface(&self.resolved.prepared, refractor).map(Piece::into_mesh) else { continue };
             let material = self.dielectric(medium, 2.0 * scene.geometry.radius_of(refractor.0));
             self.object(refractor, &mesh, &[], material);
         }

@@ -7,8 +7,8 @@ use std::fmt::Write;
 
 use super::files::{Bundle, environment_exr};
 use super::pieces::Piece;
-use super::ply::{Extra, to_bytes};
 use super::scene::{Frame, Lamp, ResolvedScene, list};
+use crate::formats::{PlyExtra, ply_bytes};
 use crate::scene::Albedo;
 use crate::scene::lights::EnvironmentLight;
 use crate::scene::{MediumId, ObjectId, Surface};
@@ -196,7 +196,7 @@ impl Writer<'_> {
             let (outside, inside) = (resolved.medium(interface.outside), resolved.medium(interface.inside));
             let name = &resolved.scene().object(interface.refractor).name;
             self.line(1, format!("<!-- {}: {} | {} -->", comment(name), comment(&outside.name), comment(&inside.name)));
-            let file = format!("{}-{index}.ply", resolved.name(interface.refractor));
+            let file = format!("{}.{index}.ply", resolved.name(interface.refractor));
             let is_smooth = self.shape(&interface.piece, &file, None);
             self.line(2, "<bsdf type=\"dielectric\">");
             self.line(3, format!("<float name=\"int_ior\" value=\"{:?}\"/>", inside.ior()));
@@ -225,7 +225,7 @@ impl Writer<'_> {
                     Some(object) => self.resolved.mesh_with_uv(object, piece),
                     None => (piece.clone().into_mesh(), Vec::new()),
                 };
-                self.files.add(format!("meshes/{file}"), to_bytes(&mesh, Extra { uv: &uv, ..Extra::default() }));
+                self.files.add(format!("meshes/{file}"), ply_bytes(&mesh, PlyExtra { uv: &uv, ..PlyExtra::default() }));
                 self.line(1, "<shape type=\"ply\">");
                 self.line(2, format!("<string name=\"filename\" value=\"meshes/{file}\"/>"));
                 !mesh.normals.is_empty()

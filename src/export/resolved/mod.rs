@@ -4,7 +4,6 @@
 //! cut      a face, cut along the curves where other surfaces cross it
 //! pieces   surfaces, each piece with one medium on each side
 //! scene    the whole scene: interfaces, solids, lights, the camera, and the media that they are in
-//! ply      meshes
 //! files    what is written, all or nothing
 //! mitsuba, pbrt, glb, faces
 //! ```
@@ -16,7 +15,6 @@ mod glb;
 mod mitsuba;
 mod pbrt;
 pub mod pieces;
-mod ply;
 mod scene;
 
 use std::sync::Arc;

@@ -9,8 +9,8 @@ use glam::DVec3;
 
 use super::files::{Bundle, exr_bytes};
 use super::pieces::Piece;
-use super::ply::{Extra, to_bytes};
 use super::scene::{Frame, Lamp, ResolvedScene, list};
+use crate::formats::{PlyExtra, ply_bytes};
 use crate::scene::Albedo;
 use crate::scene::description::Environment;
 use crate::scene::lights::EnvironmentLight;
@@ -170,7 +170,7 @@ impl Writer<'_> {
             self.line(format!("  MediumInterface {inner} {outer}"));
             let eta = inside.ior() / outside.ior();
             self.line(format!("  Material \"dielectric\" \"float eta\" {eta:?}"));
-            let file = format!("{}-{index}.ply", resolved.name(interface.refractor));
+            let file = format!("{}.{index}.ply", resolved.name(interface.refractor));
             self.shape(&interface.piece, &file, None);
             self.line("AttributeEnd");
         }
@@ -189,7 +189,7 @@ impl Writer<'_> {
                     Some(object) => self.resolved.mesh_with_uv(object, piece),
                     None => (piece.clone().into_mesh(), Vec::new()),
                 };
-                self.files.add(format!("meshes/{file}"), to_bytes(&mesh, Extra { uv: &uv, ..Extra::default() }));
+                self.files.add(format!("meshes/{file}"), ply_bytes(&mesh, PlyExtra { uv: &uv, ..PlyExtra::default() }));
                 self.line(format!("  Shape \"plymesh\" \"string filename\" \"meshes/{file}\""));
             }
         }

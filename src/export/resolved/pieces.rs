@@ -113,8 +113,8 @@ pub fn interfaces(prepared: &Prepared) -> Vec<Interface> {
     all
 }
 
-/// The surface of a solid or a light; `None` where it has none.
-pub fn opaque(prepared: &Prepared, object: ObjectId) -> Option<Piece> {
+/// The whole surface of an object, cut nowhere; `None` where it has none.
+pub fn surface(prepared: &Prepared, object: ObjectId) -> Option<Piece> {
     let geometry = &*prepared.scene.geometry;
     match geometry.range(object.0) {
         ObjectRange::Sphere(id) => {
@@ -131,11 +131,6 @@ pub fn opaque(prepared: &Prepared, object: ObjectId) -> Option<Piece> {
             Some(Piece::Mesh(builder.finish()))
         }
     }
-}
-
-/// The whole surface of an object as a mesh, cut nowhere: what a refractor is as a volume.
-pub fn whole(prepared: &Prepared, object: ObjectId) -> Option<Mesh> {
-    opaque(prepared, object).map(Piece::into_mesh)
 }
 
 /// A part of a face with one medium on each side (local coordinates).
@@ -252,8 +247,10 @@ impl Builder {
     }
 }
 
-/// A sphere as a mesh with its own normals.
+/// A sphere as a mesh with its own normals, in single precision as well.
 fn sphere_mesh(center: DVec3, radius: f64) -> Mesh {
     let shape = Shape::Icosphere { center, radius, subdivisions: SPHERE_SUBDIVISIONS };
-    tessellate(&shape).ok().flatten().unwrap_or_default()
+    let mut mesh = tessellate(&shape).ok().flatten().unwrap_or_default();
+    mesh.positions.iter_mut().for_each(|position| *position = position.as_vec3().as_dvec3());
+    mesh
 }

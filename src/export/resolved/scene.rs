@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::pieces::{Interface, Piece, interfaces, opaque, with_meshes};
+use super::pieces::{Interface, Piece, interfaces, surface, with_meshes};
 use crate::geometry::{Mesh, Ray};
 use crate::rectify::start::start;
 use crate::scene::Albedo;
@@ -83,7 +83,7 @@ impl ResolvedScene {
         let opaque = (0..scene.objects.len() as u32)
             .map(ObjectId)
             .filter(is_opaque)
-            .filter_map(|id| Some((id, opaque(&prepared, id)?)))
+            .filter_map(|id| Some((id, surface(&prepared, id)?)))
             .collect();
         let interfaces = interfaces(&prepared);
         let names = file_names(scene);

@@ -7,7 +7,7 @@ mod rows;
 mod tests;
 mod write;
 
-pub use self::write::to_bytes;
+pub use self::write::{PlyExtra, to_bytes};
 
 use glam::DVec3;
 

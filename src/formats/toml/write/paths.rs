@@ -121,7 +121,7 @@ impl MeshFiles {
             let failed = |error| SceneError::in_file(&folder, format!("this folder cannot be made: {error}"));
             std::fs::create_dir(&folder).map_err(failed)?;
         }
-        let file = write_beside(&ply::to_bytes(mesh), &folder, &file_stem(name), "ply")?;
+        let file = write_beside(&ply::to_bytes(mesh, ply::PlyExtra::default()), &folder, &file_stem(name), "ply")?;
         let path = self.folder.join(file);
         self.written.insert(Arc::as_ptr(mesh), path.clone());
         Ok(path)
