@@ -9,6 +9,7 @@ use super::autosave::Autosaver;
 use super::build;
 use super::files::Outcome;
 use super::files::Purpose;
+use super::measurement::Given;
 use super::panels::dialogs::PathPrompt;
 use super::state;
 use crate::formats::{MESH_ENDINGS, SCENE_ENDINGS};
@@ -79,10 +80,17 @@ impl App {
                     let command = Command::Edit(self.state.environment_of(path, image));
                     self.apply(ctx, command);
                 }
-                Outcome::Mesh(name, shape) => {
+                Outcome::ReferenceRead(image) => {
+                    image
+                        .notes
+                        .iter()
+                        .for_each(|note| self.state.notify(format!("{}: {}", image.name(), note.message)));
+                    self.apply(ctx, Command::SetReferenceImage(Given(Some(image))));
+                }
+                Outcome::Mesh(objects) => {
                     let state = &self.state;
                     let (scene, view) = (state.document.description(), &state.view.camera);
-                    let edit = build::mesh_edit(scene, view, state.selected.as_deref(), &name, *shape);
+                    let edit = build::mesh_edit(scene, view, state.selected.as_deref(), objects);
                     self.apply(ctx, Command::Edit(edit));
                 }
                 Outcome::Reloaded(path, read) => {

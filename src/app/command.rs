@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use super::build::Addition;
 use super::edit::{Edit, MediumEdit, ObjectEdit};
-use super::measurement::{ErrorAxis, ErrorMetric};
+use super::measurement::{ErrorAxis, ErrorMetric, Given};
 use super::objects::Manipulation;
 use super::range::DifferenceRange;
 use super::settings::{Arrangement, DifferenceKind, InterfaceScale, PaneContent, Preset, Tab, Theme};
@@ -144,6 +144,11 @@ pub enum Command {
     // Measuring.
     /// Begins to make a ground truth, goes on, pauses, or drops it.
     SetGroundTruth(GroundTruthDemand),
+    AskReferenceImage,
+    /// Reads an image from a file, to measure against it instead of a ground truth.
+    ReadReferenceImage(PathBuf),
+    /// Measures against an image instead of a ground truth; with `None`, lets it go.
+    SetReferenceImage(Given),
     SetErrorMetric(ErrorMetric),
     SetErrorAxis(ErrorAxis),
 

@@ -14,6 +14,7 @@ use self::source::sources;
 use super::background::{Background, Bell, Desk, Repaint};
 use super::enlarge::enlarged;
 use super::histogram::{self, Histogram};
+use super::measurement::Given;
 use super::range::{self, DifferenceRange, RangeEnd, Scale};
 use super::settings::{DifferenceKind, PaneContent};
 use super::snapshots::Snapshots;
@@ -32,6 +33,8 @@ pub struct Recipe {
     pub difference: DifferenceKind,
     pub range: DifferenceRange,
     pub snapshots: Snapshots,
+    /// What errors are told against; `None`: the ground truth that is rendered.
+    pub given: Given,
     /// The pane whose pixels are counted.
     pub histogram_of: Option<PaneContent>,
     /// Whether noise is smoothed away in pictures of modes.
@@ -379,7 +382,7 @@ mod tests {
     fn an_error_is_against_the_ground_truth() {
         let a = film(Mode::Naive, vec![[0.5; 3]; 2]);
         let rgb = [vec![[0.25; 3]; 2], vec![[0.75; 3]; 2]];
-        let truth = Halves { size: [2, 1], samples: 1, rgb, mean: vec![[0.4; 3]; 2] };
+        let truth = Halves { size: [2, 1], samples: 1, file: None, rgb, mean: vec![[0.4; 3]; 2] };
         let source = Source { truth: Some(Arc::new(truth)), ..of(&[&a]) };
         let recipe = Recipe { difference: DifferenceKind::Signed, ..Recipe::default() };
         let picture = developed(PaneContent::Error(Mode::Naive), &source, &recipe).unwrap();

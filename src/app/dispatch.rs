@@ -26,6 +26,8 @@ impl App {
             Command::AskExport(kind) => self.ask(Purpose::Export(kind)),
             Command::AskEnvironmentImage => self.ask(Purpose::Environment),
             Command::ReadEnvironment(path) => self.files.read_environment(path),
+            Command::AskReferenceImage => self.ask(Purpose::Reference),
+            Command::ReadReferenceImage(path) => self.files.read_reference(path),
             Command::Open(name_or_path) if self.state.document.is_dirty() => {
                 self.dialogs.leaving = Some(Command::OpenAnyway(name_or_path));
             }

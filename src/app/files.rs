@@ -12,12 +12,14 @@ use super::autosave::Found;
 use super::background::Repaint;
 use super::command::{Command, ExportKind};
 use super::develop::Source;
+use super::measurement::GivenImage;
 use super::opening::Reading;
 use crate::export::{self, Comparison, ExportError, LabelledPane, Picture};
 use crate::formats::{MESH_ENDINGS, disk};
+use crate::optics::Medium;
 use crate::render::Display;
 use crate::render::slice::Slice;
-use crate::scene::description::{MeshPart, Shape};
+use crate::scene::description::Object;
 use crate::scene::environment::EnvironmentImage;
 use crate::scene::{Description, SceneError};
 use crate::session::Snapshot;
@@ -36,6 +38,8 @@ pub enum Purpose {
     /// An image that surrounds the scene.
     Environment,
     Mesh,
+    /// An image that panes are measured against.
+    Reference,
     Export(ExportKind),
 }
 
@@ -46,6 +50,7 @@ impl Purpose {
             Self::Open => "Open a scene",
             Self::SaveAs => "Save the scene as",
             Self::Mesh => "Add a mesh",
+            Self::Reference => "Choose an image to measure against",
             Self::Export(ExportKind::ShownPane) => "Export the active pane as it is shown",
             Self::Export(ExportKind::ShownPanes) => "Export all panes as they are shown",
             Self::Export(ExportKind::PanePng) => "Export the picture of the active pane",
@@ -65,6 +70,7 @@ impl Purpose {
             Self::SaveAs => ("iorect scenes", &["toml"]),
             Self::Environment => ("images", &["exr", "hdr", "png", "jpg", "jpeg"]),
             Self::Mesh => ("meshes", MESH_ENDINGS),
+            Self::Reference => ("linear images", &["exr", "hdr"]),
             Self::Export(ExportKind::PaneExr) => ("OpenEXR", &["exr"]),
             Self::Export(ExportKind::ErrorsCsv) => ("CSV", &["csv"]),
             Self::Export(ExportKind::PathSvg) => ("SVG", &["svg"]),
@@ -83,7 +89,7 @@ impl Purpose {
 
     /// Whether the file is read, and not written.
     pub fn is_reading(self) -> bool {
-        matches!(self, Self::Open | Self::Environment | Self::Mesh)
+        matches!(self, Self::Open | Self::Environment | Self::Mesh | Self::Reference)
     }
 
     /// The path with the extension where the user typed none.
@@ -99,6 +105,7 @@ impl Purpose {
             Self::SaveAs => Command::SaveAs(path),
             Self::Environment => Command::ReadEnvironment(path),
             Self::Mesh => Command::ReadMesh(path),
+            Self::Reference => Command::ReadReferenceImage(path),
             Self::Export(kind) => Command::Export(kind, path),
         }
     }
@@ -110,6 +117,7 @@ impl Purpose {
             Self::SaveAs => Command::SaveAsAnyway(path),
             Self::Environment => Command::ReadEnvironment(path),
             Self::Mesh => Command::ReadMesh(path),
+            Self::Reference => Command::ReadReferenceImage(path),
             Self::Export(kind) => Command::ExportAnyway(kind, path),
         }
     }
@@ -121,6 +129,7 @@ impl Purpose {
             Self::SaveAs => Command::AskSaveAs,
             Self::Environment => Command::AskEnvironmentImage,
             Self::Mesh => Command::AskMesh,
+            Self::Reference => Command::AskReferenceImage,
             Self::Export(kind) => Command::AskExport(kind),
         }
     }
@@ -144,10 +153,12 @@ pub enum Outcome {
     NotOpened(u64, String),
     /// An image to surround the scene, and its file.
     EnvironmentRead(PathBuf, EnvironmentImage),
+    /// An image that panes are to be measured against.
+    ReferenceRead(Arc<GivenImage>),
     /// The scene in the file at that path, which another program has changed.
     Reloaded(PathBuf, Result<Box<Description>, String>),
-    /// A mesh that is to be added under that name.
-    Mesh(String, Box<Shape>),
+    /// The objects of a mesh that is to be added, with their media.
+    Mesh(Vec<(Object, Option<Medium>)>),
     Saved(PathBuf, Arc<Description>),
     Exported(PathBuf),
     /// In words for the user.
@@ -250,6 +261,11 @@ impl Files {
         });
     }
 
+    /// Reads an image that panes are to be measured against.
+    pub fn read_reference(&self, path: PathBuf) {
+        self.attempt(move || GivenImage::read(&path).map(|image| Outcome::ReferenceRead(Arc::new(image))));
+    }
+
     /// Reads a scene's file again.
     pub fn reload(&self, path: PathBuf) {
         self.spawn(move || {
@@ -265,12 +281,7 @@ impl Files {
 
     /// Reads a mesh that the scene is to name as `written`.
     pub fn read_mesh(&self, path: PathBuf, written: PathBuf) {
-        self.attempt(move || {
-            let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-            let (mesh, notes) = crate::formats::mesh_from_file(&path)?;
-            let shape = Shape::Mesh { path: written, part: MeshPart::default(), mesh: Arc::new(mesh), notes };
-            Ok::<_, SceneError>(Outcome::Mesh(name, Box::new(shape)))
-        });
+        self.attempt(move || crate::formats::mesh_objects_from_file(&path, &written).map(Outcome::Mesh));
     }
 
     /// Reads what an earlier instance left behind.
@@ -403,13 +414,14 @@ fn write_pictures(job: &ExportJob) -> Result<(), ExportError> {
                 modes[..candidates].iter().enumerate().max_by_key(|(_, mode)| **mode).map(|(index, _)| index);
             let truth_picture = truth.map(|truth| {
                 let [width, height] = truth.size;
-                (Picture { width, height, rgb: truth.mean.clone() }, truth.samples)
+                let details = truth.file.clone().unwrap_or_else(|| format!("2 × {} spp", truth.samples));
+                (Picture { width, height, rgb: truth.mean.clone() }, details)
             });
-            if let Some((picture, samples)) = &truth_picture {
+            if let Some((picture, details)) = &truth_picture {
                 best = Some(panes.len());
                 panes.push(LabelledPane {
                     title: "reference image".to_owned(),
-                    details: format!("2 × {samples} spp"),
+                    details: details.clone(),
                     events: Events::default(),
                     picture,
                 });

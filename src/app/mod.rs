@@ -392,6 +392,7 @@ impl eframe::App for App {
             difference: settings.difference,
             range: settings.difference_range,
             snapshots: self.state.snapshots.clone(),
+            given: self.state.measurement.given.clone(),
             histogram_of: settings.show_histogram.then(|| settings.panes[self.state.view.active_pane]),
             denoise: settings.denoise,
         });
@@ -400,6 +401,7 @@ impl eframe::App for App {
             is_on: self.state.measurement.is_on(),
             is_paused: self.state.is_paused,
             epoch: self.state.epoch(),
+            given: self.state.measurement.given.clone(),
             metric: settings.error_metric,
             display: settings.display,
             rectification_seconds: self.state.report.as_ref().map_or(0.0, |r| r.prepared.table.seconds.total()),
@@ -424,7 +426,7 @@ impl eframe::App for App {
         if let Some(camera) = &mut self.window_camera {
             let samples = |content: &PaneContent| self.viewport.samples(*content, &self.state);
             let mut least = self.state.settings.shown_panes().iter().map(samples).min().unwrap_or(0);
-            if self.state.measurement.is_on() {
+            if self.state.measurement.is_rendered() {
                 least = least.min(self.state.measurement.truth.as_ref().map_or(0, |truth| truth.samples));
             }
             camera.update(&ctx, least);

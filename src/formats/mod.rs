@@ -43,6 +43,8 @@ pub use self::suggest::closest;
 use self::suggest::suggestion;
 pub use self::toml::{parse, save, to_text};
 use crate::geometry::Mesh;
+use crate::optics::Medium;
+use crate::scene::description::Object;
 use crate::scene::environment::EnvironmentImage;
 use crate::scene::{Description, LoadNote, SceneError};
 
@@ -128,6 +130,16 @@ pub fn mesh_from_file(path: &Path) -> Result<(Mesh, Vec<LoadNote>), SceneError> 
     mesh::read(&input, format).map_err(|fault| mesh::error_in(path, fault))
 }
 
+/// The objects of a file on the disk that holds a mesh: one for each of its materials, or else of its groups, made of what its material
+/// library says, or else of glass. Their shapes name the file as `written`; each comes with the medium of its name, if it is a refractor.
+///
+/// # Errors
+/// When the file cannot be read or holds no mesh.
+pub fn mesh_objects_from_file(path: &Path, written: &Path) -> Result<Vec<(Object, Option<Medium>)>, SceneError> {
+    let bytes = Disk.read(path).map_err(|message| SceneError::in_file(path, message))?;
+    studio::objects(&files::Input { bytes: &bytes, path, files: &Disk }, written)
+}
+
 /// An environment image from a file on the disk.
 ///
 /// # Errors
@@ -144,4 +156,26 @@ pub fn image_from_file(path: &Path) -> Result<EnvironmentImage, SceneError> {
 /// When the ending names no image format that is read, or the bytes hold no image that can be used.
 pub fn image_from_bytes(bytes: &[u8], name: &Path) -> Result<EnvironmentImage, String> {
     image::read(bytes, image::format_of(name)?)
+}
+
+/// A picture that some renderer has made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RenderedPicture {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Mean radiance of each pixel, linear Rec. 709, every component finite, row 0 at the top.
+    pub rgb: Vec<[f32; 3]>,
+    /// What of the file was replaced or converted.
+    pub notes: Vec<LoadNote>,
+}
+
+/// A rendered picture from a file on the disk.
+///
+/// # Errors
+/// When the file cannot be read or holds no picture of linear light (EXR or Radiance HDR).
+pub fn picture_from_file(path: &Path) -> Result<RenderedPicture, SceneError> {
+    let in_file = |message| SceneError::in_file(path, message);
+    let image = image::read_picture(&Disk.read(path).map_err(in_file)?, path).map_err(in_file)?;
+    let size = [image.width, image.height].map(|side| side as u32);
+    Ok(RenderedPicture { size, rgb: image.pixels, notes: image.notes })
 }

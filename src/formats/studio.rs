@@ -10,6 +10,7 @@ use super::mesh::{self, MeshFile};
 use super::names::Names;
 use super::pieces::{Piece, pieces};
 use crate::geometry::Mesh;
+use crate::optics::Medium;
 use crate::scene::description::{
     CameraDescription, Environment, Light, Object, Objects, Paint, Shape, Solid, WorldMedium,
 };
@@ -33,13 +34,36 @@ pub(super) const BRIGHT_SKY: Environment =
 /// When the file holds no mesh, or one that has no extent or too large a one.
 pub(super) fn open(input: &Input<'_>) -> Result<Description, SceneError> {
     let path = input.path;
-    let format = mesh::format_of(path).map_err(|message| SceneError::in_file(path, message))?;
-    let file = MeshFile::read(input, format).map_err(|fault| mesh::error_in(path, fault))?;
-    let stem = path.file_stem().map_or_else(|| "mesh".into(), |stem| stem.to_string_lossy().into_owned());
-    let description = around(path, &stem, pieces(file, &stem, input)?)?;
+    let (stem, pieces) = read(input)?;
+    let description = around(path, &stem, pieces)?;
     // What comes out can be saved and read again.
     validate::description(&description).map_err(|fault| SceneError::in_file(path, fault.message))?;
     Ok(description)
+}
+
+/// What a mesh's file is called, and the pieces in it.
+fn read(input: &Input<'_>) -> Result<(String, Vec<Piece>), SceneError> {
+    let path = input.path;
+    let format = mesh::format_of(path).map_err(|message| SceneError::in_file(path, message))?;
+    let file = MeshFile::read(input, format).map_err(|fault| mesh::error_in(path, fault))?;
+    let stem = path.file_stem().map_or_else(|| "mesh".into(), |stem| stem.to_string_lossy().into_owned());
+    let pieces = pieces(file, &stem, input)?;
+    Ok((stem, pieces))
+}
+
+/// The objects of the mesh in a file, which they name as `written`, each with the medium that it is made of.
+///
+/// # Errors
+/// When the file holds no mesh.
+pub(super) fn objects(input: &Input<'_>, written: &Path) -> Result<Vec<(Object, Option<Medium>)>, SceneError> {
+    let (_, pieces) = read(input)?;
+    Ok(pieces.into_iter().map(|piece| object(piece, written)).collect())
+}
+
+fn object(piece: Piece, path: &Path) -> (Object, Option<Medium>) {
+    let Piece { name, part, mesh, notes, role, medium } = piece;
+    let shape = Shape::Mesh { path: path.to_owned(), part, mesh: Arc::new(mesh), notes };
+    (Object::new(name, shape, role), medium)
 }
 
 /// The scene around pieces of a file. All lengths are in proportion to them together.
@@ -54,9 +78,10 @@ fn around(path: &Path, stem: &str, pieces: Vec<Piece>) -> Result<Description, Sc
     // Saved elsewhere, the scene must still find its mesh.
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let (mut objects, mut media, mut names) = (Objects::default(), Vec::new(), Names::default());
-    for Piece { name, part, mesh, notes, role, medium } in pieces {
-        let shape = Shape::Mesh { path: path.clone(), part, mesh: Arc::new(mesh), notes };
-        objects.push(Object::new(names.give(&name, stem), shape, role));
+    for piece in pieces {
+        let (mut object, medium) = object(piece, &path);
+        object.name = names.give(&object.name, stem);
+        objects.push(object);
         media.extend(medium);
     }
     // Not flush with it: what touches the floor is in optical contact.
@@ -103,7 +128,7 @@ pub(super) fn camera_at(center: DVec3, radius: f64) -> CameraDescription {
 mod tests {
     use super::*;
     use crate::formats::Memory;
-    use crate::optics::{Ior, Medium};
+    use crate::optics::Ior;
     use crate::scene::compile::compile;
     use crate::scene::description::{MeshPart, Refractor};
     use crate::scene::shapes::tessellate;

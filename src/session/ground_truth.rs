@@ -43,6 +43,8 @@ pub struct Halves {
     pub size: [u32; 2],
     /// Samples per pixel of each.
     pub samples: u32,
+    /// The name of the file that both were read from: one image of unknown noise. `None`: rendered.
+    pub file: Option<String>,
     /// Mean radiance, linear RGB, row 0 at the top.
     pub rgb: [Vec<[f32; 3]>; 2],
     /// The mean of both.
@@ -171,7 +173,7 @@ impl Progress {
         let mean = (rgb[0].iter().zip(&rgb[1]))
             .map(|(a, b)| std::array::from_fn(|channel| 0.5 * (a[channel] + b[channel])))
             .collect();
-        Halves { size: self.job.request.size, samples: self.truth.samples, rgb, mean }
+        Halves { size: self.job.request.size, samples: self.truth.samples, file: None, rgb, mean }
     }
 
     fn publish(&mut self, board: &Board, wake: &Wake, news: News) {

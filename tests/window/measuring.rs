@@ -2,8 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::harness::{apply, every_pane_has_an_image, picture_of, quick, until, window_of};
+use crate::harness::{
+    apply, click_at, every_pane_has_an_image, has_notice, picture_of, quick, type_over, until, window_of,
+};
 use egui::Key;
+use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use iorect::app::{
@@ -127,6 +130,96 @@ fn an_edit_drops_the_errors_and_a_pane_does_not() {
     until(&mut harness, "it is gone", |app| app.state().measurement.truth.is_none());
     assert!(harness.query_by_label("Make a reference image").is_some());
     assert!(harness.query_by_label("Export as CSV…").is_none());
+}
+
+/// What was rendered elsewhere: panes are measured against it at its size, until it is let go.
+#[test]
+fn an_image_from_a_file_is_a_reference_image() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    let mut harness = window([PaneContent::Mode(Mode::Stack), PaneContent::Error(Mode::Rectified)]);
+    apply(&mut harness, Command::SetGroundTruth(GroundTruthDemand::Off));
+    let panes = harness.state().state().film_size();
+
+    // The scene as another program would render it, in another shape; with a broken pixel and a negative one.
+    let (size, modes) = ([96_u32, 80], [Mode::Rectified]);
+    let prepared = iorect::tracking::prepare(harness.state().state().document.description().clone(), None).unwrap();
+    let camera = iorect::scene::camera::Camera::new(&prepared.description.camera).unwrap();
+    let settings =
+        iorect::render::ImageSettings { max_depth: Some(12), ..iorect::render::ImageSettings::new(modes[0], 7) };
+    let task = iorect::render::RenderTask { prepared: &prepared, camera: &camera, settings: &settings };
+    let mut film = iorect::render::Film::new(size[0], size[1]);
+    assert!(task.pass(&mut film, 256, &Default::default()));
+    let mut rgb = film.to_rgb();
+    rgb[5] = [f32::NAN; 3];
+    rgb[100] = [-1e-4; 3];
+    let picture = iorect::export::Picture { width: size[0], height: size[1], rgb: rgb.clone() };
+    iorect::export::exr(&path("mitsuba.exr"), &picture, &[]).expect("it can be written");
+
+    harness.state_mut().prompt_in(folder.path().to_owned());
+    harness.get_by_label("Open an image…").click();
+    while harness.query_by_role_and_label(Role::TextInput, "Path").is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+        harness.step();
+    }
+    harness.run_steps(2);
+    type_over(&mut harness, path("mitsuba.exr").to_str().expect("a plain path"));
+    until(&mut harness, "films have its size", move |app| app.state().film_size() == size);
+    assert!(has_notice(&harness, "1 pixel of the image had components that are no finite numbers"));
+    until(&mut harness, "errors are measured", |app| {
+        points(app, Mode::Stack) >= 5 && points(app, Mode::Rectified) >= 5 && every_pane_has_an_image(app)
+    });
+    let results = harness.state().state().measurement.results.clone();
+    assert_eq!((results.size, results.truth_noise), (size, None), "nobody knows its noise");
+    let latest = |mode: Mode| *results.curves[&mode].latest().unwrap();
+    let relmse = |mode: Mode| latest(mode).error(ErrorMetric::RelMse).unwrap();
+    assert!(relmse(Mode::Stack) > 3.0 * relmse(Mode::Rectified), "{results:?}");
+    // The figure is that of the film that is shown and the image in the file.
+    let film = harness.state().film(Mode::Rectified).expect("it is shown").clone();
+    let point = results.curves[&Mode::Rectified].points.iter().find(|point| point.samples == film.samples);
+    if let Some(point) = point {
+        let squares = film.rgb.iter().zip(&rgb).enumerate().filter(|(index, _)| *index != 5);
+        let sum: f64 = squares.map(|(_, (a, b))| (0..3).map(|c| f64::from(a[c] - b[c]).powi(2)).sum::<f64>()).sum();
+        let mse = sum / (3 * rgb.len()) as f64;
+        assert!((point.error(ErrorMetric::Mse).unwrap() / mse - 1.0).abs() < 0.05, "{point:?} and {mse}");
+    }
+    assert!(harness.query_by_label("mitsuba.exr").is_some(), "the panel names it");
+    // All of it is seen, in its own shape.
+    let place = picture_of(&harness);
+    assert!((place.width() / place.height() - 1.2).abs() < 0.02, "{place:?}");
+
+    // Beside the picture there is nothing to be looked at.
+    let beside = harness.state().pane_place(Some(0));
+    let corner = egui::pos2(beside.center().x, beside.bottom() - 2.0);
+    assert!(beside.contains(corner) && !place.contains(corner), "{beside:?} and {place:?}");
+    click_at(&mut harness, corner);
+    assert!(harness.state().state().inspection.is_none() && harness.state().values_under_pointer(0).is_empty());
+    click_at(&mut harness, place.center());
+    assert!(harness.state().state().inspection.is_some());
+
+    // What cannot be used leaves what there is.
+    std::fs::write(path("broken.exr"), b"no image").expect("it can be written");
+    apply(&mut harness, Command::ReadReferenceImage(path("broken.exr")));
+    until(&mut harness, "it is said", |app| {
+        app.state().notices.iter().any(|notice| notice.text.contains("broken.exr"))
+    });
+    apply(&mut harness, Command::ReadReferenceImage(path("display.png")));
+    until(&mut harness, "it is said", |app| {
+        app.state().notices.iter().any(|notice| notice.text.contains("display.png"))
+    });
+    assert_eq!(harness.state().state().film_size(), size);
+
+    harness.get_by_label("Drop").click();
+    until(&mut harness, "films fit the panes again", move |app| app.state().film_size() == panes);
+    assert!(!harness.state().state().measurement.is_on());
+    // It belongs to its scene.
+    apply(&mut harness, Command::ReadReferenceImage(path("mitsuba.exr")));
+    until(&mut harness, "films have its size", move |app| app.state().film_size() == size);
+    apply(&mut harness, Command::Open("nested-spheres".into()));
+    until(&mut harness, "the other scene is there", |app| {
+        app.state().document.description().name != "Camera in water" && !app.state().measurement.is_on()
+    });
+    until(&mut harness, "films fit the panes", move |app| app.state().film_size() != size);
 }
 
 #[test]

@@ -83,6 +83,49 @@ fn a_mesh_is_added_and_an_image_surrounds_the_scene() {
     });
 }
 
+/// A box for each material of a library: two of glass, one opaque, one that shines.
+#[test]
+fn a_mesh_of_several_materials_is_added_as_several_objects_that_stay_together() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [mesh, library] = ["set.obj", "set.mtl"].map(|name| folder.path().join(name));
+    let mut text = "mtllib set.mtl\n".to_owned();
+    for (number, material) in ["wine", "crystal", "coaster", "lamp"].into_iter().enumerate() {
+        let x = 2000 * number;
+        text += &format!("usemtl {material}\nv {x} 0 0\nv {} 0 0\nv {x} 1000 0\nv {x} 0 1000\n", x + 1000);
+        text += "f -4 -2 -3\nf -4 -3 -1\nf -4 -1 -2\nf -3 -2 -1\n";
+    }
+    write(&mesh, text);
+    write(
+        &library,
+        "newmtl wine\nNi 1.36\nd 0.1\nnewmtl crystal\nNi 1.6\nd 0.1\nnewmtl coaster\nKd 0.2 0.1 0\nnewmtl lamp\nKe 4 4 4\n",
+    );
+    let mut harness = window("nested-spheres");
+    let before = scene(&harness);
+    for round in 1..=2 {
+        drop_files(&mut harness, &[&mesh]);
+        let count = before.objects.len() + 4 * round;
+        until(&mut harness, "they are added", move |app| app.state().document.description().objects.len() == count);
+    }
+    let after = scene(&harness);
+    let refractor = |name: &str| after.objects.find(name).and_then(|object| object.refractor()).expect("a refractor");
+    for (name, ior) in [("wine", 1.36), ("crystal", 1.6), ("wine 2", 1.36), ("crystal 2", 1.6)] {
+        let medium = after.medium(&refractor(name).medium).expect("it comes along");
+        assert_eq!((medium.name.as_str(), medium.ior.ior()), (name, ior));
+    }
+    assert!(after.objects.find("coaster 2").is_some_and(|object| object.solid().is_some()));
+    assert!(after.objects.find("lamp 2").is_some_and(|object| object.light().is_some()));
+    // One size and one place for all, so that they stand to each other as in the file.
+    let transform = |name: &str| after.objects.find(name).map(|object| object.transform);
+    assert!(["crystal", "coaster", "lamp"].iter().all(|name| transform(name) == transform("wine")));
+    assert_ne!(transform("wine"), transform("wine 2"));
+    assert!(transform("wine").is_some_and(|transform| transform.scale.x < 0.01), "a mesh in millimetres");
+    // They came together and go together.
+    apply(&mut harness, Command::Undo);
+    assert_eq!(scene(&harness).objects.len(), before.objects.len() + 4);
+    apply(&mut harness, Command::Undo);
+    assert_eq!(scene(&harness), before);
+}
+
 #[test]
 fn a_damaged_gltf_file_is_a_notice() {
     let folder = tempfile::tempdir().expect("a temporary folder");

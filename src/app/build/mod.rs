@@ -7,7 +7,7 @@ pub mod profiles;
 use glam::DVec3;
 
 use self::liquid::Inside;
-use self::place::{Spot, unique_name};
+use self::place::{Spot, unique_medium_name, unique_name};
 use self::profiles::Vessel;
 use super::edit::Edit;
 use super::objects::{decade, rounded};
@@ -177,27 +177,44 @@ fn add(description: &Description, mut object: Object, medium: &str) -> Edit {
     Edit::Add(Box::new(object), medium)
 }
 
-/// A mesh that was read, as a refractor of the selected refractor's medium or of glass, scaled to the view.
+/// The objects of a mesh file, scaled to the view together. A single refractor is of the selected refractor's medium, or of glass.
 pub fn mesh_edit(
     description: &Description,
     view: &CameraDescription,
     selected: Option<&str>,
-    name: &str,
-    shape: Shape,
+    mut objects: Vec<(Object, Option<Medium>)>,
 ) -> Edit {
     let selected = selected.and_then(|name| description.objects.find(name));
     let spot = Spot::of(description, view, selected);
-    let medium = selected.and_then(Object::refractor).map_or("glass", |refractor| &refractor.medium);
-    let (min, max) = shape.bounds();
-    let most = (max - min).max_element();
-    let mut object = spot.standing(name, shape, Refractor::of(medium));
+    let corners = objects.iter().map(|(object, _)| object.shape.bounds());
+    let (min, max) = corners.reduce(|all, one| (all.0.min(one.0), all.1.max(one.1))).unwrap_or_default();
     // A mesh may come in any unit.
-    let factor = spot.size / most;
+    let mut whole = Object::new("", Shape::Box { min, max }, Solid::of(Paint::Color([0.0; 3])));
+    let factor = spot.size / (max - min).max_element();
     if factor.is_finite() && factor > 0.0 && !(0.2..=5.0).contains(&factor) {
-        object.transform.scale = DVec3::splat(rounded(factor, 0.1 * decade(factor)));
-        spot.stand(&mut object);
+        whole.transform.scale = DVec3::splat(rounded(factor, 0.1 * decade(factor)));
     }
-    add(description, object, medium)
+    spot.stand(&mut whole);
+    objects.iter_mut().for_each(|(object, _)| object.transform = whole.transform);
+    if let [(object, _)] = &mut objects[..]
+        && let Some(refractor) = object.refractor_mut()
+    {
+        let medium = selected.and_then(Object::refractor).map_or("glass", |refractor| &refractor.medium);
+        medium.clone_into(&mut refractor.medium);
+        return add(description, object.clone(), medium);
+    }
+    // Names are taken one after the other.
+    let mut scene = description.clone();
+    for (object, medium) in &mut objects {
+        object.name = unique_name(&scene, &object.name);
+        if let (Some(medium), Some(refractor)) = (medium.as_mut(), object.refractor_mut()) {
+            medium.name = unique_medium_name(&scene, &medium.name);
+            medium.name.clone_into(&mut refractor.medium);
+            scene.media.push(medium.clone());
+        }
+        scene.objects.push(object.clone());
+    }
+    Edit::AddAll(objects)
 }
 
 /// The edit that adds a copy of an object beside it; `None` if there is none of that name.

@@ -116,9 +116,17 @@ impl Spot {
 
 /// `name`, with a number behind it where the scene has an object of that name.
 pub fn unique_name(description: &Description, name: &str) -> String {
-    let is_free = |name: &str| description.objects.find(name).is_none();
+    unique(name, "object", |name| description.objects.find(name).is_none())
+}
+
+/// `name`, with a number behind it where the scene has a medium of that name.
+pub fn unique_medium_name(description: &Description, name: &str) -> String {
+    unique(name, "medium", |name| description.medium(name).is_none())
+}
+
+fn unique(name: &str, otherwise: &str, is_free: impl Fn(&str) -> bool) -> String {
     let words = name.trim();
-    let words = if words.is_empty() || matches!(words, "world" | "vacuum") { "object" } else { words };
+    let words = if words.is_empty() || matches!(words, "world" | "vacuum") { otherwise } else { words };
     if is_free(words) {
         return words.to_owned();
     }

@@ -100,8 +100,9 @@ pub(super) fn sources(recipe: &Recipe, board: &Board) -> Vec<(PaneContent, Sourc
             }
             PaneContent::Slice(_) => return None,
             PaneContent::Error(_) => {
-                let truth = truth.as_ref().filter(|truth| source.films.iter().all(|film| film.epoch == truth.epoch))?;
-                Source { truth: Some(Arc::clone(truth.halves.as_ref()?)), ..source }
+                let epoch = source.films.first()?.epoch;
+                let truth = recipe.given.or_rendered(epoch, truth.clone())?;
+                Source { truth: Some(truth.halves?), ..source }
             }
         })
     };

@@ -26,6 +26,8 @@ pub enum Edit {
     Object(String, ObjectEdit),
     /// A new object, and the medium that it brings where it is made of none that is there.
     Add(Box<Object>, Option<Medium>),
+    /// New objects that came together, each with the medium that it brings.
+    AddAll(Vec<(Object, Option<Medium>)>),
     /// Takes an object out of the scene, by name.
     Remove(String),
     /// Of several refractors, by name.
@@ -74,6 +76,7 @@ impl Edit {
             Self::Name(_) => EditKey::single("name of the scene"),
             Self::Object(name, edit) => edit.key(name),
             Self::Add(object, _) => EditKey::single(format!("adding {}", object.name)),
+            Self::AddAll(objects) => EditKey::single(format!("adding {} objects", objects.len())),
             Self::Remove(name) => EditKey::single(format!("deleting {name}")),
             Self::Priorities(_) => EditKey::continuous("order of priorities"),
             Self::Medium(medium, edit) => edit.key(medium),
@@ -92,6 +95,7 @@ impl Edit {
     pub fn selection(&self, before: Option<&str>) -> Option<String> {
         match self {
             Self::Add(object, _) => Some(object.name.clone()),
+            Self::AddAll(objects) => objects.first().map(|(object, _)| object.name.clone()),
             Self::Remove(name) if before == Some(name) => None,
             Self::Object(name, ObjectEdit::Rename(new)) if before == Some(name) => Some(new.trim().to_owned()),
             _ => before.map(str::to_owned),
@@ -109,6 +113,9 @@ impl Edit {
             Self::Name(name) => Ok(replaced(&mut edited.name, name.trim().to_owned())),
             Self::Object(name, edit) => edit.apply(name, &mut edited),
             Self::Add(object, medium) => objects::add(object, medium.as_ref(), &mut edited),
+            Self::AddAll(all) => all.iter().try_fold(false, |is_changed, (object, medium)| {
+                objects::add(object, medium.as_ref(), &mut edited).map(|is_added| is_changed | is_added)
+            }),
             Self::Remove(name) => Ok(objects::remove(name, &mut edited)),
             Self::Priorities(priorities) => Ok(objects::set_priorities(priorities, &mut edited)),
             Self::Medium(medium, edit) => edit.apply(medium, &mut edited),

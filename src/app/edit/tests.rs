@@ -12,8 +12,10 @@ use crate::app::command::MediumRef;
 use crate::app::document::Document;
 use crate::app::objects::Manipulation;
 use crate::formats::{Memory, mesh_from_bytes, parse, to_text};
-use crate::optics::{Ior, catalog};
-use crate::scene::description::{Description, Emission, Environment, Kind, Paint, Quantity, Shape, Transform};
+use crate::optics::{Ior, Medium, catalog};
+use crate::scene::description::{
+    Description, Emission, Environment, Kind, Object, Paint, Quantity, Refractor, Shape, Solid, Transform,
+};
 use crate::scene::{SceneError, validate};
 
 const OBJ: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
@@ -97,7 +99,16 @@ fn random_edit(random: &mut Random, scene: &Description) -> Edit {
         5 => {
             let mesh = Arc::new(mesh_from_bytes(OBJ, Path::new("m.obj")).unwrap());
             let shape = Shape::mesh("m.obj", mesh);
-            mesh_edit(scene, &scene.camera, Some(&name), "m", shape)
+            let glass = |name: &str| {
+                let medium = Medium { name: name.to_owned(), ior: Ior::Constant(1.5), absorption: [0.0; 3] };
+                (Object::new(name, shape.clone(), Refractor::of(name)), Some(medium))
+            };
+            let mut pieces = vec![glass("m")];
+            if random.below(2) == 0 {
+                pieces.push((Object::new("m", shape.clone(), Solid::of(Paint::Color([0.5; 3]))), None));
+                pieces.push(glass("world"));
+            }
+            mesh_edit(scene, &scene.camera, Some(&name), pieces)
         }
         6 => duplicate(scene, &name).unwrap_or(kept),
         7 => Edit::Remove(name),

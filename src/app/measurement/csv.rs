@@ -3,7 +3,8 @@
 use super::Measurements;
 use crate::export::csv;
 
-/// What the columns hold. Times are in seconds, figures as in the panel; FLIP is empty where it was not asked for.
+/// What the columns hold. Times are in seconds, figures as in the panel; FLIP is empty where it was not asked for. An image
+/// from a file counts as one sample.
 const COLUMNS: &str = "scene,width,height,mode,samples,seconds,rectification_seconds,\
     relmse,relmse_standard_error,relmse_trimmed,mse,smape,flip,reference_samples";
 

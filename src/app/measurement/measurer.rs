@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::ErrorMetric;
 use super::curve::{Curve, Point};
+use super::{ErrorMetric, Given};
 use crate::app::background::{Background, Bell, Desk, Repaint};
 use crate::measure::{MetricError, difference, difference_from_two, flip};
 use crate::render::Display;
@@ -21,6 +21,8 @@ pub struct Plan {
     pub is_paused: bool,
     /// Of the films to be measured.
     pub epoch: u64,
+    /// What they are measured against; `None`: the ground truth that is rendered.
+    pub given: Given,
     /// FLIP is measured only where it is looked at: it takes far longer than the others.
     pub metric: ErrorMetric,
     /// FLIP is measured on displayed pictures.
@@ -74,7 +76,7 @@ fn run(desk: &Desk<Plan, Results>, board: &Board, wake: &Repaint) {
         () => records.live_due(),
     }) {
         is_paused = plan.is_paused;
-        let truth = board.ground_truth().filter(|truth| plan.is_on && truth.epoch == plan.epoch);
+        let truth = plan.is_on.then(|| plan.given.or_rendered(plan.epoch, board.ground_truth())).flatten();
         let is_out_of_date = records.take_in(&plan, board);
         // One film at a time: between two, the board may have films that must not be missed.
         has_more = !is_paused && records.measure_next(&plan, truth.as_ref());
@@ -140,6 +142,7 @@ struct Track {
 #[derive(Default)]
 struct Records {
     epoch: u64,
+    given: Given,
     tracks: BTreeMap<Mode, Track>,
     /// The images that `noise` is of.
     truth: Option<Arc<Halves>>,
@@ -156,9 +159,9 @@ impl Records {
 
     /// Looks for films at doublings. `true` when what was measured is out of date.
     fn take_in(&mut self, plan: &Plan, board: &Board) -> bool {
-        if !plan.is_on || plan.epoch != self.epoch {
+        if !plan.is_on || plan.epoch != self.epoch || plan.given != self.given {
             let had_any = !self.tracks.is_empty();
-            *self = Self { epoch: plan.epoch, ..Self::default() };
+            *self = Self { epoch: plan.epoch, given: plan.given.clone(), ..Self::default() };
             if !plan.is_on || had_any {
                 return had_any;
             }
@@ -205,7 +208,7 @@ impl Records {
         let is_last = truth.is_some_and(|truth| truth.is_done);
         let is_other = self.truth.as_ref().is_none_or(|known| !Arc::ptr_eq(known, halves));
         if is_other {
-            self.noise = noise(halves);
+            self.noise = noise(halves).filter(|_| halves.file.is_none());
             self.truth = Some(Arc::clone(halves));
         }
         for (mode, track) in &mut self.tracks {

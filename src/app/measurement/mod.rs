@@ -3,6 +3,7 @@
 
 pub mod csv;
 pub mod curve;
+mod given;
 pub mod measurer;
 
 use std::sync::Arc;
@@ -10,6 +11,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 pub use self::curve::{Curve, Point, Trend};
+pub use self::given::{Given, GivenImage};
 pub use self::measurer::Measurements;
 use crate::session::{GroundTruth, GroundTruthDemand};
 
@@ -72,6 +74,8 @@ pub enum ErrorAxis {
 #[derive(Debug, Default)]
 pub struct Measurement {
     pub demand: GroundTruthDemand,
+    /// The image that is measured against instead.
+    pub given: Given,
     pub truth: Option<GroundTruth>,
     pub results: Arc<Measurements>,
     /// Whether a ground truth was lost because the picture changed, and the next one has only just begun.
@@ -83,6 +87,11 @@ const WELL_UNDER_WAY: u32 = 32;
 
 impl Measurement {
     pub fn is_on(&self) -> bool {
+        self.is_rendered() || self.given.0.is_some()
+    }
+
+    /// Whether the reference image is one that is rendered.
+    pub fn is_rendered(&self) -> bool {
         self.demand != GroundTruthDemand::Off
     }
 
@@ -90,11 +99,11 @@ impl Measurement {
     pub fn set_truth(&mut self, truth: Option<GroundTruth>) {
         let samples = |truth: &Option<GroundTruth>| truth.as_ref().map_or(0, |truth| truth.samples);
         let (before, now) = (samples(&self.truth), samples(&truth));
-        if !self.is_on() || now >= WELL_UNDER_WAY {
+        if !self.is_rendered() || now >= WELL_UNDER_WAY {
             self.has_begun_anew = false;
         } else if now < before {
             self.has_begun_anew = true;
         }
-        self.truth = truth.filter(|_| self.is_on());
+        self.truth = truth.filter(|_| self.is_rendered());
     }
 }

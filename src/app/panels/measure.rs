@@ -7,7 +7,7 @@ use egui::{RichText, Ui};
 
 use super::render::table_row_ui;
 use crate::app::command::{Command, ExportKind};
-use crate::app::measurement::{Curve, ErrorAxis, ErrorMetric, Point};
+use crate::app::measurement::{Curve, ErrorAxis, ErrorMetric, Given, GivenImage, Point};
 use crate::app::state::State;
 use crate::app::theme::{Palette, WARNING_MARK};
 use crate::app::widgets::{
@@ -41,12 +41,19 @@ fn reference_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         button_ui(ui, text, about, commands, Command::SetGroundTruth(demand));
     };
     let drop = "Lets the reference image go, and the errors with it.";
+    if let Some(image) = &measurement.given.0 {
+        return given_ui(ui, image, drop, commands);
+    }
     match measurement.demand {
         GroundTruthDemand::Off => {
             let about = "Renders this picture with mode reference, twice and with random numbers of its own, in the background.";
             button(ui, "Make a reference image", about, GroundTruthDemand::On);
-            let text = "The picture again in mode reference, in the background, to measure every pane against. Two halves with \
-                        random numbers of their own: their noise cancels.";
+            ui.add_space(2.0);
+            let about =
+                "A picture of this scene from this view in linear light (EXR or HDR), of another renderer perhaps.";
+            button_ui(ui, "Open an image…", about, commands, Command::AskReferenceImage);
+            let text = "To measure every pane against: the picture again in mode reference, in the background, in two halves \
+                        whose noise cancels. Or a picture of another renderer.";
             ui.label(note(ui, text));
             return;
         }
@@ -82,6 +89,24 @@ fn reference_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let text = "The picture has changed: the reference image begins anew.";
         ui.label(RichText::new(text).small().color(palette.warning));
     }
+}
+
+/// An image from a file.
+fn given_ui(ui: &mut Ui, image: &GivenImage, drop: &str, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        button_ui(ui, "Open another…", "Measures against another image.", commands, Command::AskReferenceImage);
+        button_ui(ui, "Drop", drop, commands, Command::SetReferenceImage(Given::default()));
+    });
+    fact_ui(ui, "File", image.name(), &image.path.display().to_string());
+    let [width, height] = image.size();
+    fact_ui(
+        ui,
+        "Size",
+        format!("{width} × {height}"),
+        "In pixels. Every pane has it while this image is measured against.",
+    );
+    let text = "Panes have the size of the image. Its noise is unknown, and no error falls below it.";
+    ui.label(note(ui, text));
 }
 
 fn choices_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -178,7 +203,14 @@ fn bias_ui(ui: &mut Ui, state: &State, curves: &[(Mode, &Curve)]) {
         let trend = curve.trend(metric);
         let Some(bias) = trend.bias else { continue };
         let above = trend.slope.map(|slope| format!(", slope {} above it", signed(slope))).unwrap_or_default();
-        let text = format!("{WARNING_MARK} {} is biased: its error stays at {bias:.1e}{above}.", mode.name());
+        let text = match &state.measurement.given.0 {
+            None => format!("{WARNING_MARK} {} is biased: its error stays at {bias:.1e}{above}.", mode.name()),
+            Some(image) => format!(
+                "{WARNING_MARK} {} stays {bias:.1e} from {}{above}: that is bias, or the image's own noise, or it shows something else.",
+                mode.name(),
+                image.name()
+            ),
+        };
         ui.label(RichText::new(text).small().color(palette.warning));
     }
 }

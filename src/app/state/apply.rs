@@ -3,6 +3,7 @@
 use super::{MAX_ZOOM, OutsideChange, Room, State, Windows};
 use crate::app::command::Command;
 use crate::app::edit::Edit;
+use crate::app::measurement::Given;
 use crate::app::settings::{MAX_PANES, PaneContent, Settings, SidePanel};
 use crate::optics::medium;
 use crate::session::GroundTruthDemand;
@@ -99,6 +100,7 @@ impl State {
             Command::ToggleHistogram => self.settings.show_histogram ^= true,
             Command::ToggleValues => self.settings.show_values ^= true,
             Command::SetGroundTruth(demand) => self.demand_ground_truth(demand),
+            Command::SetReferenceImage(given) => self.set_reference_image(given),
             Command::SetErrorMetric(metric) => self.settings.error_metric = metric,
             Command::SetErrorAxis(axis) => self.settings.error_axis = axis,
             Command::SetResolutionScale(scale) => {
@@ -181,6 +183,8 @@ impl State {
             | Command::AskOpen
             | Command::AskEnvironmentImage
             | Command::ReadEnvironment(_)
+            | Command::AskReferenceImage
+            | Command::ReadReferenceImage(_)
             | Command::CancelOpening
             | Command::CancelPreparation
             | Command::RestoreEdits(_)
@@ -239,8 +243,25 @@ impl State {
     }
 
     fn demand_ground_truth(&mut self, demand: GroundTruthDemand) {
+        self.set_reference_image(Given::default());
         self.measurement.demand = demand;
         self.has_news = true;
+    }
+
+    /// An image from a file shows one scene, and another one is coming.
+    pub(super) fn forget_reference_image(&mut self) {
+        if self.measurement.given.0.is_some() {
+            self.set_reference_image(Given::default());
+        }
+    }
+
+    /// Films have the size of a reference image from a file: that of the panes is for them otherwise.
+    fn set_reference_image(&mut self, given: Given) {
+        let size = given.0.as_ref().map(|image| image.size());
+        self.measurement.given = given;
+        self.measurement.demand = GroundTruthDemand::Off;
+        self.has_news = true;
+        self.fix_film_size(size);
     }
 
     fn escape(&mut self) {

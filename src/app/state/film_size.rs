@@ -25,6 +25,8 @@ pub(super) struct FilmSize {
     picture_since: Option<f64>,
     /// Whether films are to fit the panes even where they would do as they are.
     must_fit: bool,
+    /// The size that films have whatever that of the panes is.
+    fixed: Option<[u32; 2]>,
 }
 
 impl FilmSize {
@@ -37,6 +39,7 @@ impl FilmSize {
         if self.must_fit || !fits {
             self.film = self.pane;
         }
+        self.film = self.fixed.unwrap_or(self.film);
         self.picture_since = None;
         self.must_fit = false;
     }
@@ -65,7 +68,7 @@ impl State {
             self.invalidate();
             return None;
         }
-        if magnification(size.film, pane.map(f64::from)) <= MOST_MAGNIFICATION {
+        if size.fixed.is_some() || magnification(size.film, pane.map(f64::from)) <= MOST_MAGNIFICATION {
             return None;
         }
         let rest = SETTLING - (now_secs - size.pane_since);
@@ -76,6 +79,21 @@ impl State {
         size.film = pane;
         self.next_epoch();
         None
+    }
+
+    /// Films of that size are wanted from now on, in pixels; `None`: such as fit the panes.
+    pub(super) fn fix_film_size(&mut self, fixed: Option<[u32; 2]>) {
+        let size = &mut self.size;
+        size.fixed = fixed;
+        if size.film != fixed.unwrap_or(size.pane) && !size.film.contains(&0) {
+            size.fit();
+            self.invalidate();
+        }
+    }
+
+    /// Whether films have a size that is not the panes'.
+    pub fn has_fixed_film_size(&self) -> bool {
+        self.size.fixed.is_some()
     }
 
     /// Size of the films, in pixels.
@@ -113,6 +131,24 @@ mod tests {
         state.set_pane_size([200, 300], 20.0);
         state.invalidate();
         assert_eq!(state.film_size(), [200, 300]);
+    }
+
+    #[test]
+    fn a_fixed_size_is_that_of_the_films_whatever_the_panes_do() {
+        let mut state = state();
+        let epoch = state.epoch();
+        state.fix_film_size(Some([64, 64]));
+        assert!(state.film_size() == [64, 64] && state.epoch() > epoch);
+        let epoch = state.epoch();
+        for pane in [[40, 30], [4000, 3000], [64, 64]] {
+            assert_eq!(state.set_pane_size(pane, 20.0), None);
+            assert_eq!((state.film_size(), state.epoch()), ([64, 64], epoch), "{pane:?}");
+        }
+        state.set_pane_size([500, 300], 20.0);
+        state.invalidate();
+        assert_eq!(state.film_size(), [64, 64]);
+        state.fix_film_size(None);
+        assert_eq!(state.film_size(), [500, 300]);
     }
 
     #[test]

@@ -62,6 +62,7 @@ impl State {
         self.last_pick = None;
         self.earlier_views.clear();
         self.problems = None;
+        self.forget_reference_image();
         self.invalidate();
         self.epoch_floor = self.epoch;
     }

@@ -420,6 +420,11 @@ pub(super) fn film_point(state: &State, pane: &Pane, pos: Pos2) -> [f64; 2] {
     [f64::from(point.x), f64::from(point.y)]
 }
 
+/// Whether a point of [`film_point`] is on the film, and not beside a picture that does not fill its pane.
+pub(super) fn is_on_film(point: [f64; 2]) -> bool {
+    point.iter().all(|x| (0.0..=1.0).contains(x))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

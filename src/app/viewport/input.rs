@@ -2,7 +2,7 @@
 
 use egui::{CursorIcon, PointerButton, Pos2, Response, Ui};
 
-use super::handles::film_point;
+use super::handles::{film_point, is_on_film};
 use super::layout::{Pane, film_from_screen, film_window, zoomed};
 use super::path::vertex_at;
 use super::{Viewport, is_slice, lights, slice};
@@ -102,11 +102,13 @@ impl Viewport {
         {
             commands.push(Command::SetActivePane(index));
             let point = film_point(state, &panes[index], pos);
-            commands.push(if modifiers.command {
-                match lights::at(state, &panes[index], pos) {
-                    Some(light) => Command::SelectObject(Some(light.to_owned())),
-                    None => Command::SelectAt(point),
-                }
+            let light = lights::at(state, &panes[index], pos).filter(|_| modifiers.command);
+            commands.push(if let Some(light) = light {
+                Command::SelectObject(Some(light.to_owned()))
+            } else if !is_on_film(point) {
+                Command::Nothing
+            } else if modifiers.command {
+                Command::SelectAt(point)
             } else if response.double_clicked() {
                 Command::LookAt(point)
             } else {

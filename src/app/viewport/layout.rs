@@ -18,12 +18,18 @@ pub struct Pane {
 }
 
 impl Pane {
-    /// The same pane where a film of size `film`, in pixels, covers a picture of `pixels`: what does not fit is cut off evenly.
-    pub fn filled_by(self, film: [u32; 2], pixels: [u32; 2], pixels_per_point: f32) -> Self {
+    /// The same pane where a film of size `film`, in pixels, covers a picture of `pixels`: what does not fit is cut off evenly. `is_whole`: the
+    /// film is shown whole, and what of the pane it leaves stays empty.
+    pub fn filled_by(self, film: [u32; 2], pixels: [u32; 2], pixels_per_point: f32, is_whole: bool) -> Self {
         if film == pixels || film.contains(&0) {
             return self;
         }
-        let magnification = magnification(film, [self.picture.width(), self.picture.height()].map(f64::from)) as f32;
+        let room = self.picture.size();
+        let magnification = if is_whole {
+            (room.x / film[0] as f32).min(room.y / film[1] as f32)
+        } else {
+            magnification(film, [room.x, room.y].map(f64::from)) as f32
+        };
         let size = Vec2::from(film.map(|side| side as f32)) * magnification;
         let corner = self.picture.center() - 0.5 * size;
         // Pixels of the film lie on pixels of the screen where they are of one size.
@@ -124,17 +130,23 @@ mod tests {
     #[test]
     fn a_film_of_another_size_covers_its_pane() {
         let pane = Pane { picture: area(), visible: area() };
-        assert_eq!(pane.filled_by([801, 602], [801, 602], 1.0), pane);
+        assert_eq!(pane.filled_by([801, 602], [801, 602], 1.0, false), pane);
         for film in [[801, 632], [1101, 602], [1602, 1204], [400, 300], [3000, 10]] {
-            let filled = pane.filled_by(film, [801, 602], 1.0);
+            let filled = pane.filled_by(film, [801, 602], 1.0, false);
             assert!(filled.picture.expand(0.6).contains_rect(area()), "{film:?}: {filled:?}");
             assert_eq!(filled.visible, area());
             let [width, height] = film.map(|side| side as f32);
             let off = filled.picture.width() / filled.picture.height() - width / height;
             assert!(off.abs() < 1e-3 * width / height, "{film:?}");
         }
+        // Shown whole, it touches two sides and leaves the pane nowhere.
+        for film in [[801, 632], [1101, 602], [1602, 1204], [400, 300], [3000, 10]] {
+            let whole = pane.filled_by(film, [801, 602], 1.0, true).picture;
+            assert!(area().expand(0.6).contains_rect(whole), "{film:?}: {whole:?}");
+            assert!((whole.width() - area().width()).abs() < 1.0 || (whole.height() - area().height()).abs() < 1.0);
+        }
         // What fits in one direction keeps its pixels.
-        assert_eq!(pane.filled_by([801, 632], [801, 602], 1.0).picture.size(), vec2(801.0, 632.0));
+        assert_eq!(pane.filled_by([801, 632], [801, 602], 1.0, false).picture.size(), vec2(801.0, 632.0));
     }
 
     #[test]

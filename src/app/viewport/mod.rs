@@ -206,8 +206,9 @@ impl Viewport {
         if let Some(rest) = state.set_pane_size(pixels, ui.input(|input| input.time)) {
             ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(rest));
         }
+        let (film, is_whole) = (state.film_size(), state.has_fixed_film_size());
         let panes: Vec<Pane> =
-            panes.into_iter().map(|pane| pane.filled_by(state.film_size(), pixels, ui.pixels_per_point())).collect();
+            panes.into_iter().map(|pane| pane.filled_by(film, pixels, ui.pixels_per_point(), is_whole)).collect();
         self.drop_stale(state);
         self.picture = Some(panes[0].picture);
 
@@ -256,7 +257,10 @@ impl Viewport {
         {
             match state.settings.panes[index] {
                 PaneContent::Surfaces(_) => {
-                    legend::show_faces(ui, state, &panes[index], pos, handles::film_point(state, &panes[index], pos));
+                    let point = handles::film_point(state, &panes[index], pos);
+                    if handles::is_on_film(point) {
+                        legend::show_faces(ui, state, &panes[index], pos, point);
+                    }
                 }
                 PaneContent::Slice(mode) if state.settings.show_values => {
                     slice::show_probe(ui, state, &panes[index], mode, pos);
@@ -272,7 +276,8 @@ impl Viewport {
         let over = hovered.and_then(|pos| Some((pos, panes.iter().position(|pane| pane.visible.contains(pos))?)));
         // A point of a slice is none of the film.
         let over = over.filter(|(_, index)| !is_slice(state, *index));
-        self.pointer = over.map(|(pos, index)| handles::film_point(state, &panes[index], pos));
+        self.pointer = (over.map(|(pos, index)| handles::film_point(state, &panes[index], pos)))
+            .filter(|point| handles::is_on_film(*point));
         let (Some(point), Some((_, over))) = (self.pointer.filter(|_| state.settings.show_values), over) else {
             return Vec::new();
         };

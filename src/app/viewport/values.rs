@@ -35,7 +35,8 @@ pub fn lines(content: PaneContent, about: &About, kind: DifferenceKind, point: [
     let (Some(a), Some(b)) = (a.get(index), b.get(index)) else { return Vec::new() };
     let difference: [f32; 3] = std::array::from_fn(|channel| a[channel] - b[channel]);
     let mut last = format!("ΔY   {}", number(luminance(difference), true));
-    if let Some(truth) = &source.truth
+    // Nobody knows the noise of an image from a file.
+    if let Some(truth) = source.truth.as_ref().filter(|truth| truth.file.is_none())
         && let (Some(a), Some(b)) = (truth.rgb[0].get(index), truth.rgb[1].get(index))
     {
         // Half of the halves' difference is as large as the noise of their mean.
@@ -122,7 +123,8 @@ mod tests {
         let texts = lines(content, &pair, DifferenceKind::Flip, below_left);
         assert_eq!(texts, ["ΔRGB 0.0000 −0.2500 −0.3750", "ΔY   −0.2059  FLIP 0.750"]);
         let halves = [vec![black, black, [0.4; 3], black], vec![black, black, [0.6; 3], black]];
-        let truth = Halves { size: [2, 2], samples: 1, rgb: halves, mean: vec![black, black, [0.5; 3], black] };
+        let truth =
+            Halves { size: [2, 2], samples: 1, file: None, rgb: halves, mean: vec![black, black, [0.5; 3], black] };
         let error = about(Source { films: vec![a], truth: Some(Arc::new(truth)), ..Source::default() });
         let texts = lines(PaneContent::Error(Mode::Stack), &error, DifferenceKind::Signed, below_left);
         assert_eq!(texts[1], "ΔY   −0.2059 ± 0.1000");

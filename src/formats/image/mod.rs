@@ -26,6 +26,9 @@ const FORMATS: &[ImageFormat] = &[
     ImageFormat { endings: &["jpg", "jpeg"], read: bitmap::jpeg },
 ];
 
+/// The first of them hold linear light.
+const LINEAR: usize = 2;
+
 /// The format that a file's ending names; an error lists those that are read.
 pub(super) fn format_of(path: &Path) -> Result<&'static ImageFormat, String> {
     by_ending(FORMATS, path)
@@ -38,5 +41,15 @@ pub(super) fn read(bytes: &[u8], format: &ImageFormat) -> Result<EnvironmentImag
     let mut image = (format.read)(bytes)?;
     repair::repair(&mut image);
     cube::unfold(&mut image)?;
+    Ok(image)
+}
+
+/// Decodes a picture of linear light as it is: negative components stay, and what is no finite number is replaced, which is said in its
+/// notes.
+pub(super) fn read_picture(bytes: &[u8], name: &Path) -> Result<EnvironmentImage, String> {
+    let format = by_ending(&FORMATS[..LINEAR], name)
+        .ok_or_else(|| format!("`{}` holds no linear light: use {}", name.display(), list(&FORMATS[..LINEAR])))?;
+    let mut image = (format.read)(bytes)?;
+    repair::replace_broken(&mut image);
     Ok(image)
 }

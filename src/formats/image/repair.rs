@@ -29,17 +29,31 @@ pub(super) fn repair(image: &mut EnvironmentImage) {
     }
     if broken > 0 {
         replace(image, largest);
-        let pixels = if broken == 1 { "pixel" } else { "pixels" };
-        let message = format!(
-            "{broken} {pixels} of the environment image had components that are no finite numbers; each has been replaced by the mean of \
-             its neighbours"
-        );
-        image.notes.push(LoadNote::new("replaced_pixels", broken, message));
+        note_replaced(image, broken, "the environment image");
     }
     if clipped > 0 {
         let message = format!("{clipped} components of the environment image were negative and have been set to 0");
         image.notes.push(LoadNote::new("clipped_pixels", clipped, message));
     }
+}
+
+/// As [`repair`], but negative components stay: for pictures, of which denoisers and filters with negative lobes leave some.
+pub(super) fn replace_broken(image: &mut EnvironmentImage) {
+    let broken = image.pixels.iter().filter(|pixel| !is_finite(**pixel)).count() as u64;
+    if broken > 0 {
+        let finite = image.pixels.iter().flatten().filter(|component| component.is_finite());
+        let largest = finite.fold(0.0_f32, |largest, component| largest.max(*component));
+        replace(image, [largest; 3]);
+        note_replaced(image, broken, "the image");
+    }
+}
+
+fn note_replaced(image: &mut EnvironmentImage, count: u64, what: &str) {
+    let pixels = if count == 1 { "pixel" } else { "pixels" };
+    let message = format!(
+        "{count} {pixels} of {what} had components that are no finite numbers; each has been replaced by the mean of its neighbours"
+    );
+    image.notes.push(LoadNote::new("replaced_pixels", count, message));
 }
 
 fn is_finite(pixel: [f32; 3]) -> bool {
@@ -113,6 +127,15 @@ mod tests {
         }
         // A negative neighbour counts as 0; the image wraps around sideways, not up and down.
         assert_eq!(repaired(4, &[INF, 2.0, 99.0, -8.0]).0, [1.0, 2.0, 99.0, 0.0]);
+    }
+
+    #[test]
+    fn negative_components_of_pictures_stay() {
+        let pixels = [-1.0, 2.0, NAN, 5.0].map(|value| [value, 1.0, -2.0]).to_vec();
+        let mut image = EnvironmentImage { width: 4, height: 1, pixels, notes: Vec::new() };
+        replace_broken(&mut image);
+        assert_eq!(image.pixels, [-1.0, 2.0, 3.5, 5.0].map(|value| [value, 1.0, -2.0]));
+        assert_eq!((image.notes[0].kind, image.notes[0].count), ("replaced_pixels", 1));
     }
 
     #[test]
