@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use serde::Deserialize;
 
-use super::schema::{BufferView, Mesh, Root};
+use super::schema::{Asset, BufferView, Mesh, Primitive, Root};
 use crate::formats::files::{Input, normal};
 use crate::formats::polygons::Fault;
 
@@ -22,6 +23,31 @@ const COMPRESSIONS: [&str; 3] = ["KHR_draco_mesh_compression", "EXT_meshopt_comp
 /// Most bytes of the JSON, which may hold buffers, and most tables in it: each takes much more room than the two bytes of an empty one.
 const MAX_JSON_BYTES: usize = 1 << 30;
 const MAX_TABLES: usize = 1 << 22;
+
+/// What files of all versions have alike.
+#[derive(Deserialize)]
+struct Versioned {
+    asset: Asset,
+}
+
+fn other_version(version: &str) -> Option<Fault> {
+    let is_read = version.split('.').next() == Some("2");
+    (!is_read).then(|| Fault::new(format!("is glTF of version `{version}`; version 2.0 is read")))
+}
+
+/// The compression without which there are no meshes: one that the file requires, or uses where it has no other form of its vertices.
+fn compression(root: &Root) -> Option<&String> {
+    let known = |name: &&String| COMPRESSIONS.contains(&name.as_str());
+    let has_no_bytes = |primitive: &Primitive| {
+        let accessor = primitive.attributes.get("POSITION").and_then(|index| root.accessors.get(*index));
+        accessor.is_some_and(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none())
+    };
+    let used = || root.extensions_used.iter().find(known);
+    root.extensions_required
+        .iter()
+        .find(known)
+        .or_else(|| used().filter(|_| root.meshes.iter().flat_map(|mesh| &mesh.primitives).any(has_no_bytes)))
+}
 
 /// A glTF file with the bytes of its buffers.
 #[derive(Debug)]
@@ -47,6 +73,12 @@ impl Container {
             return Err(Fault::new(format!("has more than the {MAX_TABLES} tables that are read at most")));
         }
         let root: Root = serde_json::from_slice(json).map_err(|error| {
+            // Files of version 1 have other tables.
+            if let Ok(Versioned { asset }) = serde_json::from_slice(json)
+                && let Some(fault) = other_version(&asset.version)
+            {
+                return fault;
+            }
             let message = format!("the JSON cannot be read: {}", without_place(&error.to_string()));
             match binary {
                 _ if !input.bytes.starts_with(MAGIC) => {
@@ -55,11 +87,10 @@ impl Container {
                 _ => Fault::new(format!("{message} (line {} of the JSON)", error.line())),
             }
         })?;
-        let version = &root.asset.version;
-        if version.split('.').next() != Some("2") {
-            return Err(Fault::new(format!("is glTF of version `{version}`; version 2.0 is read")));
+        if let Some(fault) = other_version(&root.asset.version) {
+            return Err(fault);
         }
-        if let Some(name) = root.extensions_required.iter().find(|name| COMPRESSIONS.contains(&name.as_str())) {
+        if let Some(name) = compression(&root) {
             return Err(Fault::new(format!("needs {name}, which is not read: save it without compression")));
         }
         let (materials, primitives, buffers, files) = (Vec::new(), HashMap::new(), Vec::new(), HashMap::new());

@@ -319,7 +319,7 @@ fn damage_is_told_with_its_place() {
         error_of(&maker)
     };
     type Change = fn(&mut Maker);
-    let cases: [(Change, &str); 20] = [
+    let cases: [(Change, &str); 22] = [
         (
             |m| m.root["accessors"][0]["count"] = json!(9),
             "mesh 0 (`Cube`), primitive 0: accessor 0 ends beyond bufferView 0",
@@ -344,6 +344,14 @@ fn damage_is_told_with_its_place() {
         (|m| m.root["nodes"][0]["children"] = json!([0]), "node 0 (`Box`) is reached in two ways"),
         (|m| m.root["asset"]["version"] = json!("1.0"), "glTF of version `1.0`"),
         (|m| m.root["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]), "without compression"),
+        (
+            |m| {
+                m.root["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+                m.root["accessors"][0] = json!({"componentType": 5126, "count": 8, "type": "VEC3"});
+            },
+            "needs KHR_draco_mesh_compression",
+        ),
+        (|m| (m.root["asset"]["version"], m.root["nodes"]) = (json!("1.1"), json!({"a": {}})), "glTF of version `1.1`"),
         (
             |m| m.root["accessors"][0] = json!({"componentType": 5126, "count": 1_u64 << 40, "type": "VEC3"}),
             "no bufferView",
