@@ -187,7 +187,20 @@ fn what_was_passed_over_in_a_file_is_said_once_with_its_line() {
     assert_eq!(found(scene.clone()), pairs(&[("unknown_statement", "a, c"), ("degenerate_triangles", "a, c")]));
     let Shape::Mesh { path, .. } = &mut scene.objects.refractors_mut()[2].shape else { panic!("no mesh") };
     *path = "n.obj".into();
-    assert_eq!(found(scene).len(), 4);
+    assert_eq!(found(scene.clone()).len(), 4);
+    // What many files have alike is one problem.
+    for number in 0..10 {
+        let mut copy = scene.objects.refractors()[2].clone();
+        copy.name = format!("d{number}");
+        copy.transform.translate.x += 20.0 * f64::from(number + 1);
+        let Shape::Mesh { path, .. } = &mut copy.shape else { panic!("no mesh") };
+        *path = format!("d{number}.obj").into();
+        scene.objects.push(copy);
+    }
+    let problems = problems_of(scene);
+    let places: Vec<_> = problems.iter().map(|problem| (problem.kind, problem.place.as_str())).collect();
+    assert_eq!(places, [("unknown_statement", "a and 11 more"), ("degenerate_triangles", "a and 11 more")]);
+    assert_eq!(problems[1].message, "m.obj: 2 of something; likewise 11 other files");
 }
 
 #[test]

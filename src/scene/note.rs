@@ -1,7 +1,7 @@
 //! What loading a file passed over without harm to what it says.
 
 /// One kind of thing in a file that loading passed over, and how often.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct LoadNote {
     /// A stable word, such as `unknown_statement`.
     pub kind: &'static str,
