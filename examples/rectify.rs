@@ -74,7 +74,7 @@ pub fn cuboid(center: DVec3, half: DVec3) -> Mesh {
     let squares = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     Mesh {
         positions: (0..8).map(corner).collect(),
-        normals: Vec::new(),
         triangles: squares.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        ..Mesh::default()
     }
 }

@@ -87,6 +87,11 @@ impl App {
                         .for_each(|note| self.state.notify(format!("{}: {}", image.name(), note.message)));
                     self.apply(ctx, Command::SetReferenceImage(Given(Some(image))));
                 }
+                Outcome::TextureRead(object, path, image) => {
+                    if let Some(edit) = self.state.texture_of(&object, path, image) {
+                        self.apply(ctx, Command::Edit(edit));
+                    }
+                }
                 Outcome::Mesh(objects) => {
                     let state = &self.state;
                     let (scene, view) = (state.document.description(), &state.view.camera);

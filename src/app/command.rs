@@ -194,6 +194,10 @@ pub enum Command {
     CopyValues,
     ClearRecent,
     AskEnvironmentImage,
+    /// Asks for an image for the selected solid.
+    AskTexture,
+    /// Puts the image of that file on the solid that it was asked for.
+    ReadTexture(PathBuf),
     /// Puts the image of that file around the scene.
     ReadEnvironment(PathBuf),
     /// Gives up opening a scene.

@@ -28,6 +28,16 @@ impl App {
             Command::ReadEnvironment(path) => self.files.read_environment(path),
             Command::AskReferenceImage => self.ask(Purpose::Reference),
             Command::ReadReferenceImage(path) => self.files.read_reference(path),
+            Command::AskTexture => {
+                self.state.texture_for = self.state.selected.clone();
+                self.ask(Purpose::Texture);
+            }
+            Command::ReadTexture(path) => {
+                let object = self.state.texture_for.take().or_else(|| self.state.selected.clone());
+                if let Some(object) = object {
+                    self.files.read_texture(object, path);
+                }
+            }
             Command::Open(name_or_path) if self.state.document.is_dirty() => {
                 self.dialogs.leaving = Some(Command::OpenAnyway(name_or_path));
             }

@@ -27,7 +27,9 @@ impl App {
         let source = document.description().source.as_ref();
         let stem = source.and_then(|source| source.path.file_stem()).map_or("scene".into(), |s| s.to_string_lossy());
         let name = match purpose {
-            Purpose::Open | Purpose::Environment | Purpose::Mesh | Purpose::Reference => String::new(),
+            Purpose::Open | Purpose::Environment | Purpose::Texture | Purpose::Mesh | Purpose::Reference => {
+                String::new()
+            }
             Purpose::SaveAs => format!("{stem}.toml"),
             Purpose::Export(ExportKind::AllPanesPng) => format!("{stem}-comparison.png"),
             Purpose::Export(ExportKind::ShownPanes) => format!("{stem}-panes.png"),

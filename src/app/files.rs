@@ -21,6 +21,7 @@ use crate::render::Display;
 use crate::render::slice::Slice;
 use crate::scene::description::Object;
 use crate::scene::environment::EnvironmentImage;
+use crate::scene::texture::TextureImage;
 use crate::scene::{Description, SceneError};
 use crate::session::Snapshot;
 use crate::tracking::Mode;
@@ -37,6 +38,8 @@ pub enum Purpose {
     SaveAs,
     /// An image that surrounds the scene.
     Environment,
+    /// An image on a solid.
+    Texture,
     Mesh,
     /// An image that panes are measured against.
     Reference,
@@ -57,6 +60,7 @@ impl Purpose {
             Self::Export(ExportKind::AllPanesPng) => "Export a comparison sheet",
             Self::Export(ExportKind::PaneExr) => "Export the active pane as linear EXR",
             Self::Environment => "Choose an image that surrounds the scene",
+            Self::Texture => "Choose an image for the surface",
             Self::Export(ExportKind::ErrorsCsv) => "Export the measured errors as CSV",
             Self::Export(ExportKind::PathSvg) => "Export the path as SVG",
             Self::Export(ExportKind::PathJson) => "Export the path as JSON",
@@ -69,6 +73,7 @@ impl Purpose {
             Self::Open => ("scenes and meshes", &["toml", "glb", "gltf", "xml", "pbrt", "obj", "ply", "stl"]),
             Self::SaveAs => ("iorect scenes", &["toml"]),
             Self::Environment => ("images", &["exr", "hdr", "png", "jpg", "jpeg"]),
+            Self::Texture => ("images", &["png", "jpg", "jpeg", "exr", "hdr"]),
             Self::Mesh => ("meshes", MESH_ENDINGS),
             Self::Reference => ("linear images", &["exr", "hdr"]),
             Self::Export(ExportKind::PaneExr) => ("OpenEXR", &["exr"]),
@@ -89,7 +94,7 @@ impl Purpose {
 
     /// Whether the file is read, and not written.
     pub fn is_reading(self) -> bool {
-        matches!(self, Self::Open | Self::Environment | Self::Mesh | Self::Reference)
+        matches!(self, Self::Open | Self::Environment | Self::Texture | Self::Mesh | Self::Reference)
     }
 
     /// The path with the extension where the user typed none.
@@ -104,6 +109,7 @@ impl Purpose {
             Self::Open => Command::Open(path),
             Self::SaveAs => Command::SaveAs(path),
             Self::Environment => Command::ReadEnvironment(path),
+            Self::Texture => Command::ReadTexture(path),
             Self::Mesh => Command::ReadMesh(path),
             Self::Reference => Command::ReadReferenceImage(path),
             Self::Export(kind) => Command::Export(kind, path),
@@ -116,6 +122,7 @@ impl Purpose {
             Self::Open => Command::Open(path),
             Self::SaveAs => Command::SaveAsAnyway(path),
             Self::Environment => Command::ReadEnvironment(path),
+            Self::Texture => Command::ReadTexture(path),
             Self::Mesh => Command::ReadMesh(path),
             Self::Reference => Command::ReadReferenceImage(path),
             Self::Export(kind) => Command::ExportAnyway(kind, path),
@@ -128,6 +135,7 @@ impl Purpose {
             Self::Open => Command::AskOpen,
             Self::SaveAs => Command::AskSaveAs,
             Self::Environment => Command::AskEnvironmentImage,
+            Self::Texture => Command::AskTexture,
             Self::Mesh => Command::AskMesh,
             Self::Reference => Command::AskReferenceImage,
             Self::Export(kind) => Command::AskExport(kind),
@@ -155,6 +163,8 @@ pub enum Outcome {
     EnvironmentRead(PathBuf, EnvironmentImage),
     /// An image that panes are to be measured against.
     ReferenceRead(Arc<GivenImage>),
+    /// An image for the solid of that name, and its file.
+    TextureRead(String, PathBuf, TextureImage),
     /// The scene in the file at that path, which another program has changed.
     Reloaded(PathBuf, Result<Box<Description>, String>),
     /// The objects of a mesh that is to be added, with their media.
@@ -264,6 +274,16 @@ impl Files {
     /// Reads an image that panes are to be measured against.
     pub fn read_reference(&self, path: PathBuf) {
         self.attempt(move || GivenImage::read(&path).map(|image| Outcome::ReferenceRead(Arc::new(image))));
+    }
+
+    /// Reads an image that is to be on a solid.
+    pub fn read_texture(&self, object: String, path: PathBuf) {
+        self.attempt(move || {
+            let told = |message: String| format!("The image {} cannot be used: it {message}", path.display());
+            let bytes = disk::read(&path, disk::MAX_DATA_BYTES).map_err(|error| told(error.to_string()))?;
+            let image = crate::formats::texture::decode(&bytes).map_err(told)?;
+            Ok::<_, String>(Outcome::TextureRead(object, path, image))
+        });
     }
 
     /// Reads a scene's file again.

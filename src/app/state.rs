@@ -112,6 +112,8 @@ pub struct State {
     pub world_part: WorldPart,
     /// Whether the next click in a picture puts the focus there.
     pub is_focusing: bool,
+    /// The solid that an image is being chosen for.
+    pub texture_for: Option<String>,
     /// The object whose name is being typed.
     pub renaming: Option<String>,
     pub inspection: Option<Inspection>,
@@ -185,6 +187,7 @@ impl State {
             selected: None,
             world_part: WorldPart::Medium,
             is_focusing: false,
+            texture_for: None,
             renaming: None,
             inspection: None,
             path_options: PathOptions::default(),

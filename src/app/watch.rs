@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 use super::background::{Background, Bell, Desk, Repaint};
-use crate::scene::description::{Description, Environment, Shape};
+use crate::formats::texture;
+use crate::scene::description::{Description, Environment, Paint, Shape, Solid};
 
 const INTERVAL: Duration = Duration::from_millis(400);
 
@@ -110,6 +111,9 @@ pub fn files_of(description: &Description, path: Option<&Path>) -> Vec<PathBuf> 
     for object in description.objects.iter() {
         if let Shape::Mesh { path, .. } = &object.shape {
             add(path);
+        }
+        if let Some(Solid { paint: Paint::Texture { path, .. }, .. }) = object.solid() {
+            add(texture::file_of(path));
         }
     }
     if let Environment::Image { path, .. } = &description.environment {

@@ -20,13 +20,14 @@ mod rims;
 mod samples;
 pub mod verdict;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use glam::DVec3;
 
 use crate::rectify::{Cancelled, Progress};
 use crate::scene::LoadNote;
-use crate::scene::description::{Environment, Light, Object};
+use crate::scene::description::{Environment, Light, Object, Paint};
 use crate::tracking::Prepared;
 
 /// How bad a problem is.
@@ -106,7 +107,7 @@ pub fn check_watched(prepared: &Prepared, progress: &Progress) -> Result<Vec<Pro
     let mut problems = mesh::problems(prepared, &rims, &mut doubts);
     progress.go_on()?;
     let encounters = prepared.table.encounters(&prepared.scene);
-    let parts: [&dyn Fn() -> Vec<Problem>; 14] = [
+    let parts: [&dyn Fn() -> Vec<Problem>; 15] = [
         &|| notes::problems(prepared),
         &|| overlap::problems(prepared, &encounters, &rims),
         &|| crowded::problems(prepared),
@@ -118,6 +119,7 @@ pub fn check_watched(prepared: &Prepared, progress: &Progress) -> Result<Vec<Pro
         &|| flush::problems(prepared, &encounters).into_iter().collect(),
         &|| media::problems(prepared),
         &|| light(prepared),
+        &|| textures(prepared),
         &|| lamp::problems(prepared),
         &|| placed::problems(prepared),
         &|| camera::problems(prepared),
@@ -158,10 +160,22 @@ fn light(prepared: &Prepared) -> Vec<Problem> {
     problems
 }
 
+/// What reading the images of solids replaced, once for each file.
+fn textures(prepared: &Prepared) -> Vec<Problem> {
+    let notes: BTreeMap<&Path, &[LoadNote]> = (prepared.description.objects.iter())
+        .filter_map(|object| match &object.solid()?.paint {
+            Paint::Texture { path, image, .. } => Some((path.as_path(), &*image.notes)),
+            Paint::Color(_) | Paint::Checker { .. } => None,
+        })
+        .collect();
+    let problem = |path: &Path, note: &LoadNote| image_note(&path.to_string_lossy(), note);
+    notes.into_iter().flat_map(|(path, notes)| notes.iter().map(move |note| problem(path, note))).collect()
+}
+
 /// What reading an image replaced is doubtful; what it converted or passed over may not have been meant.
 fn image_note(path: &str, note: &LoadNote) -> Problem {
     match note.kind {
-        "clipped_pixels" | "replaced_pixels" => Problem::warning(path, note.kind, &note.message),
+        "clipped_pixels" | "replaced_pixels" | "clipped_texels" => Problem::warning(path, note.kind, &note.message),
         kind => Problem::advice(path, kind, &note.message),
     }
 }

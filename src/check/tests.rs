@@ -56,6 +56,7 @@ fn tetrahedron() -> Mesh {
         positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
         normals: Vec::new(),
         triangles: vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]],
+        uvs: Vec::new(),
     }
 }
 

@@ -66,11 +66,15 @@ impl CornerLists {
         })
     }
 
+    /// Which of all corners are those of a list, by its number.
+    pub fn corners_of(&self, index: usize) -> std::ops::Range<usize> {
+        index.checked_sub(1).map_or(0, |before| self.ends[before])..self.ends[index]
+    }
+
     /// One list by its number.
     pub fn get(&self, index: usize) -> CornerList<'_> {
-        let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
         CornerList {
-            corners: &self.corners[start..self.ends[index]],
+            corners: &self.corners[self.corners_of(index)],
             line: self.lines.get(index).map(|&line| line as usize),
         }
     }

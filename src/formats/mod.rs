@@ -29,6 +29,7 @@ mod stl;
 mod studio;
 mod suggest;
 mod tally;
+pub mod texture;
 mod toml;
 
 use std::path::Path;

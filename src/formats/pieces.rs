@@ -1,7 +1,9 @@
-//! The pieces of a mesh file as objects: what each is made of, by the file's material library where there is one.
+//! The pieces of a mesh file as objects: what each is made of, by the file's material library where there is one. What has an image for its colour
+//! is opaque unless it is said that light goes through.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -9,10 +11,12 @@ use super::files::Input;
 use super::mesh::{MeshFile, PartFault, error_in};
 use super::names::Names;
 use super::obj::mtl::{self, Material};
+use super::texture;
 use crate::geometry::Mesh;
 use crate::optics::{Ior, Medium, catalog};
-use crate::scene::description::{Light, MAX_RADIANCE, MeshPart, Paint, Refractor, Role, Solid};
+use crate::scene::description::{Light, MAX_RADIANCE, MeshPart, Paint, Refractor, Role, Solid, UvTransform};
 use crate::scene::fields::IOR;
+use crate::scene::texture::TextureImage;
 use crate::scene::{LoadNote, SceneError};
 
 /// Least share of light that a filter lets through, as far as it is taken for a filter.
@@ -34,13 +38,16 @@ pub(super) struct Piece {
 #[derive(Debug, Default)]
 struct Library {
     materials: HashMap<String, Material>,
+    /// The images of materials, by what they call them; `None`: one that cannot be read.
+    images: HashMap<String, Option<(PathBuf, Arc<TextureImage>)>>,
     notes: Vec<LoadNote>,
 }
 
 /// The pieces of the mesh file: by its materials, or else by its groups, or all in one. `stem` names what has no name.
 pub(super) fn pieces(file: MeshFile, stem: &str, input: &Input<'_>) -> Result<Vec<Piece>, SceneError> {
     let parts = file.pieces();
-    let library = Library::read(file.libraries(), input);
+    let mut library = Library::read(file.libraries(), input);
+    library.read_images(input);
     let fault = |fault| match fault {
         PartFault::Fault(fault) => error_in(input.path, fault),
         PartFault::NoSuchPart(missing) => SceneError::in_file(input.path, missing.message),
@@ -69,12 +76,15 @@ pub(super) fn pieces(file: MeshFile, stem: &str, input: &Input<'_>) -> Result<Ve
         let name = if is_single { only_material.as_ref() } else { part.material.as_ref() };
         name.and_then(|name| library.materials.get(name))
     };
+    let is_textured = |material: &Material| !material.is_glass() && material.image.is_some();
     let any_glass = taken.iter().any(|(_, part, ..)| material_of(part).is_some_and(Material::is_glass));
     let (mut names, mut notes) = (Names::default(), library.notes.clone());
     notes.append(&mut left_out);
-    if !any_glass && !is_single && taken.iter().any(|(_, part, ..)| material_of(part).is_some()) {
-        let message =
-            "the materials say of no part that it lets light through, so all that emit none are shown as glass";
+    let is_taken_for_glass = |part: &MeshPart| {
+        material_of(part).is_some_and(|material| material.light().is_none() && !is_textured(material))
+    };
+    if !any_glass && !is_single && taken.iter().any(|(_, part, ..)| is_taken_for_glass(part)) {
+        let message = "the materials say of no part that it lets light through, so all that emit none and have no image are shown as glass";
         notes.push(LoadNote::new("no_glass", 1, message.to_owned()));
     }
     let piece = |(name, part, mesh, own_notes): (String, MeshPart, Mesh, Vec<LoadNote>)| {
@@ -87,14 +97,10 @@ pub(super) fn pieces(file: MeshFile, stem: &str, input: &Input<'_>) -> Result<Ve
                 let radiance = material.light().unwrap_or_default();
                 (Light::of_radiance(radiance.map(|component| component.clamp(0.0, MAX_RADIANCE))).into(), None)
             }
-            Some(material) if any_glass && !material.is_glass() => {
-                let color = material.color.unwrap_or([0.8; 3]).map(|share| share.clamp(0.0, 1.0));
-                if material.has_image {
-                    let message = "the images of materials are not read: `Kd` alone colours what has one";
-                    notes.push(LoadNote::new("texture", 1, message.to_owned()));
-                }
+            Some(material) if is_textured(material) || (any_glass && !material.is_glass()) => {
                 let mirror = material.metallic.is_some_and(|metallic| metallic > 0.5);
-                (Role::from(Solid { mirror, smooth: is_smooth, ..Solid::of(Paint::Color(color)) }), None)
+                let paint = library.paint(material, &mesh, &mut notes);
+                (Role::from(Solid { mirror, smooth: is_smooth, ..Solid::of(paint) }), None)
             }
             _ => {
                 let medium = medium(&name, material, &mesh, &mut notes);
@@ -159,6 +165,53 @@ impl Library {
         for material in materials {
             self.materials.entry(material.name.clone()).or_insert(material);
         }
+    }
+
+    /// Reads the images of materials, from the folder of the mesh file.
+    fn read_images(&mut self, input: &Input<'_>) {
+        let folder = input.path.parent().unwrap_or(Path::new(""));
+        let names: Vec<String> =
+            self.materials.values().filter_map(|material| Some(material.image.as_ref()?.file.clone())).collect();
+        for name in names {
+            if self.images.contains_key(&name) {
+                continue;
+            }
+            let path = PathBuf::from(name.replace('\\', "/"));
+            let image = match texture::read(&path, folder, input.files) {
+                // Saved elsewhere, the scene must still find it.
+                Ok(image) => {
+                    let file = folder.join(&path);
+                    Some((std::path::absolute(&file).unwrap_or(file), Arc::new(image)))
+                }
+                Err(why) => {
+                    let message = format!("the image {name} is left out, and `Kd` alone colours what has it: it {why}");
+                    self.notes.push(LoadNote::new("texture", 1, message));
+                    None
+                }
+            };
+            self.images.insert(name, image);
+        }
+    }
+
+    /// What a material reflects: its colour, and the image that it is multiplied by.
+    fn paint(&self, material: &Material, mesh: &Mesh, notes: &mut Vec<LoadNote>) -> Paint {
+        let color = material.color.map(|color| color.map(|share| share.clamp(0.0, 1.0)));
+        let image = material.image.as_ref().and_then(|image| Some((image, self.images.get(&image.file)?.clone()?)));
+        let Some((about, (path, image))) = image else { return Paint::Color(color.unwrap_or([0.8; 3])) };
+        // Programs write black where the image alone is meant.
+        let tint = color.filter(|color| *color != [0.0; 3]).unwrap_or([1.0; 3]);
+        let uv = UvTransform { scale: about.scale, rotate: 0.0, offset: about.offset };
+        let paint = Paint::Texture { path, image, tint, uv };
+        if !mesh.has_uvs() {
+            let message = "the faces have no texture coordinates, so the mean colour of the image is taken";
+            notes.push(LoadNote::new("no_texture_coordinates", 1, message.to_owned()));
+            return Paint::Color(paint.mean());
+        }
+        if about.is_clamped {
+            let message = "the image is repeated beyond its edges, where the material says that it ends";
+            notes.push(LoadNote::new("texture_wrap", 1, message.to_owned()));
+        }
+        paint
     }
 
     fn miss(&mut self, file: PathBuf, why: &str) {

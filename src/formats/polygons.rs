@@ -6,7 +6,7 @@ use super::corners::CornerLists;
 use super::parts::{NoSuchPart, Parts};
 use super::passed_over::{Kind, PassedOver};
 use super::polygon::{PATIENCE, triangulate};
-use crate::geometry::Mesh;
+use crate::geometry::{CornerUvs, Mesh};
 use crate::scene::LoadNote;
 use crate::scene::description::MeshPart;
 use crate::scene::shapes::MAX_LENGTH;
@@ -29,12 +29,51 @@ impl Fault {
     }
 }
 
+/// Texture coordinates as a file has them, with v upwards.
+#[derive(Debug, Clone, Default)]
+pub(super) enum Uvs {
+    #[default]
+    None,
+    /// One pair for each position.
+    OfPositions(Vec<[f32; 2]>),
+    /// One pair for each corner of the faces, in the order of their lists; not finite where a corner has none.
+    OfCorners(Vec<[f32; 2]>),
+}
+
+impl Uvs {
+    /// What is of use: a pair for each position or corner, of which at least one is given.
+    fn usable(self, positions: usize, corners: usize) -> Self {
+        match self {
+            Self::OfPositions(pairs) if pairs.len() == positions => Self::OfPositions(pairs),
+            Self::OfCorners(pairs) if pairs.len() == corners && pairs.iter().any(|[u, _]| u.is_finite()) => {
+                Self::OfCorners(pairs)
+            }
+            _ => Self::None,
+        }
+    }
+
+    /// Adds a pair for a position, of which there have been `count`; without one all are given up.
+    pub fn push_of_position(&mut self, uv: Option<[f32; 2]>, count: usize) {
+        match (&mut *self, uv) {
+            (Self::OfPositions(pairs), Some(uv)) if pairs.len() == count => pairs.push(finite(uv)),
+            (Self::None, Some(uv)) if count == 0 => *self = Self::OfPositions(vec![finite(uv)]),
+            _ => *self = Self::None,
+        }
+    }
+}
+
+/// What is no finite number is 0.
+fn finite(uv: [f32; 2]) -> [f32; 2] {
+    uv.map(|x| if x.is_finite() { x } else { 0.0 })
+}
+
 /// A surface as its file has it. Corners of faces must name vertices that there are: the readers know the place of those that do not.
 #[derive(Debug, Default)]
 pub(super) struct Polygons {
     pub positions: Vec<DVec3>,
     /// One for each position, or none.
     pub normals: Vec<DVec3>,
+    pub uvs: Uvs,
     pub faces: CornerLists,
     /// Strips of triangles, each of which shares two corners with the one before.
     pub strips: CornerLists,
@@ -82,12 +121,15 @@ impl Polygons {
             // Lists that make no face may name anything.
             *corner = new_index.get(*corner as usize).copied().unwrap_or_default();
         }
-        let keep = |values: &mut Vec<DVec3>| {
+        fn keep<T>(values: &mut Vec<T>, is_kept: &[bool]) {
             let mut kept = is_kept.iter();
             values.retain(|_| kept.next().is_some_and(|&is_kept| is_kept));
-        };
-        keep(&mut self.positions);
-        keep(&mut self.normals);
+        }
+        keep(&mut self.positions, &is_kept);
+        keep(&mut self.normals, &is_kept);
+        if let Uvs::OfPositions(pairs) = &mut self.uvs {
+            keep(pairs, &is_kept);
+        }
         Ok(())
     }
 
@@ -96,6 +138,7 @@ impl Polygons {
         let mut other = Self {
             positions: other.positions.clone(),
             normals: other.normals.clone(),
+            uvs: other.uvs.clone(),
             faces: other.faces.clone(),
             ..Self::default()
         };
@@ -107,6 +150,11 @@ impl Polygons {
             self.normals.append(&mut other.normals);
         } else {
             self.normals.clear();
+        }
+        match (&mut self.uvs, other.uvs) {
+            (Uvs::OfPositions(pairs), Uvs::OfPositions(mut more)) if pairs.len() == start => pairs.append(&mut more),
+            (Uvs::None, more @ Uvs::OfPositions(_)) if start == 0 => self.uvs = more,
+            _ => self.uvs = Uvs::None,
         }
         other.positions.iter().for_each(|position| self.push_position(*position, None));
         for list in other.faces.iter() {
@@ -123,7 +171,8 @@ impl Polygons {
         let mut taken = Self { passed_over: self.passed_over.clone(), ..Self::default() };
         let mut new_index = vec![UNUSED; self.positions.len()];
         let mut old_index = Vec::new();
-        for list in faces.into_iter().flatten().map(|face| self.faces.get(face)) {
+        for face in faces.iter().cloned().flatten() {
+            let list = self.faces.get(face);
             for &corner in list.corners {
                 // Lists that make no face may name anything.
                 taken.faces.corners.push(match new_index.get_mut(corner as usize) {
@@ -142,6 +191,14 @@ impl Polygons {
         if self.normals.len() == self.positions.len() {
             taken.normals = old_index.iter().map(|&old| self.normals[old]).collect();
         }
+        taken.uvs = match &self.uvs {
+            Uvs::None => Uvs::None,
+            Uvs::OfPositions(pairs) => Uvs::OfPositions(old_index.iter().map(|&old| pairs[old]).collect()),
+            Uvs::OfCorners(pairs) => {
+                let corners = faces.into_iter().flatten().flat_map(|face| self.faces.corners_of(face));
+                Uvs::OfCorners(corners.map(|corner| pairs[corner]).collect())
+            }
+        };
         let unusable = self.unusable.iter().map(|&(vertex, line)| (new_index[vertex], line));
         taken.unusable = unusable.filter(|(new, _)| *new != UNUSED).map(|(new, line)| (new as usize, line)).collect();
         Ok(taken)
@@ -177,20 +234,29 @@ impl Polygons {
     pub fn finish(mut self) -> Result<(Mesh, Vec<LoadNote>), Fault> {
         self.drop_unusable()?;
         let normals = self.usable_normals();
-        let Self { positions, faces, strips, mut passed_over, .. } = self;
+        let Self { positions, uvs, faces, strips, mut passed_over, .. } = self;
+        let uvs = uvs.usable(positions.len(), faces.corners.len());
         let (triangles, patience) = (Vec::new(), PATIENCE);
-        let mut builder = Builder { positions: &positions, triangles, passed_over: &mut passed_over, patience };
-        for face in faces.iter() {
-            builder.push_face(face.corners, face.line)?;
+        let (passed_over_here, of_triangles) = (&mut passed_over, Vec::new());
+        let mut builder = Builder {
+            positions: &positions,
+            uvs: &uvs,
+            triangles,
+            of_triangles,
+            passed_over: passed_over_here,
+            patience,
+        };
+        for (index, face) in faces.iter().enumerate() {
+            builder.push_face(face.corners, faces.corners_of(index).start, face.line)?;
         }
         for strip in strips.iter() {
             builder.push_strip(strip.corners, strip.line);
         }
-        let triangles = builder.triangles;
+        let Builder { triangles, of_triangles: uvs, .. } = builder;
         if triangles.is_empty() {
             return Err(without_faces(&passed_over));
         }
-        Ok((Mesh { positions, normals, triangles }, passed_over.into_notes()))
+        Ok((Mesh { positions, normals, triangles, uvs }, passed_over.into_notes()))
     }
 }
 
@@ -212,17 +278,21 @@ fn without_faces(passed_over: &PassedOver) -> Fault {
 /// Triangles as they come from faces and strips.
 struct Builder<'a> {
     positions: &'a [DVec3],
+    uvs: &'a Uvs,
     triangles: Vec<[u32; 3]>,
+    /// Texture coordinates of the triangles, if there are any.
+    of_triangles: Vec<CornerUvs>,
     passed_over: &'a mut PassedOver,
     /// For all faces together.
     patience: usize,
 }
 
 impl Builder<'_> {
-    fn push_face(&mut self, corners: &[u32], line: Option<usize>) -> Result<(), Fault> {
+    /// `first`: which of all corners of faces is the first of these.
+    fn push_face(&mut self, corners: &[u32], first: usize, line: Option<usize>) -> Result<(), Fault> {
         match *corners {
             [] | [_] | [_, _] => self.passed_over.add(Kind::ShortFaces, line),
-            [a, b, c] => self.push_triangle([a, b, c], line),
+            [a, b, c] => self.push_triangle([a, b, c], Some([0, 1, 2].map(|k| first + k)), line),
             _ => {
                 let points: Vec<DVec3> = corners.iter().map(|&i| self.positions[i as usize]).collect();
                 let triangles = triangulate(&points, &mut self.patience).ok_or_else(|| {
@@ -232,7 +302,9 @@ impl Builder<'_> {
                     );
                     Fault { line, message }
                 })?;
-                triangles.into_iter().for_each(|triangle| self.push_triangle(triangle.map(|k| corners[k]), line));
+                for triangle in triangles {
+                    self.push_triangle(triangle.map(|k| corners[k]), Some(triangle.map(|k| first + k)), line);
+                }
             }
         }
         Ok(())
@@ -246,12 +318,13 @@ impl Builder<'_> {
         for (i, corners) in corners.windows(3).enumerate() {
             let [a, b, c] = [corners[0], corners[1], corners[2]];
             if a != b && b != c && c != a {
-                self.push_triangle(if i % 2 == 0 { [a, b, c] } else { [b, a, c] }, line);
+                self.push_triangle(if i % 2 == 0 { [a, b, c] } else { [b, a, c] }, None, line);
             }
         }
     }
 
-    fn push_triangle(&mut self, triangle: [u32; 3], line: Option<usize>) {
+    /// `corners`: which corners of faces its own are; of strips `None`.
+    fn push_triangle(&mut self, triangle: [u32; 3], corners: Option<[usize; 3]>, line: Option<usize>) {
         let [a, b, c] = triangle.map(|i| self.positions[i as usize]);
         let (u, v) = (b - a, c - a);
         // Scaled by the longest edge, so that tiny triangles are not taken for flat ones by underflow.
@@ -259,6 +332,11 @@ impl Builder<'_> {
         let has_area = longest > 0.0 && (u / longest).cross(v / longest) != DVec3::ZERO;
         if has_area {
             self.triangles.push(triangle);
+            match (self.uvs, corners) {
+                (Uvs::OfPositions(pairs), _) => self.of_triangles.push(triangle.map(|i| pairs[i as usize])),
+                (Uvs::OfCorners(pairs), Some(corners)) => self.of_triangles.push(corners.map(|i| finite(pairs[i]))),
+                (Uvs::OfCorners(_), None) | (Uvs::None, _) => {}
+            }
         } else {
             self.passed_over.add(Kind::DegenerateTriangles, line);
         }

@@ -132,6 +132,7 @@ mod tests {
     use crate::scene::compile::compile;
     use crate::scene::description::{MeshPart, Refractor};
     use crate::scene::shapes::tessellate;
+    use crate::scene::texture::TextureImage;
 
     fn alone(mesh: Mesh) -> Piece {
         let medium = Medium { name: "floor".into(), ior: Ior::Constant(1.5), absorption: [0.0; 3] };
@@ -156,7 +157,8 @@ mod tests {
             let Shape::Quad { center, edge_u, edge_v } = light.shape else { panic!("a sheet") };
             assert!(edge_u.cross(edge_v).dot(scene.camera.target - center) > 0.0);
         }
-        let flat = Mesh { positions: vec![DVec3::ONE; 3], normals: Vec::new(), triangles: vec![[0, 1, 2]] };
+        let flat =
+            Mesh { positions: vec![DVec3::ONE; 3], normals: Vec::new(), triangles: vec![[0, 1, 2]], uvs: Vec::new() };
         assert!(around(Path::new("a.stl"), "a", vec![alone(flat)]).is_err());
     }
 
@@ -228,5 +230,39 @@ mod tests {
         // A mesh of one material is glass, whatever that says, and of its IOR if it gives one.
         let single = opened(&obj(["usemtl a"; 4]), Some("newmtl a\nNi 1.7\nKe 1 1 1\n"));
         assert_eq!((media(&single), notes(&single)), (vec![("set", 1.7)], vec![]));
+    }
+
+    #[test]
+    fn a_part_with_an_image_is_a_solid_that_has_it() {
+        let image = TextureImage::new(1, 2, vec![[255, 0, 0, 255], [0, 0, 255, 255]]);
+        let faces = "f 1/1 3/3 2/2\nf 1/1 2/2 4/3\nf 1/1 4/3 3/2\nf 2/1 3/2 4/3\n";
+        let text =
+            "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl oak\n".to_owned() + faces;
+        let opened = |text: &str, library: &str| {
+            let png = crate::formats::texture::to_png(&image);
+            let files = Memory([("a/a.mtl".into(), library.into()), ("a/my oak.png".into(), png)].into());
+            open(&Input { bytes: text.as_bytes(), path: Path::new("a/set.obj"), files: &files }).unwrap()
+        };
+        let library = "newmtl oak\nKd 0.5 1 1\nmap_Kd -s 2 3 my oak.png\n";
+        let scene = opened(&text, library);
+        let solid = |scene: &Description| scene.objects.solids()[0].solid().unwrap().paint.clone();
+        let Paint::Texture { path, image: read, tint, uv } = solid(&scene) else { panic!("no texture") };
+        assert!(path.is_absolute() && path.ends_with("a/my oak.png"));
+        assert_eq!((&*read, tint, uv.scale), (&image, [0.5, 1.0, 1.0], [2.0, 3.0]));
+        let Shape::Mesh { mesh, .. } = &scene.objects.solids()[0].shape else { panic!("a mesh") };
+        assert_eq!(mesh.uvs[0], [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]]);
+        assert_eq!(compile(&scene, None).unwrap().refractors().count(), 0);
+        // Black beside an image means nothing; and a mesh without coordinates has the mean colour.
+        let black = opened(&text, "newmtl oak\nKd 0 0 0\nmap_Kd my oak.png\n");
+        assert!(matches!(solid(&black), Paint::Texture { tint: [1.0, 1.0, 1.0], .. }));
+        let bare = text.replace("/1", "").replace("/2", "").replace("/3", "");
+        let bare = opened(&bare, library);
+        assert_eq!(solid(&bare), Paint::Color([0.25, 0.0, 0.5]));
+        // What light goes through is glass, with or without an image; what cannot be read is told.
+        assert_eq!(opened(&text, &format!("{library}d 0.5\n")).objects.refractors().len(), 1);
+        let gone = opened(&text, "newmtl oak\nKd 0.5 1 1\nmap_Kd gone.png\n");
+        assert_eq!(solid(&gone), Paint::Color([0.5, 1.0, 1.0]));
+        let Shape::Mesh { notes, .. } = &gone.objects.solids()[0].shape else { panic!("a mesh") };
+        assert!(notes[0].message.contains("gone.png"), "{notes:?}");
     }
 }

@@ -109,7 +109,7 @@ mod tests {
             let mut positions =
                 vec![DVec3::new(-1e5, -1e5, -1e5), DVec3::new(1e5, 1e5, -1e5), DVec3::new(1e5, -1e5, 1e5)];
             positions.iter_mut().for_each(|p| p[normal_axis] = height);
-            let mesh = Mesh { positions, normals: Vec::new(), triangles: vec![[0, 1, 2]] };
+            let mesh = Mesh { positions, normals: Vec::new(), triangles: vec![[0, 1, 2]], uvs: Vec::new() };
             Geometry::build(&[Part::Mesh { mesh, smooth: false }])
         };
         // A wide floor at height 0 lies where it was put; one at 0.35 does not, by some 6e-9.

@@ -30,7 +30,7 @@ pub use distance::closest_point;
 pub use frame::Frame;
 pub use geometry::{Geometry, Mask, ObjectRange, SurfacePoint, uniform_direction};
 pub use kernel::KernelChoice;
-pub use mesh::Mesh;
+pub use mesh::{CornerUvs, Mesh};
 pub use part::Part;
 pub use ray::{Hit, NO_PRIMITIVE, PrimitiveId, Ray};
 pub use sets::Sets;

@@ -485,6 +485,8 @@ impl<'a> Analysis<'a> {
             positions: self.positions.to_vec(),
             normals: self.mesh.normals.clone(),
             triangles: self.triangles.to_vec(),
+            // A refractor has no texture.
+            uvs: Vec::new(),
         };
         // Normals that were right for faces that have been turned are so no more.
         if !mesh.normals.is_empty() {

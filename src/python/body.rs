@@ -66,7 +66,7 @@ impl Body {
                 None => triangles.push(corners.map(|corner| corner as u32)),
             }
         }
-        let mesh = Arc::new(Mesh { positions, normals: Vec::new(), triangles });
+        let mesh = Arc::new(Mesh { positions, normals: Vec::new(), triangles, uvs: Vec::new() });
         let medium = medium.unwrap_or_else(|| name.clone());
         Ok(Self { name, ior, medium, priority, outside, mesh })
     }

@@ -93,6 +93,7 @@ pub fn how(need: &str) -> Option<&'static str> {
         "image_environment" => {
             "there is no image to choose directions from: neither way does, so that no switch can show a saving"
         }
+        "textures" => "there is no image on a solid: neither way looks one up, so that no switch can show a saving",
         _ => return None,
     })
 }

@@ -15,6 +15,7 @@ use super::lights::{Emitters, EnvironmentLight};
 use super::needs::SceneNeeds;
 use super::scene::{Albedo, Interfaces, MediumId, Object, ObjectId, Scene, SceneMedium, Surface};
 use super::shapes::{self, MIN_LENGTH};
+use super::texture::{SurfaceTexture, TextureCoordinates};
 use crate::geometry::topology::MAX_FACES;
 use crate::geometry::{Enclosure, Frame, Geometry, Mesh, ObjectRange, Part, Topology, WindingTree};
 use crate::optics::ior::IOR_RANGE;
@@ -58,7 +59,7 @@ pub fn compile(description: &Description, previous: Option<(&Description, &Scene
     require_distinct_spheres(description, &geometry)?;
     let known = media_by_name(description);
     let declared = Declared::new(description, |name| known.get(name).copied())?;
-    let objects = objects(description, &geometry, bodies, &known)?;
+    let objects = objects(description, previous, &geometry, bodies, &known)?;
     let environment = match previous {
         // An image's sampling tables are worth keeping.
         Some((before, scene)) if is_same_environment(&before.environment, &description.environment) => {
@@ -306,7 +307,7 @@ fn transform_mesh(mesh: &mut Mesh, matrix: &DAffine3) {
     mesh.normals.par_iter_mut().for_each(|n| *n = (cofactors * *n).normalize_or(DVec3::Y));
     if determinant < 0.0 {
         // A mirrored mesh keeps its outside outside. Its normals already point there.
-        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        mesh.turn_triangles();
     }
 }
 
@@ -374,6 +375,7 @@ fn media_by_name(description: &Description) -> HashMap<&str, MediumId> {
 
 fn objects(
     description: &Description,
+    previous: Option<(&Description, &Scene)>,
     geometry: &Geometry,
     bodies: Vec<Body>,
     media: &HashMap<&str, MediumId>,
@@ -396,7 +398,7 @@ fn objects(
                     Surface::Refractor { medium, priority, smooth }
                 }
                 Role::Solid(solid) => {
-                    let albedo = albedo(&solid.paint, &object.shape, &object.transform, geometry.origin);
+                    let albedo = albedo(&solid.paint, object, previous, geometry, index)?;
                     let smooth = solid.smooth;
                     if solid.mirror { Surface::Mirror { albedo, smooth } } else { Surface::Diffuse { albedo, smooth } }
                 }
@@ -410,8 +412,16 @@ fn objects(
         .collect()
 }
 
-fn albedo(paint: &description::Paint, shape: &Shape, transform: &Transform, local_origin: DVec3) -> Albedo {
-    match *paint {
+/// Of the solid with that id.
+fn albedo(
+    paint: &description::Paint,
+    object: &description::Object,
+    previous: Option<(&Description, &Scene)>,
+    geometry: &Geometry,
+    id: u32,
+) -> Result<Albedo, SceneError> {
+    let description::Object { shape, transform, .. } = object;
+    Ok(match *paint {
         description::Paint::Color(color) => Albedo::Color(Spectrum::from_rgb(color)),
         description::Paint::Checker { a, b, size } => {
             let (corner, u, v) = match shape {
@@ -426,11 +436,48 @@ fn albedo(paint: &description::Paint, shape: &Shape, transform: &Transform, loca
             Albedo::Checker {
                 a: Spectrum::from_rgb(a),
                 b: Spectrum::from_rgb(b),
-                origin: world_from_object.transform_point3(corner) - local_origin,
+                origin: world_from_object.transform_point3(corner) - geometry.origin,
                 u_axis: plane_from_object * u / size,
                 v_axis: plane_from_object * v / size,
             }
         }
+        description::Paint::Texture { ref image, tint, uv, .. } => {
+            let matrix = transform.matrix().matrix3;
+            let coordinates = match geometry.range(id) {
+                ObjectRange::Sphere(_) => TextureCoordinates::Spherical { object_from_world: matrix.inverse() },
+                ObjectRange::Triangles(range) => {
+                    let mesh = match shape {
+                        Shape::Mesh { mesh, .. } => Arc::clone(mesh),
+                        shape => match known_coordinates(shape, previous, id) {
+                            Some(known) => known,
+                            None => Arc::new(shapes::tessellate_with_uvs(shape)?.unwrap_or_default()),
+                        },
+                    };
+                    if !(range.is_empty() || mesh.has_uvs() && mesh.uvs.len() == range.len()) {
+                        let message = "its mesh has no texture coordinates, so no texture can be laid on it";
+                        return Err(of_object(&object.name, SceneError::new(message)));
+                    }
+                    let is_mirrored = matrix.determinant() < 0.0;
+                    TextureCoordinates::Triangles { first: range.start, mesh, is_mirrored }
+                }
+            };
+            Albedo::Texture(Arc::new(SurfaceTexture {
+                image: Arc::clone(image),
+                tint: Spectrum::from_rgb(tint),
+                coordinates,
+                transform: uv.matrix(),
+            }))
+        }
+    })
+}
+
+/// The mesh with texture coordinates that the object of that id had before, if its shape is the same: others may know it.
+fn known_coordinates(shape: &Shape, previous: Option<(&Description, &Scene)>, id: u32) -> Option<Arc<Mesh>> {
+    let (before, scene) = previous?;
+    let is_same = before.objects.get(id as usize).is_some_and(|object| object.shape == *shape);
+    match &scene.albedo(ObjectId(id)).filter(|_| is_same)?.texture()?.coordinates {
+        TextureCoordinates::Triangles { mesh, .. } => Some(Arc::clone(mesh)),
+        TextureCoordinates::Spherical { .. } => None,
     }
 }
 

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-pub use self::objects::{Emission, Kind, Light, Object, Objects, Paint, Quantity, Refractor, Role, Solid};
+pub use self::objects::{Emission, Kind, Light, Object, Objects, Paint, Quantity, Refractor, Role, Solid, UvTransform};
 pub use self::shape::{MeshPart, Shape, Transform};
 use super::environment::EnvironmentImage;
 use super::note::LoadNote;

@@ -10,6 +10,7 @@ use super::description::MeshPart;
 use super::environment::EnvironmentImage;
 use super::error::Fault;
 use super::note::LoadNote;
+use super::texture::TextureImage;
 use crate::geometry::Mesh;
 use crate::optics::{Ior, catalog};
 
@@ -49,6 +50,7 @@ pub enum Slot<'a> {
     /// A number that may be left out.
     Maybe(&'a mut Option<f64>, Limits),
     Numbers(&'a mut [f64; 3], Limits),
+    Pair(&'a mut [f64; 2], Limits),
     Vector(&'a mut DVec3),
     /// One number for all axes, or three.
     Scale(&'a mut DVec3),
@@ -73,6 +75,10 @@ pub enum Slot<'a> {
     Image {
         path: &'a mut PathBuf,
         image: &'a mut Arc<EnvironmentImage>,
+    },
+    Texture {
+        path: &'a mut PathBuf,
+        image: &'a mut Arc<TextureImage>,
     },
     /// A table of its own.
     Table(&'a mut dyn FnMut(&mut dyn Visitor)),
@@ -145,6 +151,7 @@ values! {
     f64: |value, limits| Slot::Number(value, limits);
     Option<f64>: |value, limits| Slot::Maybe(value, limits);
     [f64; 3]: |value, limits| Slot::Numbers(value, limits);
+    [f64; 2]: |value, limits| Slot::Pair(value, limits);
     DVec3: |value, _| Slot::Vector(value);
     Vec<[f64; 2]>: |value, _| Slot::Points(value);
     Ior: |value, _| Slot::Ior(value);
@@ -236,6 +243,7 @@ impl Slot<'_> {
             Self::Number(value, _) => Plain::Number(*value),
             Self::Maybe(value, _) => Plain::Number((*value)?),
             Self::Numbers(value, _) => numbers(&*value),
+            Self::Pair(value, _) => numbers(&*value),
             Self::Scale(value) if value.x == value.y && value.y == value.z => Plain::Number(value.x),
             Self::Vector(value) | Self::Scale(value) => numbers(&value.to_array()),
             Self::Points(value) => Plain::List(value.iter().map(|point| numbers(point)).collect()),
@@ -243,7 +251,9 @@ impl Slot<'_> {
             Self::PartName(value) => Plain::Text((*value).clone()?),
             Self::Name(value) | Self::Medium(value) => Plain::Text(value.clone()),
             Self::MaybeMedium(value) => Plain::Text(value.clone()?),
-            Self::Mesh { path: value, .. } | Self::Image { path: value, .. } => path(value),
+            Self::Mesh { path: value, .. } | Self::Image { path: value, .. } | Self::Texture { path: value, .. } => {
+                path(value)
+            }
             Self::Table(fields) => Plain::Table(entries(fields)),
         })
     }

@@ -20,6 +20,7 @@ use super::description::Description;
 use super::environment::EnvironmentImage;
 use super::fields::{Entry, Field, Plain, Slot, Visitor};
 use super::tables::medium_fields;
+use super::texture::TextureImage;
 use crate::geometry::Mesh;
 use crate::optics::{Ior, medium};
 
@@ -169,7 +170,8 @@ impl Description {
             source: _,
         } = self.clone();
         let hasher = Hasher::new("iorect scene 2");
-        let mut hasher = FieldHasher { hasher, media: HashMap::new(), meshes: HashMap::new() };
+        let mut hasher =
+            FieldHasher { hasher, media: HashMap::new(), meshes: HashMap::new(), textures: HashMap::new() };
         world.fields(&mut hasher);
         environment.fields(&mut hasher);
         hasher.hasher.integer(media.len() as u64);
@@ -213,6 +215,8 @@ struct FieldHasher {
     media: HashMap<String, u64>,
     /// Meshes that have been read already: thousands of objects may share one.
     meshes: HashMap<*const Mesh, Fingerprint>,
+    /// The same of textures.
+    textures: HashMap<*const TextureImage, Fingerprint>,
 }
 
 impl Visitor for FieldHasher {
@@ -249,6 +253,10 @@ impl Visitor for FieldHasher {
                 hasher.integer(*width as u64);
                 hasher.integer(*height as u64);
                 hasher.list(pixels, |pixel| pixel.map(|component| u64::from(component.to_bits())));
+            }
+            Slot::Texture { image, .. } => {
+                let of_image = self.textures.entry(Arc::as_ptr(image)).or_insert_with(|| of_texture(image));
+                hasher.fingerprint(*of_image);
             }
             Slot::Table(fields) => fields(self),
             slot => hash_plain(hasher, slot.plain().as_ref()),
@@ -294,11 +302,23 @@ fn hash_plain(hasher: &mut Hasher, plain: Option<&Plain>) {
 }
 
 fn of_mesh(mesh: &Mesh) -> Fingerprint {
-    let Mesh { positions, normals, triangles } = mesh;
+    let Mesh { positions, normals, triangles, uvs } = mesh;
     let mut hasher = Hasher::new("iorect mesh 1");
     hasher.list(positions, |p| p.to_array().map(f64::to_bits));
     hasher.list(normals, |n| n.to_array().map(f64::to_bits));
     hasher.list(triangles, |t| t.map(u64::from));
+    // What is not there leaves no trace: fingerprints are as they were before there were texture coordinates.
+    if !uvs.is_empty() {
+        hasher.list(uvs, |corners| corners.map(|[u, v]| u64::from(u.to_bits()) << 32 | u64::from(v.to_bits())));
+    }
+    hasher.finish()
+}
+
+fn of_texture(image: &TextureImage) -> Fingerprint {
+    let mut hasher = Hasher::new("iorect texture 1");
+    hasher.integer(image.width() as u64);
+    hasher.integer(image.height() as u64);
+    hasher.bytes(image.texels().as_flattened());
     hasher.finish()
 }
 
@@ -364,6 +384,7 @@ mod tests {
                 positions: vec![DVec3::X, DVec3::Y, DVec3::new(0.0, 0.0, z)],
                 normals: vec![],
                 triangles: vec![[0, 1, 2]],
+                uvs: Vec::new(),
             })
         };
         let mut scene = described();

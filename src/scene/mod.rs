@@ -17,6 +17,7 @@ mod scene;
 pub mod shapes;
 mod survey;
 pub mod tables;
+pub mod texture;
 pub mod validate;
 
 pub use declared::Declared;

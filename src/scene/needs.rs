@@ -43,6 +43,8 @@ needs! {
     emitters,
     /// An environment worth sampling: an image.
     image_environment,
+    /// Images on solids.
+    textures,
 }
 
 impl SceneNeeds {

@@ -8,7 +8,8 @@ use super::declared::Declared;
 pub use super::ids::{MediumId, ObjectId};
 use super::lights::{Emitters, EnvironmentLight, Light};
 use super::needs::SceneNeeds;
-use crate::geometry::{Enclosure, Geometry, Topology, WindingTree};
+use super::texture::SurfaceTexture;
+use crate::geometry::{Enclosure, Geometry, Hit, SurfacePoint, Topology, WindingTree};
 use crate::optics::{Interface, Ior};
 use crate::spectrum::{Spectrum, Wavelengths};
 
@@ -91,7 +92,7 @@ pub enum Surface {
 }
 
 /// Albedo by place.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Albedo {
     Color(Spectrum),
     /// Squares over object-space coordinates (u, v) = (dot(p − origin, u_axis), dot(p − origin, v_axis)) / size.
@@ -102,20 +103,28 @@ pub enum Albedo {
         u_axis: DVec3,
         v_axis: DVec3,
     },
+    Texture(Arc<SurfaceTexture>),
 }
 
 impl Albedo {
+    /// At a hit, whose place on the surface is `point`.
     #[inline]
-    pub fn at(&self, position: DVec3) -> Spectrum {
+    pub fn at(&self, hit: &Hit, point: &SurfacePoint) -> Spectrum {
         match self {
             Self::Color(color) => *color,
             Self::Checker { a, b, origin, u_axis, v_axis } => {
-                let p = position - *origin;
+                let p = point.position - *origin;
                 // Half of an even number is whole.
                 let half = 0.5 * (p.dot(*u_axis).floor() + p.dot(*v_axis).floor());
                 if half.floor() == half { *a } else { *b }
             }
+            Self::Texture(texture) => texture.at(hit, point.normal),
         }
+    }
+
+    /// The image on the surface, if there is one.
+    pub fn texture(&self) -> Option<&Arc<SurfaceTexture>> {
+        if let Self::Texture(texture) = self { Some(texture) } else { None }
     }
 }
 
@@ -139,6 +148,14 @@ impl Object {
     /// Generalised winding number of a surface with holes around a point (local coordinates); 0 for others.
     pub fn winding_at(&self, point: DVec3) -> f64 {
         self.winding.as_ref().map_or(0.0, |tree| tree.winding(point))
+    }
+
+    /// Whether there is an image on the surface.
+    pub fn has_texture(&self) -> bool {
+        matches!(
+            self.surface,
+            Surface::Diffuse { albedo: Albedo::Texture(_), .. } | Surface::Mirror { albedo: Albedo::Texture(_), .. }
+        )
     }
 
     /// Whether a part of the surface may lie inside another part.
@@ -215,6 +232,14 @@ impl Scene {
     #[inline]
     pub fn emits(&self, id: ObjectId, is_front: bool) -> bool {
         matches!(self.object(id).surface, Surface::Light { two_sided, .. } if two_sided || is_front)
+    }
+
+    /// The albedo of a solid.
+    pub fn albedo(&self, id: ObjectId) -> Option<&Albedo> {
+        match &self.objects.get(id.0 as usize)?.surface {
+            Surface::Diffuse { albedo, .. } | Surface::Mirror { albedo, .. } => Some(albedo),
+            Surface::Refractor { .. } | Surface::Light { .. } => None,
+        }
     }
 
     /// The priority of a refractor; the lowest of all for other objects.

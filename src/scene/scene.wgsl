@@ -24,14 +24,17 @@ struct Object {
     sphere: u32,
     /// What lies outside it by the object table.
     outside: u32,
-    /// Albedo, that of the even squares, or radiance.
+    /// Albedo, that of the even squares, what multiplies an image, or radiance.
     color: vec3f,
-    is_checker: u32,
+    /// Whether it has squares or an image.
+    is_varied: u32,
     /// Of the odd squares.
     other_color: vec3f,
     pad0: u32,
+    /// Of a sphere with an image this and the two axes are the rows of the matrix from the world's directions to the object's.
     checker_origin: vec3f,
-    pad1: u32,
+    /// Where its image is described: see `scene/texture.wgsl`. `NOTHING`: it has squares.
+    texture: u32,
     u_axis: vec3f,
     pad2: u32,
     v_axis: vec3f,
@@ -47,11 +50,14 @@ struct Medium {
     pad1: vec2u,
 }
 
-fn albedo_at(object: u32, position: vec3f) -> vec3f {
-    if objects[object].is_checker == 0u {
+fn albedo_at(object: u32, hit: Hit, point: SurfacePoint) -> vec3f {
+    if objects[object].is_varied == 0u {
         return objects[object].color;
     }
-    let p = position - objects[object].checker_origin;
+    if TEXTURES && objects[object].texture != NOTHING {
+        return objects[object].color * image_at(object, hit, point.normal);
+    }
+    let p = point.position - objects[object].checker_origin;
     let half = 0.5 * (floor(dot(p, objects[object].u_axis)) + floor(dot(p, objects[object].v_axis)));
     return select(objects[object].other_color, objects[object].color, floor(half) == half);
 }

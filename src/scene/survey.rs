@@ -48,6 +48,7 @@ impl SceneNeeds {
             triangles: geometry.triangle_count() > 0,
             emitters: !emitters.is_empty(),
             image_environment: environment.is_image(),
+            textures: objects.iter().any(Object::has_texture),
         }
     }
 
@@ -56,6 +57,7 @@ impl SceneNeeds {
         Self {
             image_environment: self.image_environment && scene.environment.is_image(),
             emitters: self.emitters && !scene.emitters.is_empty(),
+            textures: self.textures && scene.needs.textures,
             ..self
         }
     }

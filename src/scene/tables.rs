@@ -8,12 +8,13 @@ use glam::DVec3;
 use super::camera::Camera;
 use super::description::{
     CameraDescription, Environment, Kind, Light, MAX_RADIANCE, Object, Paint, Quantity, Refractor, Role, Shape, Solid,
-    Transform, WorldMedium,
+    Transform, UvTransform, WorldMedium,
 };
 use super::environment::EnvironmentImage;
 use super::error::Fault;
 use super::fields::{ANY, Field, Limits, NON_NEGATIVE, POSITIVE, SHARE, Slot, Visitor};
 use super::shapes::{self, DEFAULT_RINGS, DEFAULT_SEGMENTS, MAX_LENGTH, MIN_LENGTH};
+use super::texture::TextureImage;
 use crate::optics::{Ior, Medium};
 
 /// Vertical field of view of a camera that gives none, in degrees.
@@ -23,6 +24,8 @@ const DEFAULT_ALBEDO: [f64; 3] = [0.8; 3];
 
 const RADIANCE: Limits =
     Limits { must: "0 or more, and at most 1e100", is_fine: |x| (0.0..=MAX_RADIANCE).contains(&x) };
+/// Of texture coordinates: beyond it single precision knows no place within an image.
+const UV: Limits = Limits { must: "between -1e6 and 1e6", is_fine: |x| x.abs() <= 1e6 };
 const FIELD_OF_VIEW: Limits =
     Limits { must: "greater than 0 and less than 180 degrees", is_fine: |x| x > 0.0 && x < 180.0 };
 /// Of an image: its brightest pixel, of f32, then stays below [`MAX_RADIANCE`].
@@ -193,6 +196,9 @@ impl Object {
                 });
             }
         }
+        if let Role::Solid(Solid { paint, .. }) = &*role {
+            v.check(&|| paint.validate(shape));
+        }
         v.optional("visible", visible, true, ANY);
         let is_default = Some(*transform == Transform::IDENTITY);
         let slot = Slot::Table(&mut |v| transform.fields(v, shape));
@@ -252,23 +258,58 @@ impl Paint {
         match self {
             Self::Color(_) => "color",
             Self::Checker { .. } => "checker",
+            Self::Texture { .. } => "texture",
+        }
+    }
+
+    /// # Errors
+    /// When an image is laid on a shape that has no texture coordinates.
+    fn validate(&self, shape: &Shape) -> Result<(), Fault> {
+        match (self, shape) {
+            (Self::Texture { .. }, Shape::Mesh { path, mesh, .. }) if !mesh.has_uvs() => Fault::at(
+                "texture",
+                format!(
+                    "the mesh {} has no texture coordinates: export it with them (they are called UVs too), or give a `color`",
+                    path.display()
+                ),
+            ),
+            _ => Ok(()),
         }
     }
 
     fn fields(&mut self, v: &mut dyn Visitor) {
-        let form = v.form(&["color", "checker"], self.form(), Some("color"));
+        let form = v.form(&["color", "checker", "texture"], self.form(), Some("color"));
         if form != self.form() {
             *self = match form {
                 "checker" => Self::Checker { a: [0.0; 3], b: [0.0; 3], size: 1.0 },
+                "texture" => Self::texture(PathBuf::new(), Arc::new(TextureImage::blank())),
                 _ => Self::Color(DEFAULT_ALBEDO),
             };
         }
         match self {
-            Self::Color(color) => v.optional("color", color, DEFAULT_ALBEDO, SHARE),
-            Self::Checker { a, b, size } => v.table("checker", |v| {
-                v.need("a", a, SHARE).need("b", b, SHARE).need("size", size, POSITIVE);
-            }),
-        };
+            Self::Color(color) => _ = v.optional("color", color, DEFAULT_ALBEDO, SHARE),
+            Self::Checker { a, b, size } => {
+                v.table("checker", |v| {
+                    v.need("a", a, SHARE).need("b", b, SHARE).need("size", size, POSITIVE);
+                });
+            }
+            Self::Texture { path, image, tint, uv } => {
+                v.slot("texture", Slot::Texture { path, image }).optional("tint", tint, [1.0; 3], SHARE);
+                let is_default = Some(*uv == UvTransform::IDENTITY);
+                v.field(Field { key: "uv", slot: Slot::Table(&mut |v| uv.fields(v)), is_default });
+                return;
+            }
+        }
+        v.refuse("tint", "`tint` multiplies a `texture`, which this solid does not have; give its `color` instead");
+        v.refuse("uv", "`uv` says how a `texture` is laid on, which this solid does not have");
+    }
+}
+
+impl UvTransform {
+    fn fields(&mut self, v: &mut dyn Visitor) {
+        let Self { scale, rotate, offset } = self;
+        v.optional("scale", scale, [1.0; 2], UV).optional("rotate", rotate, 0.0, UV);
+        v.optional("offset", offset, [0.0; 2], UV);
     }
 }
 

@@ -97,6 +97,7 @@ impl Checker<'_> {
                 limits.require(&format!("`{key}`"), *value)
             }
             Slot::Numbers(value, limits) => each(value, limits),
+            Slot::Pair(value, limits) => each(value, limits),
             Slot::Vector(value) | Slot::Scale(value) => each(&value.to_array(), super::fields::ANY),
             Slot::Points(points) => points.iter().flatten().zip(0..).try_for_each(|(&x, i)| {
                 let name = format!("element {} of element {} of `{key}`", i % 2 + 1, i / 2 + 1);
@@ -106,7 +107,9 @@ impl Checker<'_> {
             Slot::Name(name) => self.name(name),
             Slot::MaybeMedium(Some(name)) if name == medium::WORLD => Ok(()),
             Slot::Medium(name) | Slot::MaybeMedium(Some(name)) => self.medium(name),
-            Slot::Mesh { path, .. } | Slot::Image { path, .. } => require_words(key, &path.to_string_lossy()),
+            Slot::Mesh { path, .. } | Slot::Image { path, .. } | Slot::Texture { path, .. } => {
+                require_words(key, &path.to_string_lossy())
+            }
             Slot::Table(fields) => {
                 fields(self);
                 Ok(())

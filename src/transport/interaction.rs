@@ -110,12 +110,12 @@ impl<T: Tracker> TrackedScene<'_, T> {
             }
             Surface::Diffuse { ref albedo, smooth } => {
                 let point = scene.geometry.surface(ray, hit);
-                let albedo = albedo.at(point.position);
+                let albedo = albedo.at(hit, &point);
                 (Scattering::Lambert(Lambert { albedo }), point, smooth, None)
             }
             Surface::Mirror { ref albedo, smooth } => {
                 let point = scene.geometry.surface(ray, hit);
-                let albedo = albedo.at(point.position);
+                let albedo = albedo.at(hit, &point);
                 (Scattering::Mirror(Mirror { albedo }), point, smooth, None)
             }
         };

@@ -284,7 +284,7 @@ fn follow(path: ptr<function, Path>, sampler_: Sampler, most_steps: u32) -> bool
                 }
                 let point = surface_at(ray, hit);
                 let normals = normals_at(hit, point.normal);
-                let albedo = albedo_at(object, point.position);
+                let albedo = albedo_at(object, hit, point);
                 if objects[object].kind == MIRROR {
                     last_pdf = 0.0;
                     beta *= albedo;

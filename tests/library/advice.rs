@@ -373,6 +373,7 @@ fn meshes_are_mended_as_was_said() {
         positions: vec![DVec3::ZERO, DVec3::X * 0.4, DVec3::Y * 0.4],
         normals: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 1]],
+        uvs: Vec::new(),
     };
     let all_twice = reversed(good.clone()).triangles;
     let cases = [

@@ -401,7 +401,10 @@ fn only_open_meshes() {
             let mut corners: Vec<DVec3> = (0..4).map(|_| center + random.direction()).collect();
             corners.push(center);
             let triangles = vec![[0, 1, 4], [1, 2, 4], [2, 3, 4]];
-            Shape::mesh("fan.obj", Arc::new(Mesh { positions: corners, normals: Vec::new(), triangles }))
+            Shape::mesh(
+                "fan.obj",
+                Arc::new(Mesh { positions: corners, normals: Vec::new(), triangles, uvs: Vec::new() }),
+            )
         };
         add(&mut description, shape, 1.2 + 0.002 * f64::from(k), 0.0);
     }
@@ -420,7 +423,7 @@ fn objects_without_volume() {
     let mut description = empty(1.0);
     description.camera.position = DVec3::new(0.0, 2.0, 6.0);
     let positions = [DVec3::ZERO, DVec3::X, DVec3::Z].map(|p| p + DVec3::Y * 1.2).to_vec();
-    let mesh = Mesh { positions, normals: Vec::new(), triangles: vec![[0, 1, 2], [0, 2, 1]] };
+    let mesh = Mesh { positions, normals: Vec::new(), triangles: vec![[0, 1, 2], [0, 2, 1]], uvs: Vec::new() };
     add(&mut description, Shape::mesh("flat.obj", Arc::new(mesh)), 1.5, 0.0);
     add(&mut description, Shape::Icosphere { center: DVec3::ZERO, radius: 1.0, subdivisions: 3 }, 1.4, 0.0);
     description.objects.refractors_mut()[1].transform.scale.y = 1e-12;

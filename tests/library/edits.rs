@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::common::{self, add, nest, ready, render};
 use glam::DVec3;
 use iorect::scene::Description;
-use iorect::scene::description::{Environment, Light, Object, Shape};
+use iorect::scene::description::{Environment, Light, Object, Paint, Shape, Solid};
 use iorect::tracking::Mode;
 use iorect::tracking::{Prepared, prepare};
 
@@ -77,7 +77,13 @@ fn an_edit_that_adds_a_need_brings_its_work_back() {
     let picture = iorect::formats::open("plain-glass").unwrap().environment;
     assert!(matches!(picture, Environment::Image { .. }));
     type Edit<'a> = (&'a str, Box<dyn Fn(&mut Description) + 'a>);
-    let edits: [Edit<'_>; 7] = [
+    let with_image = {
+        let texels = vec![[255, 0, 0, 255], [0, 0, 255, 255]];
+        let image = iorect::scene::texture::TextureImage::new(2, 1, texels);
+        let paint = Paint::texture("t.png", Arc::new(image));
+        Object::new("painted", quad(-2.0), Solid::of(paint))
+    };
+    let edits: [Edit<'_>; 8] = [
         ("absorption", Box::new(|d| d.media[1].absorption = [0.5, 0.1, 0.3])),
         ("nesting", Box::new(|d| d.objects.refractors_mut()[1].transform.translate.x = -1.0)),
         ("index_matching", Box::new(|d| d.media[1].ior = iorect::optics::Ior::Constant(1.5))),
@@ -90,6 +96,7 @@ fn an_edit_that_adds_a_need_brings_its_work_back() {
             }),
         ),
         ("image_environment", Box::new(|d| d.environment = picture.clone())),
+        ("textures", Box::new(|d| d.objects.push(with_image.clone()))),
     ];
     let known = ready(before.clone());
     let image = |prepared: &Prepared| render(prepared, Mode::Rectified, (32, 18), 4, None).to_rgb();
@@ -102,7 +109,7 @@ fn an_edit_that_adds_a_need_brings_its_work_back() {
         assert_eq!(image(&edited), image(&ready(after)), "{need}");
         // The twin: without the work that the edit asks for, it does not show. A smooth ball is as round as it was, equal IORs matter to shadow
         // rays alone, and triangles are always looked for.
-        if matches!(need, "absorption" | "nesting" | "emitters" | "image_environment") {
+        if matches!(need, "absorption" | "nesting" | "emitters" | "image_environment" | "textures") {
             assert_ne!(image(&edited), image(&known), "{need}");
         }
         let undone = prepare(Arc::new(before.clone()), Some(&edited)).unwrap();

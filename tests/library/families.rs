@@ -527,6 +527,7 @@ fn f08_vertices_edges_tangents_and_wedges() {
         .to_vec(),
         normals: Vec::new(),
         triangles: vec![[0, 1, 2], [3, 5, 4], [0, 3, 4], [0, 4, 1], [0, 2, 5], [0, 5, 3], [1, 4, 5], [1, 5, 2]],
+        uvs: Vec::new(),
     };
     assert!(wedge.signed_volume() > 0.0);
     add(&mut description, mesh_shape(wedge), 1.0, 0.0);

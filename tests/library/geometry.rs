@@ -56,7 +56,7 @@ fn the_tree_finds_what_brute_force_finds() {
         })
         .collect();
     let triangles = (0..300).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
-    let mesh = Mesh { positions, normals: Vec::new(), triangles };
+    let mesh = Mesh { positions, normals: Vec::new(), triangles, uvs: Vec::new() };
     let geometry = Geometry::build(&[mesh_part(mesh.clone())]);
     let mut hits = 0;
     for _ in 0..20_000 {

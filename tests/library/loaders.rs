@@ -146,7 +146,7 @@ fn every_key_reaches_the_description() {
         Paint::Checker { a: [0.1, 0.2, 0.3], b: [1.0; 3], size: 0.5 }
     );
     assert_eq!(
-        (scene.objects.solids()[1].solid().unwrap().paint, scene.objects.solids()[1].solid().unwrap().mirror),
+        (scene.objects.solids()[1].solid().unwrap().paint.clone(), scene.objects.solids()[1].solid().unwrap().mirror),
         (Paint::Color([0.5, 0.4, 0.3]), true)
     );
     assert_eq!(scene.objects.solids()[2].solid().unwrap().paint, Paint::Color([0.8; 3]));

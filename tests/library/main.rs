@@ -41,6 +41,8 @@ mod seams;
 mod smooth_normals;
 mod stability;
 mod tev;
+mod texture_formats;
+mod textures;
 mod topology;
 mod transport;
 mod variance;

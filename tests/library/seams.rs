@@ -139,7 +139,7 @@ impl Sheet {
         let quads =
             (0..rows).flat_map(|j| (0..columns).map(move |i| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
         let triangles = quads.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
-        Mesh { positions, normals: Vec::new(), triangles: triangles.collect() }
+        Mesh { positions, normals: Vec::new(), triangles: triangles.collect(), uvs: Vec::new() }
     }
 }
 
@@ -256,6 +256,7 @@ fn thin_shells_and_small_gaps_stay_apart() {
             triangles: (outer.triangles.iter().copied())
                 .chain(inner.triangles.iter().map(|t| t.map(|v| v + count)))
                 .collect(),
+            uvs: Vec::new(),
         };
         let (topology, _) = outcome(&shell);
         // A tube that is shrunk about another point than its middle line crosses itself.

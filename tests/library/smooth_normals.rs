@@ -71,6 +71,7 @@ fn rounded_cube() -> Mesh {
         normals: positions.iter().map(|p| p.normalize()).collect(),
         positions,
         triangles: squares.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        uvs: Vec::new(),
     }
 }
 

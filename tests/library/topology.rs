@@ -155,7 +155,7 @@ fn grid(n: u32) -> Mesh {
             [[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]]
         })
     });
-    Mesh { positions: positions.collect(), normals: Vec::new(), triangles: triangles.collect() }
+    Mesh { positions: positions.collect(), normals: Vec::new(), triangles: triangles.collect(), uvs: Vec::new() }
 }
 
 #[test]
@@ -175,6 +175,7 @@ fn duplicates_and_double_faces_are_taken_out() {
             positions: vec![DVec3::X * 3.0, DVec3::Y * 3.0, DVec3::Z * 3.0],
             normals: Vec::new(),
             triangles: vec![[0, 1, 2], [1, 0, 2]],
+            uvs: Vec::new(),
         },
     ]);
     let topology = assert_is(&flapped, Enclosure::Closed, 1, &[(DoubleFaces, 1)]);
@@ -411,6 +412,7 @@ fn slits_slivers_and_edges_of_many_faces() {
         positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::X / 2.0],
         normals: Vec::new(),
         triangles: vec![[0, 2, 4], [4, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]],
+        uvs: Vec::new(),
     };
     let topology = Topology::of_mesh(&slit);
     assert_eq!(topology.enclosure, Enclosure::Closed);
@@ -632,6 +634,7 @@ fn scenes_of_nothing_but_bad_meshes() {
         positions: vec![DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y],
         normals: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]],
+        uvs: Vec::new(),
     };
     // Its faces lie on each other.
     let topology = assert_is(&flat, Enclosure::Union, 1, &[(ZeroVolume, 1)]);

@@ -473,7 +473,8 @@ mod against_another_renderer {
             let p = glass.positions[*i as usize];
             p.y > BOTTOM - 1e-4 && p.y < LEVEL + 1e-4 && p.x.hypot(p.z) < inner_radius(p.y) + 1e-3
         };
-        let mut water = Mesh { positions: glass.positions.clone(), normals: Vec::new(), triangles: Vec::new() };
+        let mut water =
+            Mesh { positions: glass.positions.clone(), normals: Vec::new(), triangles: Vec::new(), uvs: Vec::new() };
         let ring = |y: f64| -> Vec<u32> {
             let on_ring = |i: &u32| {
                 let p = glass.positions[*i as usize];

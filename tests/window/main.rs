@@ -24,4 +24,5 @@ mod screen;
 mod slice;
 mod teach;
 mod texts;
+mod textures;
 mod tree;

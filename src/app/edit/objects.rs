@@ -74,7 +74,7 @@ impl ObjectEdit {
                 Role::Solid(solid) => replaced(&mut solid.smooth, *smooth),
                 Role::Light(_) => false,
             },
-            Self::Paint(paint) => object.solid_mut().is_some_and(|solid| replaced(&mut solid.paint, *paint)),
+            Self::Paint(paint) => object.solid_mut().is_some_and(|solid| replaced(&mut solid.paint, paint.clone())),
             Self::Mirror(mirror) => object.solid_mut().is_some_and(|solid| replaced(&mut solid.mirror, *mirror)),
             Self::Emission(emission) => {
                 object.light_mut().is_some_and(|light| replaced(&mut light.emission, *emission))

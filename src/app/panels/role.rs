@@ -1,6 +1,8 @@
 //! What an object is to light: the paint of a solid, or a light.
 
-use egui::{DragValue, Ui};
+use std::sync::Arc;
+
+use egui::{DragValue, Label, RichText, Ui};
 
 use super::light;
 use crate::app::command::Command;
@@ -32,21 +34,57 @@ pub fn color_row_ui(ui: &mut Ui, row: &str, label: &str, about: &str, color: [f6
     })
 }
 
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Color,
+    Checker,
+    Image,
+}
+
+const KINDS: [(Kind, &str, &str); 3] = [
+    (Kind::Color, "Colour", "One colour everywhere."),
+    (Kind::Checker, "Checker", "Squares of two colours."),
+    (Kind::Image, "Image", "An image from a file, laid on by texture coordinates."),
+];
+
 fn solid_ui(ui: &mut Ui, name: &str, solid: &Solid, commands: &mut Vec<Command>) {
-    let mut set = |paint| commands.push(Command::object(name, ObjectEdit::Paint(paint)));
-    let (plain, first) = match solid.paint {
-        Paint::Color(color) => (true, color),
-        Paint::Checker { a, .. } => (false, a),
+    let (kind, first) = match &solid.paint {
+        Paint::Color(color) => (Kind::Color, *color),
+        Paint::Checker { a, .. } => (Kind::Checker, *a),
+        // Four decimals are finer than any screen.
+        Paint::Texture { .. } => (Kind::Image, solid.paint.mean().map(|x| (x * 1e4).round() / 1e4)),
     };
-    let kinds = [(true, "Colour", "One colour everywhere."), (false, "Checker", "Squares of two colours.")];
-    if let Some(is_plain) = segmented_row_ui(ui, "Paint", "What the surface reflects.", plain, &kinds)
-        && is_plain != plain
-    {
-        let darker = first.map(|x| (0.6 * x * 1e4).round() / 1e4);
-        set(if is_plain { Paint::Color(first) } else { Paint::Checker { a: first, b: darker, size: 0.5 } });
+    let chosen = segmented_row_ui(ui, "Paint", "What the surface reflects.", kind, &KINDS);
+    if chosen == Some(Kind::Image) && kind != Kind::Image {
+        commands.push(Command::AskTexture);
+    }
+    let mut set = |paint| commands.push(Command::object(name, ObjectEdit::Paint(paint)));
+    match chosen {
+        Some(Kind::Color) if kind != Kind::Color => set(Paint::Color(first)),
+        Some(Kind::Checker) if kind != Kind::Checker => {
+            let darker = first.map(|x| (0.6 * x * 1e4).round() / 1e4);
+            set(Paint::Checker { a: first, b: darker, size: 0.5 });
+        }
+        _ => {}
     }
     let about = "Share of red, green and blue that is reflected, from 0 to 1, linear.";
     match solid.paint {
+        Paint::Texture { ref path, ref image, tint, uv } => {
+            let about = "The image, and what multiplies it.";
+            let is_asked = row_ui(ui, "File", about, |ui| {
+                let is_asked = ui.button("Choose…").on_hover_text("Another image, from a file.").clicked();
+                let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+                let text = format!("{} ({} × {})", path.display(), image.width(), image.height());
+                ui.add(Label::new(RichText::new(file)).truncate()).on_hover_text(text);
+                is_asked
+            });
+            if let Some(tint) = color_row_ui(ui, "Tint", &format!("Tint of {name}"), about, tint) {
+                set(Paint::Texture { path: path.clone(), image: Arc::clone(image), tint, uv });
+            }
+            if is_asked {
+                commands.push(Command::AskTexture);
+            }
+        }
         Paint::Color(color) => {
             if let Some(color) = color_row_ui(ui, "Colour", &format!("Colour of {name}"), about, color) {
                 set(Paint::Color(color));

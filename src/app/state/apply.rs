@@ -182,6 +182,8 @@ impl State {
             | Command::ReadMesh(_)
             | Command::AskOpen
             | Command::AskEnvironmentImage
+            | Command::AskTexture
+            | Command::ReadTexture(_)
             | Command::ReadEnvironment(_)
             | Command::AskReferenceImage
             | Command::ReadReferenceImage(_)

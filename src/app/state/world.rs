@@ -6,10 +6,11 @@ use std::sync::Arc;
 use super::State;
 use super::view::ray_through;
 use crate::app::command::Command;
-use crate::app::edit::Edit;
+use crate::app::edit::{Edit, ObjectEdit};
 use crate::scene::camera::Camera;
-use crate::scene::description::{CameraDescription, Environment};
+use crate::scene::description::{CameraDescription, Environment, Paint, UvTransform};
 use crate::scene::environment::EnvironmentImage;
+use crate::scene::texture::TextureImage;
 use crate::transport::inspect::{Follow, trace};
 
 /// What of the world is edited.
@@ -50,19 +51,34 @@ impl State {
 
     /// The edit that puts an image, from the file at `path`, around the scene. It is turned and scaled as the one before it.
     pub fn environment_of(&self, path: PathBuf, image: EnvironmentImage) -> Edit {
-        let description = self.document.description();
-        let (rotation, scale) = match &description.environment {
+        let (rotation, scale) = match &self.document.description().environment {
             Environment::Image { rotation, scale, .. } => (*rotation, *scale),
             _ => (0.0, 1.0),
         };
+        let path = self.as_named(path);
+        Edit::Environment(Environment::Image { path, image: Arc::new(image), rotation, scale })
+    }
+
+    /// The edit that puts an image, from the file at `path`, on a solid; `None` where there is none of that name. It is tinted and laid on as the one before it.
+    pub fn texture_of(&self, object: &str, path: PathBuf, image: TextureImage) -> Option<Edit> {
+        let (tint, uv) = match self.document.description().objects.find(object)?.solid()?.paint {
+            Paint::Texture { tint, uv, .. } => (tint, uv),
+            _ => ([1.0; 3], UvTransform::IDENTITY),
+        };
+        let paint = Paint::Texture { path: self.as_named(path), image: Arc::new(image), tint, uv };
+        Some(Edit::Object(object.to_owned(), ObjectEdit::Paint(paint)))
+    }
+
+    /// A file's path as the scene names it.
+    fn as_named(&self, path: PathBuf) -> PathBuf {
+        let description = self.document.description();
         let source = description.source.as_ref().filter(|source| !source.is_builtin);
         let folder = source.and_then(|source| std::path::absolute(source.path.parent()?).ok());
         let absolute = std::path::absolute(&path).unwrap_or(path);
         // A scene and its images are moved together.
-        let path = match folder.and_then(|folder| absolute.strip_prefix(folder).ok().map(PathBuf::from)) {
+        match folder.and_then(|folder| absolute.strip_prefix(folder).ok().map(PathBuf::from)) {
             Some(relative) => relative,
             None => absolute,
-        };
-        Edit::Environment(Environment::Image { path, image: Arc::new(image), rotation, scale })
+        }
     }
 }

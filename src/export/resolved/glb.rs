@@ -2,6 +2,7 @@
 //! outside, so nothing is split.
 
 use std::io::Cursor;
+use std::sync::Arc;
 
 use glam::{DMat3, DQuat, DVec3};
 use serde_json::{Value, json};
@@ -10,9 +11,11 @@ use super::files::Bundle;
 use super::pieces::{Piece, surface};
 use super::scene::{Frame, Lamp, ResolvedScene, list};
 use crate::color::srgb_from_linear;
+use crate::formats::texture::to_png;
 use crate::geometry::Mesh;
 use crate::scene::Albedo;
 use crate::scene::camera::Camera;
+use crate::scene::texture::TextureImage;
 use crate::scene::{MediumId, ObjectId, Surface};
 
 /// Numbers of glTF for components and targets.
@@ -20,6 +23,9 @@ const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
+/// The samplers: of chequers, and of images.
+const NEAREST: usize = 0;
+const LINEAR: usize = 1;
 
 pub fn write(resolved: &ResolvedScene, frame: Frame) -> Bundle {
     let mut writer = Writer::new(resolved);
@@ -40,6 +46,9 @@ struct Writer<'a> {
     /// Media that have a material.
     media: Vec<(MediumId, usize)>,
     images: Vec<Value>,
+    textures: Vec<Value>,
+    /// Images of solids that have a texture.
+    known_images: Vec<(Arc<TextureImage>, usize)>,
     lights: Vec<Value>,
     cameras: Vec<Value>,
     extensions: Vec<&'static str>,
@@ -58,6 +67,8 @@ impl<'a> Writer<'a> {
             materials: Vec::new(),
             media: Vec::new(),
             images: Vec::new(),
+            textures: Vec::new(),
+            known_images: Vec::new(),
             lights: Vec::new(),
             cameras: Vec::new(),
             extensions: Vec::new(),
@@ -115,7 +126,10 @@ impl<'a> Writer<'a> {
             attributes["NORMAL"] = json!(self.floats(&normals, 3));
         }
         if !uv.is_empty() {
-            let uv: Vec<f32> = uv.iter().flatten().map(|x| *x as f32).collect();
+            let has_image = matches!(self.resolved.albedo(object), Some(Albedo::Texture(_)));
+            // glTF has v downwards.
+            let down = |v: f64| if has_image { 1.0 - v } else { v };
+            let uv: Vec<f32> = uv.iter().flat_map(|[u, v]| [*u as f32, down(*v) as f32]).collect();
             attributes["TEXCOORD_0"] = json!(self.floats(&uv, 2));
         }
         let corners: Vec<u8> = mesh.triangles.iter().flatten().flat_map(|corner| corner.to_le_bytes()).collect();
@@ -229,6 +243,12 @@ impl<'a> Writer<'a> {
                 let [r, g, b] = color.to_rgb();
                 surface["baseColorFactor"] = json!([r, g, b, 1.0]);
             }
+            Some(Albedo::Texture(texture)) => {
+                let index = self.image_of(&texture.image);
+                let [r, g, b] = texture.tint.to_rgb();
+                surface["baseColorFactor"] = json!([r, g, b, 1.0]);
+                surface["baseColorTexture"] = json!({ "index": index });
+            }
             Some(Albedo::Checker { a, b, .. }) => {
                 let image = self.chequers(a.to_rgb(), b.to_rgb());
                 surface["baseColorTexture"] = json!({ "index": image });
@@ -247,9 +267,25 @@ impl<'a> Writer<'a> {
         let mut png = Cursor::new(Vec::new());
         // Writing to memory does not fail.
         let _ = pixels.write_to(&mut png, image::ImageFormat::Png);
-        let view = self.view(&png.into_inner(), None);
+        self.texture(&png.into_inner(), NEAREST)
+    }
+
+    /// The texture of an image, which is written once.
+    fn image_of(&mut self, image: &Arc<TextureImage>) -> usize {
+        if let Some((_, texture)) = self.known_images.iter().find(|(known, _)| Arc::ptr_eq(known, image)) {
+            return *texture;
+        }
+        let texture = self.texture(&to_png(image), LINEAR);
+        self.known_images.push((Arc::clone(image), texture));
+        texture
+    }
+
+    /// A texture of a PNG file with one of the samplers.
+    fn texture(&mut self, png: &[u8], sampler: usize) -> usize {
+        let view = self.view(png, None);
         self.images.push(json!({ "bufferView": view, "mimeType": "image/png" }));
-        self.images.len() - 1
+        self.textures.push(json!({ "sampler": sampler, "source": self.images.len() - 1 }));
+        self.textures.len() - 1
     }
 
     fn lamps(&mut self) {
@@ -325,10 +361,12 @@ impl<'a> Writer<'a> {
             "scene": 0,
             "scenes": [{ "name": self.resolved.description().name, "nodes": (0..self.nodes.len()).collect::<Vec<_>>() }],
         });
-        let textures: Vec<Value> =
-            (0..self.images.len()).map(|image| json!({ "sampler": 0, "source": image })).collect();
-        // Nearest, and repeated.
-        let samplers = if textures.is_empty() { vec![] } else { vec![json!({ "magFilter": 9728, "minFilter": 9728 })] };
+        let textures = std::mem::take(&mut self.textures);
+        // Both are repeated.
+        let samplers = match textures.is_empty() {
+            true => vec![],
+            false => [9728, 9729].map(|filter| json!({ "magFilter": filter, "minFilter": filter })).to_vec(),
+        };
         let buffers = if self.bytes.is_empty() { vec![] } else { vec![json!({ "byteLength": self.bytes.len() })] };
         for (name, list) in [
             ("nodes", std::mem::take(&mut self.nodes)),

@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use super::files::{Bundle, environment_exr};
 use super::pieces::Piece;
-use super::scene::{Frame, Lamp, ResolvedScene, list};
+use super::scene::{Frame, Lamp, ResolvedScene, TextureFiles, list};
 use crate::formats::{PlyExtra, ply_bytes};
 use crate::scene::Albedo;
 use crate::scene::lights::EnvironmentLight;
@@ -17,7 +17,8 @@ use crate::scene::{MediumId, ObjectId, Surface};
 const NO_CAP: i32 = -1;
 
 pub fn write(resolved: &ResolvedScene, frame: Frame) -> Bundle {
-    let mut writer = Writer { resolved, text: String::new(), files: Bundle::new(resolved.notes.clone()) };
+    let (files, textures) = (Bundle::new(resolved.notes.clone()), TextureFiles::default());
+    let mut writer = Writer { resolved, text: String::new(), files, textures };
     writer.scene(frame);
     let Writer { text, mut files, .. } = writer;
     files.add_main("scene.xml", text.into_bytes());
@@ -28,6 +29,7 @@ struct Writer<'a> {
     resolved: &'a ResolvedScene,
     text: String,
     files: Bundle,
+    textures: TextureFiles,
 }
 
 /// A vector as Mitsuba reads it.
@@ -214,7 +216,7 @@ impl Writer<'_> {
     /// Begins a shape; says whether it has normals of its own, or needs none.
     fn shape(&mut self, piece: &Piece, file: &str, object: Option<ObjectId>) -> bool {
         match piece {
-            Piece::Sphere { center, radius } if object.is_none_or(|object| !self.is_chequered(object)) => {
+            Piece::Sphere { center, radius } if object.is_none_or(|object| !self.resolved.is_varied(object)) => {
                 self.line(1, "<shape type=\"sphere\">");
                 self.line(2, format!("<point name=\"center\" value=\"{}\"/>", triple(*center)));
                 self.line(2, format!("<float name=\"radius\" value=\"{radius:?}\"/>"));
@@ -225,6 +227,10 @@ impl Writer<'_> {
                     Some(object) => self.resolved.mesh_with_uv(object, piece),
                     None => (piece.clone().into_mesh(), Vec::new()),
                 };
+                // Mitsuba counts v from the upper row of an image.
+                let has_image = object.is_some_and(|o| matches!(self.resolved.albedo(o), Some(Albedo::Texture(_))));
+                let uv: Vec<[f64; 2]> =
+                    if has_image { uv.into_iter().map(|[u, v]| [u, 1.0 - v]).collect() } else { uv };
                 self.files.add(format!("meshes/{file}"), ply_bytes(&mesh, PlyExtra { uv: &uv, ..PlyExtra::default() }));
                 self.line(1, "<shape type=\"ply\">");
                 self.line(2, format!("<string name=\"filename\" value=\"meshes/{file}\"/>"));
@@ -238,10 +244,6 @@ impl Writer<'_> {
             self.line(2, "<boolean name=\"face_normals\" value=\"true\"/>");
         }
         self.line(1, "</shape>");
-    }
-
-    fn is_chequered(&self, object: ObjectId) -> bool {
-        matches!(self.resolved.albedo(object), Some(Albedo::Checker { .. }))
     }
 
     fn opaque(&mut self) {
@@ -297,7 +299,8 @@ impl Writer<'_> {
     }
 
     fn solid(&mut self, object: ObjectId) {
-        let Some(albedo) = self.resolved.albedo(object) else { return };
+        let resolved = self.resolved;
+        let Some(albedo) = resolved.albedo(object) else { return };
         let is_mirror = matches!(self.resolved.scene().object(object).surface, Surface::Mirror { .. });
         self.line(2, "<bsdf type=\"twosided\">");
         let (kind, parameter) =
@@ -308,6 +311,13 @@ impl Writer<'_> {
         }
         match albedo {
             Albedo::Color(color) => self.line(4, rgb(parameter, color.to_rgb())),
+            Albedo::Texture(texture) => {
+                let name = self.resolved.name(object);
+                let path = self.textures.path(texture, name, &mut self.files);
+                self.line(4, format!("<texture type=\"bitmap\" name=\"{parameter}\">"));
+                self.line(5, format!("<string name=\"filename\" value=\"{path}\"/>"));
+                self.line(4, "</texture>");
+            }
             Albedo::Checker { a, b, .. } => {
                 self.line(4, format!("<texture type=\"checkerboard\" name=\"{parameter}\">"));
                 self.line(5, rgb("color0", a.to_rgb()));

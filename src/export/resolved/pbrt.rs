@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::files::{Bundle, exr_bytes};
 use super::pieces::Piece;
-use super::scene::{Frame, Lamp, ResolvedScene, list};
+use super::scene::{Frame, Lamp, ResolvedScene, TextureFiles, list};
 use crate::formats::{PlyExtra, ply_bytes};
 use crate::scene::Albedo;
 use crate::scene::description::Environment;
@@ -24,7 +24,8 @@ const GRADIENT_SIDE: usize = 512;
 const MOST_SIDE: usize = 4096;
 
 pub fn write(resolved: &ResolvedScene, frame: Frame) -> Bundle {
-    let mut writer = Writer { resolved, text: String::new(), files: Bundle::new(resolved.notes.clone()) };
+    let (files, textures) = (Bundle::new(resolved.notes.clone()), TextureFiles::default());
+    let mut writer = Writer { resolved, text: String::new(), files, textures };
     writer.scene(frame);
     let Writer { text, mut files, .. } = writer;
     files.add_main("scene.pbrt", text.into_bytes());
@@ -35,6 +36,7 @@ struct Writer<'a> {
     resolved: &'a ResolvedScene,
     text: String,
     files: Bundle,
+    textures: TextureFiles,
 }
 
 fn triple(v: impl Into<[f64; 3]>) -> String {
@@ -177,10 +179,9 @@ impl Writer<'_> {
     }
 
     fn shape(&mut self, piece: &Piece, file: &str, object: Option<ObjectId>) {
-        let is_chequered =
-            object.is_some_and(|object| matches!(self.resolved.albedo(object), Some(Albedo::Checker { .. })));
+        let is_varied = object.is_some_and(|object| self.resolved.is_varied(object));
         match piece {
-            Piece::Sphere { center, radius } if !is_chequered => {
+            Piece::Sphere { center, radius } if !is_varied => {
                 self.line(format!("  Translate {}", triple(*center)));
                 self.line(format!("  Shape \"sphere\" \"float radius\" {radius:?}"));
             }
@@ -216,7 +217,8 @@ impl Writer<'_> {
     }
 
     fn solid(&mut self, object: ObjectId) {
-        let Some(albedo) = self.resolved.albedo(object) else { return };
+        let resolved = self.resolved;
+        let Some(albedo) = resolved.albedo(object) else { return };
         let is_mirror = matches!(self.resolved.scene().object(object).surface, Surface::Mirror { .. });
         let (material, parameter) = if is_mirror { ("conductor", "reflectance") } else { ("diffuse", "reflectance") };
         match albedo {
@@ -224,6 +226,14 @@ impl Writer<'_> {
                 // A conductor refuses a reflectance of 1.
                 let value = color.to_rgb().map(|c| if is_mirror { c.min(0.9999) } else { c });
                 self.line(format!("  Material \"{material}\" {}", rgb(parameter, value)));
+            }
+            Albedo::Texture(texture) => {
+                let name = self.resolved.name(object);
+                let path = self.textures.path(texture, name, &mut self.files);
+                self.line(format!("  Texture \"image-{name}\" \"spectrum\" \"imagemap\""));
+                // Without smaller copies of it, as this program looks it up.
+                self.line(format!("    \"string filename\" \"{path}\" \"string filter\" \"bilinear\""));
+                self.line(format!("  Material \"{material}\" \"texture {parameter}\" \"image-{name}\""));
             }
             Albedo::Checker { a, b, .. } => {
                 let texture = format!("chequers-{}", self.resolved.name(object));

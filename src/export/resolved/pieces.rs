@@ -7,12 +7,12 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::cut::{Meeting, cut};
-use crate::geometry::{Geometry, Mesh, ObjectRange, PrimitiveId, SurfacePoint};
+use crate::geometry::{CornerUvs, Geometry, Mesh, ObjectRange, PrimitiveId, SurfacePoint};
 use crate::rectify::contact::Contact;
 use crate::rectify::relation::Relation;
 use crate::scene::description::{Description, Shape};
 use crate::scene::shapes::tessellate;
-use crate::scene::{MediumId, ObjectId, SceneError, Surface};
+use crate::scene::{Albedo, MediumId, ObjectId, SceneError, Surface};
 use crate::tracking::{Prepared, prepare};
 
 /// Halvings of the icosahedron that stands for an analytic sphere where a mesh is needed.
@@ -101,7 +101,7 @@ pub fn interfaces(prepared: &Prepared) -> Vec<Interface> {
                     &mut builders.last_mut().expect("it has just been added").1
                 }
             };
-            builder.add(&piece.corners, &piece.normals);
+            builder.add(&piece.corners, &piece.normals, None);
         }
         all.extend(builders.into_iter().map(|((outside, inside), builder)| Interface {
             refractor,
@@ -124,9 +124,12 @@ pub fn surface(prepared: &Prepared, object: ObjectId) -> Option<Piece> {
         ObjectRange::Triangles(range) if range.is_empty() => None,
         ObjectRange::Triangles(range) => {
             let is_smooth = is_smooth(prepared, object);
+            let texture = prepared.scene.albedo(object).and_then(Albedo::texture);
             let mut builder = Builder::new(geometry);
             for face in range.clone() {
-                builder.add(&geometry.corners(face), &normals_of(geometry, face, is_smooth));
+                let uvs = texture.and_then(|texture| texture.corner_uvs(face));
+                let uvs = uvs.map(|uvs| uvs.map(|uv| uv.as_vec2().to_array()));
+                builder.add(&geometry.corners(face), &normals_of(geometry, face, is_smooth), uvs);
             }
             Some(Piece::Mesh(builder.finish()))
         }
@@ -220,7 +223,7 @@ impl Builder {
         Self { origin: geometry.origin, mesh: Mesh::default(), numbers: HashMap::new() }
     }
 
-    fn add(&mut self, corners: &[DVec3; 3], normals: &[DVec3; 3]) {
+    fn add(&mut self, corners: &[DVec3; 3], normals: &[DVec3; 3], uvs: Option<CornerUvs>) {
         let rounded = corners.map(|corner| (corner + self.origin).as_vec3() + 0.0);
         if rounded[0] == rounded[1] || rounded[1] == rounded[2] || rounded[2] == rounded[0] {
             return;
@@ -235,6 +238,7 @@ impl Builder {
             })
         });
         self.mesh.triangles.push(triangle);
+        self.mesh.uvs.extend(uvs);
     }
 
     /// Without normals where faces are flat.

@@ -3,15 +3,18 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec2};
 
+use super::files::Bundle;
 use super::pieces::{Interface, Piece, interfaces, surface, with_meshes};
+use crate::formats::texture::to_png;
 use crate::geometry::{Mesh, Ray};
 use crate::rectify::start::start;
 use crate::scene::Albedo;
 use crate::scene::camera::Camera;
 use crate::scene::description::{Description, Shape};
 use crate::scene::lights::Light;
+use crate::scene::texture::{SurfaceTexture, TextureCoordinates, TextureImage, spherical_corners};
 use crate::scene::{MediumId, ObjectId, Scene, SceneError, SceneMedium, Surface};
 use crate::tracking::Prepared;
 
@@ -157,11 +160,23 @@ impl ResolvedScene {
             .collect()
     }
 
-    /// The mesh of something opaque, and its texture coordinates where it is chequered: two squares to a unit.
+    /// The mesh of something opaque, and its texture coordinates where it is chequered, two squares to a unit, or has an image.
     pub fn mesh_with_uv(&self, object: ObjectId, piece: &Piece) -> (Mesh, Vec<[f64; 2]>) {
-        let mesh = piece.clone().into_mesh();
-        let Some(Albedo::Checker { origin, u_axis, v_axis, .. }) = self.albedo(object) else {
-            return (mesh, Vec::new());
+        let mut mesh = piece.clone().into_mesh();
+        let (origin, u_axis, v_axis) = match self.albedo(object) {
+            Some(&Albedo::Checker { origin, u_axis, v_axis, .. }) => (origin, u_axis, v_axis),
+            Some(Albedo::Texture(texture)) => {
+                if let TextureCoordinates::Spherical { object_from_world } = &texture.coordinates {
+                    let directions = |t: &[u32; 3]| t.map(|i| *object_from_world * mesh.normals[i as usize]);
+                    let placed = |uv: [f32; 2]| texture.transform.transform_point2(Vec2::from(uv).as_dvec2());
+                    let corners = |t| spherical_corners(directions(t)).map(|uv| placed(uv).as_vec2().to_array());
+                    let uvs = mesh.triangles.iter().map(corners).collect();
+                    mesh.uvs = uvs;
+                }
+                let (mesh, uv) = mesh.with_uv_of_positions();
+                return (mesh, uv.into_iter().map(|pair| pair.map(f64::from)).collect());
+            }
+            _ => return (mesh, Vec::new()),
         };
         let from = self.scene().geometry.origin + origin;
         let uv = mesh.positions.iter().map(|p| [0.5 * (*p - from).dot(u_axis), 0.5 * (*p - from).dot(v_axis)]);
@@ -170,11 +185,13 @@ impl ResolvedScene {
     }
 
     /// The albedo of a solid.
-    pub fn albedo(&self, object: ObjectId) -> Option<Albedo> {
-        match self.scene().object(object).surface {
-            Surface::Diffuse { albedo, .. } | Surface::Mirror { albedo, .. } => Some(albedo),
-            Surface::Refractor { .. } | Surface::Light { .. } => None,
-        }
+    pub fn albedo(&self, object: ObjectId) -> Option<&Albedo> {
+        self.scene().albedo(object)
+    }
+
+    /// Whether an object needs texture coordinates.
+    pub fn is_varied(&self, object: ObjectId) -> bool {
+        matches!(self.albedo(object), Some(Albedo::Checker { .. } | Albedo::Texture(_)))
     }
 
     /// The radiance of a light with a surface, and whether it shines on both sides.
@@ -190,6 +207,29 @@ impl ResolvedScene {
         let geometry = &self.scene().geometry;
         let eye = self.description().camera.position - geometry.origin;
         geometry.bounding_sphere().map_or(1.0, |bounds| bounds.radius + bounds.center.distance(eye)).max(1e-30)
+    }
+}
+
+/// The images of an exported scene, each written once.
+#[derive(Debug, Default)]
+pub struct TextureFiles(Vec<(Arc<TextureImage>, Option<[f64; 3]>, String)>);
+
+impl TextureFiles {
+    /// The path of an image below the folder of `files`, where it is written. `name` is that of the object. An image is written multiplied by its tint.
+    pub fn path(&mut self, texture: &SurfaceTexture, name: &str, files: &mut Bundle) -> String {
+        let tint = Some(texture.tint.to_rgb()).filter(|tint| *tint != [1.0; 3]);
+        let same = self.0.iter().find(|(image, known, _)| Arc::ptr_eq(image, &texture.image) && *known == tint);
+        if let Some((.., path)) = same {
+            return path.clone();
+        }
+        let path = format!("textures/{name}.png");
+        let bytes = match tint {
+            Some(tint) => to_png(&texture.image.tinted(tint)),
+            None => to_png(&texture.image),
+        };
+        files.add(&path, bytes);
+        self.0.push((Arc::clone(&texture.image), tint, path.clone()));
+        path
     }
 }
 

@@ -70,7 +70,12 @@ impl<'a> Elements<'a> {
             return Err(format!("has the type `{}`, must be {kind}", accessor.kind));
         }
         let component = Component::of(accessor.component_type)?;
-        let size = component.bytes() * if kind == "VEC3" { 3 } else { 1 };
+        let numbers = match kind {
+            "VEC3" => 3,
+            "VEC2" => 2,
+            _ => 1,
+        };
+        let size = component.bytes() * numbers;
         let Accessor { buffer_view, byte_offset, count, normalized, .. } = *accessor;
         let (bytes, stride) = match buffer_view {
             None if count > MAX_ZEROS => {
@@ -121,22 +126,32 @@ impl Container {
 
     /// Vectors of three numbers.
     pub fn vectors(&self, index: usize, budget: &mut Budget) -> Result<Vec<DVec3>, String> {
+        self.tuples(index, "VEC3", budget, DVec3::from_array)
+    }
+
+    /// Pairs of numbers.
+    pub fn pairs(&self, index: usize, budget: &mut Budget) -> Result<Vec<[f64; 2]>, String> {
+        self.tuples(index, "VEC2", budget, |pair| pair)
+    }
+
+    fn tuples<T, const N: usize>(
+        &self,
+        index: usize,
+        kind: &str,
+        budget: &mut Budget,
+        tuple: impl Fn([f64; N]) -> T,
+    ) -> Result<Vec<T>, String> {
         let mut read = || {
             let accessor = self.accessor(index)?;
-            let elements = Elements::of(self, accessor, "VEC3")?;
+            let elements = Elements::of(self, accessor, kind)?;
             budget.take(accessor.count)?;
-            let vector = |of: &Elements<'_>, i: usize| DVec3::new(of.number(i, 0), of.number(i, 1), of.number(i, 2));
-            let mut vectors: Vec<DVec3> = (0..elements.count).map(|i| vector(&elements, i)).collect();
+            let vector = |of: &Elements<'_>, i: usize| tuple(std::array::from_fn(|axis| of.number(i, axis)));
+            let mut vectors: Vec<T> = (0..elements.count).map(|i| vector(&elements, i)).collect();
             if let Some(sparse) = &accessor.sparse {
                 let places =
                     self.sparse_part(&sparse.indices, sparse.count, sparse.indices.component_type, "SCALAR", false)?;
-                let values = self.sparse_part(
-                    &sparse.values,
-                    sparse.count,
-                    accessor.component_type,
-                    "VEC3",
-                    accessor.normalized,
-                )?;
+                let values =
+                    self.sparse_part(&sparse.values, sparse.count, accessor.component_type, kind, accessor.normalized)?;
                 for i in 0..places.count {
                     let place = places.number(i, 0);
                     let count = vectors.len();

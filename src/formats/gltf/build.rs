@@ -12,7 +12,7 @@ use super::file::{MATERIALS, NO_MATERIAL, Pointer};
 use super::materials::{self, Look};
 use super::nodes::{Placed, transform};
 use super::surface::{Budget, OBJECT, Wanted, called, moved};
-use super::textures::Averages;
+use super::textures::{BaseColor, Images};
 use crate::formats::files::Input;
 use crate::formats::names::Names;
 use crate::formats::polygons::{Fault, Polygons};
@@ -20,7 +20,9 @@ use crate::formats::tally::Tally;
 use crate::geometry::Mesh;
 use crate::optics::Medium;
 use crate::scene::LoadNote;
-use crate::scene::description::{Light, MeshPart, Object, Objects, Paint, Refractor, Role, Shape, Solid, Transform};
+use crate::scene::description::{
+    Light, MeshPart, Object, Objects, Paint, Refractor, Role, Shape, Solid, Transform, UvTransform,
+};
 
 /// A mesh with what was passed over in it; `None` where it has no faces.
 type Piece = Option<(Arc<Mesh>, Vec<LoadNote>)>;
@@ -37,7 +39,7 @@ pub struct Builder<'a> {
     looks: HashMap<Option<usize>, Look>,
     /// The names of the media of materials.
     media_of: HashMap<Option<usize>, String>,
-    averages: Averages,
+    images: Images,
     budget: Budget,
     pub names: Names,
     media_names: Names,
@@ -54,7 +56,7 @@ impl<'a> Builder<'a> {
             pieces: HashMap::new(),
             looks: HashMap::new(),
             media_of: HashMap::new(),
-            averages: Averages::default(),
+            images: Images::default(),
             budget: Budget::default(),
             names: Names::default(),
             media_names: Names::default(),
@@ -148,13 +150,18 @@ impl<'a> Builder<'a> {
         let look = match self.looks.entry(material) {
             Entry::Occupied(found) => found.into_mut(),
             Entry::Vacant(free) => {
-                free.insert(materials::look(self.container, material, &mut self.averages, &mut self.tally)?)
+                free.insert(materials::look(self.container, material, &self.path, &mut self.images, &mut self.tally)?)
             }
         };
         let smooth = !mesh.normals.is_empty();
         Ok(match look.clone() {
-            Look::Opaque { color, is_mirror } => {
-                Solid { mirror: is_mirror, smooth, ..Solid::of(Paint::Color(color)) }.into()
+            Look::Opaque { color, image, is_mirror } => {
+                let name = || material.map(|index| materials::name(self.container, index)).unwrap_or_default();
+                let paint = match image {
+                    Some(image) => painted(image, color, mesh, &name(), &mut self.tally),
+                    None => Paint::Color(color),
+                };
+                Solid { mirror: is_mirror, smooth, ..Solid::of(paint) }.into()
             }
             Look::Light { radiance, is_double_sided } => {
                 // The inward side of what is closed is seen by nobody.
@@ -172,6 +179,22 @@ impl<'a> Builder<'a> {
             }
         })
     }
+}
+
+/// An image on a mesh, as far as it can be laid on it.
+fn painted(image: BaseColor, tint: [f64; 3], mesh: &Mesh, name: &str, tally: &mut Tally) -> Paint {
+    let BaseColor { path, image, is_repeated } = image;
+    let paint = Paint::Texture { path, image, tint, uv: UvTransform::IDENTITY };
+    if !mesh.has_uvs() {
+        let what = "meshes without texture coordinates have the average colour of their image";
+        tally.add("no_texture_coordinates", what, name);
+        return Paint::Color(paint.mean());
+    }
+    const BEYOND: std::ops::RangeInclusive<f32> = -1e-3..=1.001;
+    if !is_repeated && mesh.uvs.as_flattened().as_flattened().iter().any(|x| !BEYOND.contains(x)) {
+        tally.add("wrap", "images that are mirrored or clamped beyond their edges are repeated", name);
+    }
+    paint
 }
 
 /// Whether every edge of a face is one of another face, the other way about. Vertices at one place are one.

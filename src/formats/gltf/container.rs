@@ -163,6 +163,12 @@ impl Container {
         files
     }
 
+    /// The path of an image that is a file of its own.
+    pub fn image_path(&self, index: usize) -> Option<PathBuf> {
+        let uri = self.root.images.get(index)?.uri.as_ref().filter(|uri| !uri.starts_with("data:"))?;
+        path_of(uri).ok()
+    }
+
     /// The bytes of an image; an error says why there are none.
     pub fn image(&self, index: usize) -> Result<Arc<Vec<u8>>, String> {
         let image = self.root.images.get(index).ok_or_else(|| format!("there is no image {index}"))?;

@@ -1,9 +1,11 @@
 //! What objects are made of. A material that transmits is a refractor with a medium of its own, what shines is a light, polished metal a
 //! mirror; all else is diffuse.
 
+use std::path::Path;
+
 use super::container::Container;
 use super::schema::{Material, MaterialExtensions};
-use super::textures::Averages;
+use super::textures::{BaseColor, Images, of_color};
 use crate::formats::tally::Tally;
 use crate::optics::Ior;
 use crate::optics::ior::{WAVELENGTH_C_UM, WAVELENGTH_F_UM};
@@ -28,8 +30,10 @@ pub enum Look {
         ior: Ior,
         absorption: [f64; 3],
     },
+    /// An image is multiplied by the colour.
     Opaque {
         color: [f64; 3],
+        image: Option<BaseColor>,
         is_mirror: bool,
     },
     /// Sheets of it may emit from both sides.
@@ -45,14 +49,17 @@ pub fn name(container: &Container, index: usize) -> String {
     if name.is_empty() { format!("material {index}") } else { name.to_owned() }
 }
 
-/// What the objects of a material are; `None` is where a file names no material.
+/// What the objects of a material are; `None` is where a file names no material. `file` is the name of the file.
 pub fn look(
     container: &Container,
     index: Option<usize>,
-    averages: &mut Averages,
+    file: &Path,
+    images: &mut Images,
     tally: &mut Tally,
 ) -> Result<Look, String> {
-    let Some(index) = index else { return Ok(Look::Opaque { color: DEFAULT_ALBEDO, is_mirror: false }) };
+    let Some(index) = index else {
+        return Ok(Look::Opaque { color: DEFAULT_ALBEDO, image: None, is_mirror: false });
+    };
     let materials = &container.root.materials;
     let material =
         materials.get(index).ok_or_else(|| format!("there is no material {index}: there are {}", materials.len()))?;
@@ -61,21 +68,19 @@ pub fn look(
     let MaterialExtensions { transmission, specular_glossiness, .. } = &material.extensions;
     let pbr = &material.pbr_metallic_roughness;
     let (factor, texture) = match specular_glossiness {
-        Some(old) => (old.diffuse_factor, old.diffuse_texture.as_ref()),
-        None => (pbr.base_color_factor, pbr.base_color_texture.as_ref()),
+        Some(old) => (old.diffuse_factor, of_color(material)),
+        None => (pbr.base_color_factor, of_color(material)),
     };
     let [red, green, blue, alpha] = factor.unwrap_or([1.0; 4]);
-    let average = averages.color(container, texture, tally);
-    let color = [0, 1, 2].map(|axis| share([red, green, blue][axis] * average[axis]));
-    let surface = averages.numbers(container, pbr.metallic_roughness_texture.as_ref(), tally);
+    let surface = images.numbers(container, pbr.metallic_roughness_texture.as_ref(), tally);
     let metallic = match specular_glossiness {
         Some(_) => 0.0,
         None => share(pbr.metallic_factor.unwrap_or(1.0) * surface[2]),
     };
     let roughness = share(pbr.roughness_factor.unwrap_or(1.0) * surface[1]);
     if let Some(transmission) = transmission {
-        let texture = averages.numbers(container, transmission.transmission_texture.as_ref(), tally);
-        let passing = share(transmission.transmission_factor * texture[0]) * (1.0 - metallic);
+        let of_passing = images.numbers(container, transmission.transmission_texture.as_ref(), tally);
+        let passing = share(transmission.transmission_factor * of_passing[0]) * (1.0 - metallic);
         if passing >= 0.5 {
             if roughness > 0.05 {
                 tally.add("rough_glass", "rough glass is shown as smooth", &named);
@@ -83,6 +88,8 @@ pub fn look(
             if passing < 0.99 {
                 tally.add("part_transmission", "what transmits in part is shown as if it transmitted all", &named);
             }
+            let average = images.color(container, texture, tally);
+            let color = [0, 1, 2].map(|axis| share([red, green, blue][axis] * average[axis]));
             return Ok(glass(material, &named, color, tally));
         }
         if passing > 0.0 {
@@ -91,7 +98,7 @@ pub fn look(
     }
     let strength = material.extensions.emissive_strength.as_ref().and_then(|e| e.emissive_strength).unwrap_or(1.0);
     if material.emissive_factor.iter().any(|factor| *factor > 0.0) {
-        let average = averages.color(container, material.emissive_texture.as_ref(), tally);
+        let average = images.color(container, material.emissive_texture.as_ref(), tally);
         let radiance = [0, 1, 2].map(|axis| (material.emissive_factor[axis] * strength * average[axis]).max(0.0));
         if radiance.iter().any(|component| *component >= LEAST_EMISSION) {
             return Ok(Look::Light { radiance, is_double_sided: material.double_sided });
@@ -111,7 +118,11 @@ pub fn look(
         (false, _) if roughness < 0.5 => tally.add("gloss", "the gloss of diffuse surfaces is left out", &named),
         _ => {}
     }
-    Ok(Look::Opaque { color, is_mirror })
+    let image = images.base_color(container, texture, file, tally);
+    if image.is_some() && material.alpha_mode == "MASK" {
+        tally.add("cutout", "holes that images cut by alpha are filled", &named);
+    }
+    Ok(Look::Opaque { color: [red, green, blue].map(share), image, is_mirror })
 }
 
 fn glass(material: &Material, named: &str, color: [f64; 3], tally: &mut Tally) -> Look {

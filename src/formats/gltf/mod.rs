@@ -17,6 +17,14 @@ mod surface;
 mod tests;
 mod textures;
 
+use super::files::Input;
+
+/// The bytes of an image of a file; an error says why there are none.
+pub(super) fn image(input: &Input<'_>, index: usize) -> Result<Vec<u8>, String> {
+    let container = container::Container::read(input).map_err(|fault| fault.message)?;
+    container.image(index).map(|bytes| bytes.to_vec())
+}
+
 pub(super) use self::file::File;
 pub(super) use self::nodes::transform;
 pub(super) use self::scene::scene;

@@ -31,6 +31,7 @@ tables! {
         buffers: Vec<Buffer>,
         materials: Vec<Material>,
         textures: Vec<Texture>,
+        samplers: Vec<Sampler>,
         images: Vec<Image>,
         cameras: Vec<Camera>,
         animations: Vec<IgnoredAny>,
@@ -154,10 +155,31 @@ tables! {
 
     struct Texture {
         source: Option<usize>,
+        sampler: Option<usize>,
+    }
+
+    struct Sampler {
+        wrap_s: Option<u32>,
+        wrap_t: Option<u32>,
     }
 
     struct TextureReference {
         index: usize,
+        tex_coord: usize,
+        extensions: TextureExtensions,
+    }
+
+    struct TextureExtensions {
+        #[serde(rename = "KHR_texture_transform")]
+        transform: Option<TextureTransform>,
+    }
+
+    struct TextureTransform {
+        offset: [f64; 2],
+        /// Counter-clockwise, in radians.
+        rotation: f64,
+        scale: Option<[f64; 2]>,
+        tex_coord: Option<usize>,
     }
 
     struct Material {

@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use super::container::Container;
 use super::schema::{Mesh, Primitive};
-use crate::formats::polygons::{Fault, Polygons};
+use super::textures;
+use crate::formats::polygons::{Fault, Polygons, Uvs};
 use crate::formats::tally::Tally;
 use crate::scene::description::MeshPart;
 
@@ -104,6 +105,14 @@ impl Container {
             return Err(format!("has {} positions but {} normals", positions.len(), normals.len()));
         }
         let count = positions.len();
+        let uvs = match textures::coordinates(self, primitive) {
+            Some((accessor, change)) => {
+                // Those that cannot be read are missed where a texture asks for them.
+                let uvs = self.pairs(accessor, budget).unwrap_or_default();
+                if uvs.len() == count { uvs.into_iter().map(change).collect() } else { Vec::new() }
+            }
+            None => Vec::new(),
+        };
         let indices = match primitive.indices {
             Some(accessor) => self.indices(accessor, budget)?,
             None => (0..u32::try_from(count).map_err(|_| "has too many vertices")?).collect(),
@@ -120,6 +129,13 @@ impl Container {
             polygons.normals.extend(normals);
         } else {
             polygons.normals.clear();
+        }
+        // As of normals.
+        if uvs.is_empty() && count > 0 {
+            polygons.uvs = Uvs::None;
+        }
+        for (index, uv) in uvs.into_iter().enumerate() {
+            polygons.uvs.push_of_position(Some(uv.map(|x| x as f32)), start + index);
         }
         positions.into_iter().for_each(|position| polygons.push_position(position, None));
         let mut push = |corners: [u32; 3]| {
@@ -164,6 +180,9 @@ pub fn moved(polygons: &mut Polygons, world: &glam::DAffine3) {
     if sign < 0.0 {
         // All faces are triangles.
         polygons.faces.corners.chunks_exact_mut(3).for_each(|corners| corners.swap(1, 2));
+        if let Uvs::OfCorners(uvs) = &mut polygons.uvs {
+            uvs.chunks_exact_mut(3).for_each(|corners| corners.swap(1, 2));
+        }
     }
 }
 

@@ -6,12 +6,72 @@ use bytemuck::{cast_slice, cast_slice_mut};
 use image::codecs::jpeg::JpegDecoder;
 use image::{ColorType, ImageDecoder};
 
-use super::limits::{black, pixel_count};
+use super::limits::{pixel_count, zeroed};
 use crate::color::linear_from_srgb;
 use crate::scene::environment::EnvironmentImage;
 
+/// What the samples of a file become.
+pub(super) trait Pixel: bytemuck::Pod {
+    type Table;
+
+    /// For samples from 0 to `max`.
+    fn table(max: u16) -> Self::Table;
+
+    /// From grey or RGB, with or without transparency.
+    fn of<S: Copy + Into<usize>>(table: &Self::Table, samples: &[S]) -> Self;
+}
+
+/// Linear light.
+impl Pixel for [f32; 3] {
+    type Table = Vec<f32>;
+
+    fn table(max: u16) -> Vec<f32> {
+        (0..=max).map(|value| linear_from_srgb(f32::from(value) / f32::from(max))).collect()
+    }
+
+    fn of<S: Copy + Into<usize>>(table: &Vec<f32>, samples: &[S]) -> Self {
+        let at = |index: usize| table[samples[index].into()];
+        if samples.len() >= 3 { [at(0), at(1), at(2)] } else { [at(0); 3] }
+    }
+}
+
+/// sRGB of 8 bits, with 255 behind it.
+impl Pixel for [u8; 4] {
+    type Table = usize;
+
+    fn table(max: u16) -> usize {
+        usize::from(max)
+    }
+
+    fn of<S: Copy + Into<usize>>(max: &usize, samples: &[S]) -> Self {
+        let at = |index: usize| ((samples[index].into() * 255 + max / 2) / max) as u8;
+        if samples.len() >= 3 { [at(0), at(1), at(2), 255] } else { [at(0), at(0), at(0), 255] }
+    }
+}
+
+/// An image of any pixels, the upper row first.
+pub(super) struct Decoded<P> {
+    pub width: usize,
+    pub height: usize,
+    pub pixels: Vec<P>,
+}
+
+impl From<Decoded<[f32; 3]>> for EnvironmentImage {
+    fn from(Decoded { width, height, pixels }: Decoded<[f32; 3]>) -> Self {
+        Self { width, height, pixels, notes: Vec::new() }
+    }
+}
+
+pub(super) fn png(bytes: &[u8]) -> Result<EnvironmentImage, String> {
+    decode_png(bytes).map(Into::into)
+}
+
+pub(super) fn jpeg(bytes: &[u8]) -> Result<EnvironmentImage, String> {
+    decode_jpeg(bytes).map(Into::into)
+}
+
 /// Row by row: a file that is cut off does not take the room of a whole one.
-pub(in crate::formats) fn png(bytes: &[u8]) -> Result<EnvironmentImage, String> {
+pub(super) fn decode_png<P: Pixel>(bytes: &[u8]) -> Result<Decoded<P>, String> {
     let decoding = |error: png::DecodingError| format!("cannot be decoded: {error}");
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_ignore_text_chunk(true);
@@ -23,33 +83,33 @@ pub(in crate::formats) fn png(bytes: &[u8]) -> Result<EnvironmentImage, String> 
     let mut reader = decoder.read_info().map_err(decoding)?;
     let (color_type, depth) = reader.output_color_type();
     let has_words = depth == png::BitDepth::Sixteen;
-    let linear = Linear::new(if has_words { u16::MAX } else { u16::from(u8::MAX) });
-    let mut pixels = black(count)?;
+    let table = P::table(if has_words { u16::MAX } else { u16::from(u8::MAX) });
+    let mut pixels: Vec<P> = zeroed(count)?;
     let mut rows = 0;
     // What is asked for after the last row also reads, and tests, what is left of the data.
     while let Some(row) = reader.next_interlaced_row().map_err(decoding)? {
         let samples = color_type.samples();
-        let colors: Vec<[f32; 3]> = if has_words {
+        let colors: Vec<P> = if has_words {
             let word = |pair: &[u8]| u16::from_be_bytes([pair[0], pair[1]]);
             let words: Vec<u16> = row.data().chunks_exact(2).map(word).collect();
-            words.chunks_exact(samples).map(|pixel| linear.pixel(pixel)).collect()
+            words.chunks_exact(samples).map(|pixel| P::of(&table, pixel)).collect()
         } else {
-            row.data().chunks_exact(samples).map(|pixel| linear.pixel(pixel)).collect()
+            row.data().chunks_exact(samples).map(|pixel| P::of(&table, pixel)).collect()
         };
         match row.interlace() {
             png::InterlaceInfo::Null(_) => pixels[rows * width..][..width].copy_from_slice(&colors),
             png::InterlaceInfo::Adam7(pass) => {
-                let (pixel_bytes, pixel_bits) = (size_of::<[f32; 3]>(), 8 * size_of::<[f32; 3]>() as u8);
+                let (pixel_bytes, pixel_bits) = (size_of::<P>(), 8 * size_of::<P>() as u8);
                 let (to, from) = (cast_slice_mut(&mut pixels), cast_slice(&colors));
                 png::expand_interlaced_row(to, width * pixel_bytes, from, pass, pixel_bits);
             }
         }
         rows += 1;
     }
-    Ok(EnvironmentImage { width, height, pixels, notes: Vec::new() })
+    Ok(Decoded { width, height, pixels })
 }
 
-pub(in crate::formats) fn jpeg(bytes: &[u8]) -> Result<EnvironmentImage, String> {
+pub(super) fn decode_jpeg<P: Pixel>(bytes: &[u8]) -> Result<Decoded<P>, String> {
     let decoding = |error: image::ImageError| format!("cannot be decoded: {error}");
     let decoder = JpegDecoder::new(Cursor::new(bytes)).map_err(decoding)?;
     let (width, height) = decoder.dimensions();
@@ -67,10 +127,10 @@ pub(in crate::formats) fn jpeg(bytes: &[u8]) -> Result<EnvironmentImage, String>
     };
     let mut values = vec![0; count * samples];
     decoder.read_image(&mut values).map_err(decoding)?;
-    let linear = Linear::new(u16::from(u8::MAX));
-    let mut pixels = black(count)?;
-    pixels.iter_mut().zip(values.chunks_exact(samples)).for_each(|(to, values)| *to = linear.pixel(values));
-    Ok(EnvironmentImage { width: width as usize, height: height as usize, pixels, notes: Vec::new() })
+    let table = P::table(u16::from(u8::MAX));
+    let mut pixels: Vec<P> = zeroed(count)?;
+    pixels.iter_mut().zip(values.chunks_exact(samples)).for_each(|(to, values)| *to = P::of(&table, values));
+    Ok(Decoded { width: width as usize, height: height as usize, pixels })
 }
 
 /// Whether the marker that ends a JPEG stands anywhere after the first scan began. (Before it, there may be a thumbnail with an end of
@@ -88,21 +148,6 @@ fn has_jpeg_end(bytes: &[u8]) -> bool {
     }
     // Not laid out as expected, but decoded nevertheless.
     bytes.windows(2).any(|pair| pair == END_OF_IMAGE)
-}
-
-/// Linear values by sRGB code value.
-struct Linear(Vec<f32>);
-
-impl Linear {
-    fn new(max: u16) -> Self {
-        Self((0..=max).map(|value| linear_from_srgb(f32::from(value) / f32::from(max))).collect())
-    }
-
-    /// From grey or RGB, with or without transparency.
-    fn pixel<S: Copy + Into<usize>>(&self, samples: &[S]) -> [f32; 3] {
-        let at = |index: usize| self.0[samples[index].into()];
-        if samples.len() >= 3 { [at(0), at(1), at(2)] } else { [at(0); 3] }
-    }
 }
 
 #[cfg(test)]

@@ -26,9 +26,14 @@ pub(crate) fn pixel_count(width: u64, height: u64) -> Result<usize, String> {
 /// An image without light. Its memory is not touched before it is written to, so that a file that is cut off does not take the room of a
 /// whole one.
 pub(super) fn black(count: usize) -> Result<Vec<[f32; 3]>, String> {
-    let fits = Vec::<[f32; 3]>::new().try_reserve_exact(count);
+    zeroed(count)
+}
+
+/// The same of other pixels.
+pub(super) fn zeroed<P: bytemuck::Pod>(count: usize) -> Result<Vec<P>, String> {
+    let fits = Vec::<P>::new().try_reserve_exact(count);
     fits.map_err(|_| format!("has {count} pixels, for which there is not enough memory: scale it down"))?;
-    Ok(vec![[0.0; 3]; count])
+    Ok(bytemuck::zeroed_vec(count))
 }
 
 /// Tests both windows and the blocks of every part of an OpenEXR file; an error says what is too large.

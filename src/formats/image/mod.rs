@@ -1,9 +1,9 @@
-//! Environment images.
+//! Environment images, and textures.
 //!
 //! Whatever a file holds ends as a latitude–longitude image in linear Rec. 709, or as an error that says what to do. Sizes are tested on
 //! the header, before anything is decoded (see [`limits`]).
 
-pub(super) mod bitmap;
+mod bitmap;
 mod color;
 mod cube;
 mod exr;
@@ -15,11 +15,12 @@ use std::path::Path;
 
 use super::ending::{Format, by_ending, list};
 use crate::scene::environment::EnvironmentImage;
+use crate::scene::texture::TextureImage;
 
 pub(super) type ImageFormat = Format<fn(&[u8]) -> Result<EnvironmentImage, String>>;
 
 /// Every image format that is read.
-const FORMATS: &[ImageFormat] = &[
+pub(super) const FORMATS: &[ImageFormat] = &[
     ImageFormat { endings: &["exr"], read: exr::read },
     ImageFormat { endings: &["hdr", "pic"], read: radiance::read },
     ImageFormat { endings: &["png"], read: bitmap::png },
@@ -52,4 +53,42 @@ pub(super) fn read_picture(bytes: &[u8], name: &Path) -> Result<EnvironmentImage
     let mut image = (format.read)(bytes)?;
     repair::replace_broken(&mut image);
     Ok(image)
+}
+
+/// An image for a surface, whatever its file is called; `None`: it is of none of the formats that are read. PNG and JPEG stay as they are, of linear
+/// light the texture is encoded.
+pub(super) fn texture(bytes: &[u8]) -> Option<Result<TextureImage, String>> {
+    let of_bytes = |decoded: bitmap::Decoded<[u8; 4]>| {
+        let bitmap::Decoded { width, height, pixels } = decoded;
+        TextureImage::new(width, height, pixels)
+    };
+    let of_light = |read: Result<EnvironmentImage, String>| {
+        read.map(|mut image| {
+            repair::repair(&mut image);
+            let mut texture = TextureImage::from_linear(image.width, image.height, &image.pixels);
+            texture.notes.splice(0..0, image.notes);
+            texture
+        })
+    };
+    Some(match bytes {
+        [0x89, b'P', b'N', b'G', ..] => bitmap::decode_png(bytes).map(of_bytes),
+        [0xff, 0xd8, ..] => bitmap::decode_jpeg(bytes).map(of_bytes),
+        [0x76, 0x2f, 0x31, 0x01, ..] => of_light(exr::read(bytes)),
+        [b'#', b'?', ..] => of_light(radiance::read(bytes)),
+        _ => return None,
+    })
+}
+
+/// A texture as the bytes of a PNG file.
+pub fn to_png(image: &TextureImage) -> Vec<u8> {
+    let rgb: Vec<u8> = image.texels().iter().flat_map(|texel| [texel[0], texel[1], texel[2]]).collect();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, image.width() as u32, image.height() as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+    // Into memory nothing fails, and there are as many bytes as texels want.
+    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(&rgb));
+    debug_assert!(written.is_ok(), "{written:?}");
+    bytes
 }

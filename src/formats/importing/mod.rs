@@ -12,21 +12,23 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine2, DAffine3, DVec3};
 
 use self::media::{Side, resolve};
 use self::place::{Facing, Placed};
 use super::files::Input;
 use super::names::Names;
-use super::{image, mesh};
+use super::{image, mesh, texture};
 use crate::geometry::Mesh;
 use crate::scene::Place;
 use crate::scene::camera::Camera;
 use crate::scene::description::{
-    CameraDescription, Environment, Import, Light, MeshPart, Object, Objects, Refractor, Role, Shape, Solid, Source,
+    CameraDescription, Environment, Import, Light, MeshPart, Object, Objects, Paint, Refractor, Role, Shape, Solid,
+    Source, UvTransform,
 };
 use crate::scene::environment::EnvironmentImage;
 use crate::scene::shapes::validate;
+use crate::scene::texture::TextureImage;
 use crate::scene::{Description, LoadNote, SceneError};
 
 /// Most objects of a scene, instances counted one by one.
@@ -56,6 +58,7 @@ pub(super) struct Importer<'a> {
     names: Names,
     objects: Vec<(Object, Matter)>,
     meshes: HashMap<PathBuf, Arc<FileMesh>>,
+    textures: HashMap<PathBuf, Arc<TextureImage>>,
     /// Files other than meshes and images that were read.
     files: Vec<PathBuf>,
     pub camera: Option<CameraDescription>,
@@ -83,6 +86,7 @@ impl<'a> Importer<'a> {
             names: Names::default(),
             objects: Vec::new(),
             meshes: HashMap::new(),
+            textures: HashMap::new(),
             files: Vec::new(),
             camera: None,
             camera_medium: None,
@@ -142,6 +146,51 @@ impl<'a> Importer<'a> {
         Ok(read)
     }
 
+    /// Makes a texture that is looked up by the file's coordinates one that is by those of the shape. Where that cannot be said it has its mean colour.
+    fn lay_on(&mut self, paint: &mut Paint, shape: &Shape, file_uv_from_uv: &DAffine2, place: &Place) {
+        let mean = paint.mean();
+        let Paint::Texture { uv, .. } = paint else { return };
+        if matches!(shape, Shape::Mesh { mesh, .. } if !mesh.has_uvs()) {
+            let message = "meshes without texture coordinates have the mean colour of their texture";
+            self.note("no_texture_coordinates", place, message);
+            *paint = Paint::Color(mean);
+        } else if let Some(composed) = UvTransform::of_matrix(&(uv.matrix() * *file_uv_from_uv)) {
+            *uv = composed;
+        } else {
+            self.note("texture_transform", place, "textures that are flattened have their mean colour");
+            *paint = Paint::Color(mean);
+        }
+    }
+
+    /// A texture, read once; `None` where it cannot be read, which is said. `uv` makes coordinates in the image, v upwards, of those of the file.
+    pub fn texture(&mut self, named: &str, uv: &DAffine2, place: &Place) -> Option<Paint> {
+        let path = PathBuf::from(named.replace('\\', "/"));
+        let image = match self.textures.get(&path) {
+            Some(known) => Arc::clone(known),
+            None => {
+                let read = self.bytes_of(named, place).and_then(|(bytes, file)| {
+                    texture::decode(&bytes).map_err(|why| at(place, format!("{} {why}", file.display())))
+                });
+                match read {
+                    Ok(image) => Arc::clone(self.textures.entry(path.clone()).or_insert(Arc::new(image))),
+                    Err(error) => {
+                        let message = format!("a texture cannot be read and is taken for grey: {}", error.message);
+                        self.note("texture_unread", place, message);
+                        return None;
+                    }
+                }
+            }
+        };
+        let paint = Paint::texture(path, image);
+        match (UvTransform::of_matrix(uv), paint) {
+            (Some(uv), Paint::Texture { path, image, tint, .. }) => Some(Paint::Texture { path, image, tint, uv }),
+            (_, paint) => {
+                self.note("texture_transform", place, "textures that are sheared or flattened have their mean colour");
+                Some(Paint::Color(paint.mean()))
+            }
+        }
+    }
+
     /// The mean of an image, linear; `None` where it cannot be read, which is said.
     pub fn mean_color(&mut self, named: &str, place: &Place) -> Option<[f64; 3]> {
         let read = self.image(named, place);
@@ -178,7 +227,16 @@ impl<'a> Importer<'a> {
             return Err(at(place, format!("the scene has more than {MOST_OBJECTS} objects")));
         }
         let name = self.names.give(name, "object");
-        let Placed { mut shape, transform, is_inward, is_smooth } = placed;
+        let Placed { mut shape, mut transform, is_inward, is_smooth, with_uvs, file_uv_from_uv } = placed;
+        let mut matter = matter;
+        if let Matter::Solid(solid) = &mut matter
+            && matches!(solid.paint, Paint::Texture { .. })
+        {
+            if let Some(with_uvs) = with_uvs {
+                (shape, transform) = *with_uvs;
+            }
+            self.lay_on(&mut solid.paint, &shape, &file_uv_from_uv, place);
+        }
         validate(&shape).and_then(|()| transform.validate(&shape)).map_err(|fault| at(place, fault.message))?;
         if let Shape::Mesh { path, part, .. } = &mut shape
             && path.as_os_str().is_empty()

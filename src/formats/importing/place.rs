@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine2, DAffine3, DMat3, DVec3};
 
 use super::FileMesh;
 use crate::formats::gltf::transform;
@@ -20,11 +20,22 @@ pub struct Placed {
     /// Whether the file's normals point to the side that is inside here.
     pub is_inward: bool,
     pub is_smooth: bool,
+    /// What stands in its place where an image is laid on it and its own texture coordinates are not the file's.
+    pub with_uvs: Option<Box<(Shape, Transform)>>,
+    /// The file's texture coordinates from those that it has here.
+    pub file_uv_from_uv: DAffine2,
 }
 
 impl Placed {
     pub fn new(shape: Shape) -> Self {
-        Self { shape, transform: Transform::IDENTITY, is_inward: false, is_smooth: false }
+        Self {
+            shape,
+            transform: Transform::IDENTITY,
+            is_inward: false,
+            is_smooth: false,
+            with_uvs: None,
+            file_uv_from_uv: DAffine2::IDENTITY,
+        }
     }
 }
 
@@ -66,18 +77,18 @@ pub fn transformed(mesh: &Mesh, matrix: &DAffine3) -> Mesh {
     let cofactors = DMat3::from_cols(y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis))
         * if determinant < 0.0 { -1.0 } else { 1.0 };
     let normals = mesh.normals.iter().map(|n| (cofactors * *n).normalize_or(DVec3::Y)).collect();
-    let mut triangles = mesh.triangles.clone();
+    let triangles = mesh.triangles.clone();
+    let mut mesh = Mesh { positions, normals, triangles, uvs: mesh.uvs.clone() };
     if determinant < 0.0 {
-        triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        mesh.turn_triangles();
     }
-    Mesh { positions, normals, triangles }
+    mesh
 }
 
 /// The mesh with its faces and normals turned over.
 pub fn turned_over(mesh: &Mesh) -> Mesh {
     let mut mesh = mesh.clone();
-    mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-    mesh.normals.iter_mut().for_each(|normal| *normal = -*normal);
+    mesh.reverse();
     mesh
 }
 
@@ -97,7 +108,7 @@ pub fn placed_mesh(file: &FileMesh, matrix: &DAffine3, is_flipped: bool, is_smoo
             let FileMesh { mesh, notes, path, .. } = file;
             let (mesh, notes) = (Arc::clone(mesh), notes.clone());
             let shape = Shape::Mesh { path: path.clone(), part: MeshPart::default(), mesh, notes };
-            Placed { shape, transform, is_inward, is_smooth }
+            Placed { transform, is_inward, is_smooth, ..Placed::new(shape) }
         }
         None => Placed { is_inward, ..made(transformed(&file.mesh, matrix), is_smooth) },
     }
@@ -140,6 +151,7 @@ mod tests {
             positions: [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].iter().map(|p| *p + 7.0).collect(),
             normals: Vec::new(),
             triangles: vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]],
+            uvs: Vec::new(),
         };
         assert_eq!(Facing::of(&tetrahedron), Facing::Outward);
         assert_eq!(Facing::of(&turned_over(&tetrahedron)), Facing::Inward);

@@ -2,7 +2,7 @@
 
 use super::Reader;
 use super::tree::Node;
-use super::values::{color_of, number, number_of, text_of};
+use super::values::{color_of, number, number_of, paint_of, text_of};
 use crate::formats::importing::{at, indices};
 use crate::formats::suggest::suggestion;
 use crate::optics::catalog;
@@ -45,11 +45,11 @@ impl Material {
     }
 
     fn diffuse(color: [f64; 3]) -> Self {
-        Self::Solid(Solid::of(Paint::Color(color.map(|x| x.clamp(0.0, 1.0)))))
+        Self::painted(Paint::Color(color), false)
     }
 
-    fn mirror(color: [f64; 3]) -> Self {
-        Self::Solid(Solid { mirror: true, ..Solid::of(Paint::Color(color.map(|x| x.clamp(0.0, 1.0)))) })
+    fn painted(paint: Paint, mirror: bool) -> Self {
+        Self::Solid(Solid { mirror, ..Solid::of(paint.tinted([1.0; 3])) })
     }
 }
 
@@ -74,13 +74,13 @@ fn within<'t>(reader: &mut Reader<'_, 't>, node: &'t Node, depth: usize) -> Resu
         }
         "null" => Ok(Material::Null),
         "diffuse" => {
-            let color = color_of(reader, node, "reflectance")?;
-            Ok(Material::diffuse(color.unwrap_or([0.5; 3])))
+            let paint = paint_of(reader, node, "reflectance")?;
+            Ok(Material::painted(paint.unwrap_or(Paint::Color([0.5; 3])), false))
         }
         "plastic" | "roughplastic" => {
             reader.importer.note("plastic", &node.place, "plastics are taken for diffuse, without their gloss");
-            let color = color_of(reader, node, "diffuse_reflectance")?;
-            Ok(Material::diffuse(color.unwrap_or([0.5; 3])))
+            let paint = paint_of(reader, node, "diffuse_reflectance")?;
+            Ok(Material::painted(paint.unwrap_or(Paint::Color([0.5; 3])), false))
         }
         "conductor" => conductor(reader, node),
         "roughconductor" => {
@@ -166,7 +166,7 @@ const METALS: [(&str, [f64; 3]); 6] = [
 ];
 
 fn conductor<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<Material, SceneError> {
-    let tint = color_of(reader, node, "specular_reflectance")?.unwrap_or([1.0; 3]);
+    let paint = paint_of(reader, node, "specular_reflectance")?.unwrap_or(Paint::Color([1.0; 3]));
     let (eta, k) = (color_of(reader, node, "eta")?, color_of(reader, node, "k")?);
     let metal = text_of(node, "material")?;
     let reflectance = match (metal, eta, k) {
@@ -188,7 +188,7 @@ fn conductor<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<Material
         reader.importer.note("conductor", &node.place, message);
     }
     let finite = |x: f64| if x.is_finite() { x } else { 1.0 };
-    Ok(Material::mirror([0, 1, 2].map(|i| finite(tint[i] * reflectance[i]))))
+    Ok(Material::painted(paint.tinted(reflectance.map(finite)), true))
 }
 
 fn principled<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<Material, SceneError> {
@@ -197,7 +197,7 @@ fn principled<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<Materia
         &node.place,
         "principled BSDFs are taken for dielectrics, mirrors or diffuse surfaces, whichever they are most",
     );
-    let color = color_of(reader, node, "base_color")?.unwrap_or([0.5; 3]);
+    let paint = paint_of(reader, node, "base_color")?.unwrap_or(Paint::Color([0.5; 3]));
     let share = |name: &str| number_of(node, name).map(|share| share.unwrap_or(0.0));
     if share("spec_trans")? > 0.5 {
         if node.kind == "principledthin" {
@@ -207,5 +207,5 @@ fn principled<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<Materia
         let side = |ior: f64| NamedIor { ior, name: String::new() };
         return Ok(Material::Dielectric { inside: side(ior), outside: side(1.0), name: node.id.clone() });
     }
-    Ok(if share("metallic")? > 0.5 { Material::mirror(color) } else { Material::diffuse(color) })
+    Ok(Material::painted(paint, share("metallic")? > 0.5))
 }

@@ -1,12 +1,12 @@
 //! Shapes, alone, in groups and as instances.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine2, DAffine3, DMat2, DVec2, DVec3};
 
 use super::bsdf::{Material, NamedIor, material};
 use super::emitters::strength;
 use super::transform::transform_of;
 use super::tree::Node;
-use super::values::{flag_of, number_of, text_of, vector};
+use super::values::{UPSIDE_DOWN, flag_of, number_of, text_of, vector};
 use super::{Reader, medium};
 use crate::formats::importing::media::Side;
 use crate::formats::importing::place::{Placed, placed_mesh, shining};
@@ -131,16 +131,31 @@ fn surface(reader: &mut Reader<'_, '_>, node: &Node, matrix: &DAffine3) -> Resul
             let has_own = !flag_of(node, "face_normals")? && !mesh.mesh.normals.is_empty();
             let is_flipped = flips != (is_mirrored && !has_own);
             let stem = mesh.path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-            Ok(Some(Found { placed: placed_mesh(&mesh, matrix, is_flipped, true), is_flipped, stem }))
+            let placed = placed_mesh(&mesh, matrix, is_flipped, true);
+            // Of OBJ files v is turned about unless it is said that it shall not be, of PLY files the other way about.
+            let flips_uv = match node.property("flip_tex_coords") {
+                Some(_) => flag_of(node, "flip_tex_coords")?,
+                None => node.kind == "obj",
+            };
+            let file_uv_from_uv = if flips_uv { UPSIDE_DOWN } else { placed.file_uv_from_uv };
+            Ok(Some(Found { placed: Placed { file_uv_from_uv, ..placed }, is_flipped, stem }))
         }
         "sphere" => {
             let center = node.property("center").map_or(Ok(DVec3::ZERO), |center| vector(center, 0.0))?;
             let radius = number_of(node, "radius")?.unwrap_or(1.0);
-            found(shapes::sphere(center, radius.abs(), matrix), flips != is_mirrored)
+            let placed = shapes::sphere(center, radius.abs(), matrix);
+            // v from the upper pole.
+            let file_uv_from_uv = UPSIDE_DOWN * placed.file_uv_from_uv;
+            found(Placed { file_uv_from_uv, ..placed }, flips != is_mirrored)
         }
         "rectangle" => found(shapes::rectangle(matrix), flips),
-        "disk" => found(shapes::disk(0.0, 0.0, 1.0, matrix), flips),
-        "cube" => found(shapes::cuboid(DVec3::NEG_ONE, DVec3::ONE, matrix), flips),
+        "disk" => {
+            // u is the radius, v goes around.
+            let matrix2 = DMat2::from_cols(DVec2::Y, DVec2::NEG_X);
+            let file_uv_from_uv = DAffine2 { matrix2, translation: DVec2::X };
+            found(Placed { file_uv_from_uv, ..shapes::disk(0.0, 0.0, 1.0, matrix) }, flips)
+        }
+        "cube" => found(shapes::cube(matrix), flips),
         "cylinder" => {
             let end = |name: &str, otherwise: DVec3| node.property(name).map_or(Ok(otherwise), |p| vector(p, 0.0));
             let (from, to) = (end("p0", DVec3::ZERO)?, end("p1", DVec3::Z)?);

@@ -1,11 +1,17 @@
 //! Numbers, vectors and colours of properties.
 
-use glam::DVec3;
+use glam::{DAffine2, DMat2, DVec2, DVec3};
 
 use super::Reader;
+use super::transform::transform_of;
 use super::tree::Node;
 use crate::formats::importing::at;
 use crate::scene::SceneError;
+use crate::scene::description::Paint;
+
+/// Mitsuba counts v from the upper row of an image.
+pub(super) const UPSIDE_DOWN: DAffine2 =
+    DAffine2 { matrix2: DMat2::from_cols(DVec2::X, DVec2::NEG_Y), translation: DVec2::Y };
 
 /// All numbers of a text, parted by commas or spaces.
 pub(super) fn numbers(node: &Node, text: &str) -> Result<Vec<f64>, SceneError> {
@@ -80,6 +86,39 @@ pub(super) fn color_of<'t>(
     let Some(property) = node.property(name) else { return Ok(None) };
     let property = reader.resolved(property)?;
     color(reader, property).map(Some)
+}
+
+/// What a surface reflects by a property: an image, or the colour of anything else.
+pub(super) fn paint_of<'t>(
+    reader: &mut Reader<'_, 't>,
+    node: &'t Node,
+    name: &str,
+) -> Result<Option<Paint>, SceneError> {
+    let Some(property) = node.property(name) else { return Ok(None) };
+    let property = reader.resolved(property)?;
+    if property.tag == "texture" && property.kind == "bitmap" {
+        return bitmap(reader, property).map(Some);
+    }
+    color(reader, property).map(|color| Some(Paint::Color(color.map(|x| x.clamp(0.0, 1.0)))))
+}
+
+fn bitmap<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<Paint, SceneError> {
+    let grey = Paint::Color([0.5; 3]);
+    let Some(name) = text_of(node, "filename")?.map(str::to_owned) else { return Ok(grey) };
+    if flag_of(node, "raw")? {
+        reader.importer.note("texture_raw", &node.place, "textures of raw numbers are taken for sRGB");
+    }
+    if text_of(node, "wrap_mode")?.is_some_and(|mode| mode != "repeat") {
+        let message = "textures that are mirrored or clamped beyond their edges are repeated";
+        reader.importer.note("texture_wrap", &node.place, message);
+    }
+    if text_of(node, "filter_type")?.is_some_and(|filter| filter != "bilinear") {
+        reader.importer.note("texture_filter", &node.place, "texels are interpolated");
+    }
+    let matrix = transform_of(node, "to_uv")?;
+    let [x, y] = [matrix.matrix3.x_axis, matrix.matrix3.y_axis].map(DVec3::truncate);
+    let to_uv = DAffine2 { matrix2: DMat2::from_cols(x, y), translation: matrix.translation.truncate() };
+    Ok(reader.importer.texture(&name, &(UPSIDE_DOWN * to_uv), &node.place).unwrap_or(grey))
 }
 
 /// How deep textures may stand in each other.

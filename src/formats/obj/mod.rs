@@ -1,5 +1,5 @@
-//! Wavefront OBJ: positions, normals and faces, and the names of their groups, objects and materials. Texture coordinates, lines and
-//! points are passed over.
+//! Wavefront OBJ: positions, normals, texture coordinates and faces, and the names of their groups, objects and materials. Lines and points
+//! are passed over.
 
 pub(super) mod mtl;
 
@@ -11,16 +11,15 @@ use glam::DVec3;
 
 use super::lines::{Lines, number, shown};
 use super::passed_over::Kind;
-use super::polygons::{Fault, Polygons};
+use super::polygons::{Fault, Polygons, Uvs};
 
 /// Statements that end in a name, which may end in a backslash.
 const NAMES: [&str; 9] = ["g", "o", "s", "usemtl", "mtllib", "usemap", "maplib", "shadow_obj", "trace_obj"];
 
 /// Other statements that say nothing about the surface. Those of free-form curves and surfaces need a `surf` to make one.
-const PASSED_OVER: [&str; 29] = [
-    "vt", "vp", "mg", "l", "p", "bevel", "lod", "c_interp", "d_interp", "cstype", "deg", "bmat", "step", "curv",
-    "curv2", "parm", "trim", "hole", "scrv", "sp", "end", "con", "ctech", "stech", "scmp", "csh", "res", "cdc",
-    "usemat",
+const PASSED_OVER: [&str; 28] = [
+    "vp", "mg", "l", "p", "bevel", "lod", "c_interp", "d_interp", "cstype", "deg", "bmat", "step", "curv", "curv2",
+    "parm", "trim", "hole", "scrv", "sp", "end", "con", "ctech", "stech", "scmp", "csh", "res", "cdc", "usemat",
 ];
 
 /// Statements by which there is more surface than the faces.
@@ -29,6 +28,8 @@ const FREE_FORM: [&str; 4] = ["surf", "bsp", "bzp", "cdp"];
 /// Marks of a corner that names no normal, and of one whose normal is not there.
 const NO_NORMAL: u32 = u32::MAX;
 const LOST_NORMAL: u32 = u32::MAX - 1;
+/// Mark of a corner that names no texture coordinates.
+const NO_UV: u32 = u32::MAX;
 
 pub(super) fn read(bytes: &[u8]) -> Result<Polygons, Fault> {
     let mut reader = Reader::default();
@@ -89,6 +90,9 @@ struct Reader {
     /// The normal of each corner of the faces.
     corner_normals: Vec<u32>,
     names_normals: bool,
+    uvs: Vec<[f32; 2]>,
+    /// The texture coordinates of corners of the faces, up to the last that names some.
+    corner_uvs: Vec<u32>,
     /// What the next faces belong to.
     object: Option<String>,
     groups: Vec<String>,
@@ -112,6 +116,11 @@ impl Reader {
             "vn" => {
                 let normal = vector(&mut words, "a normal")?;
                 self.normals.push(if normal.is_finite() { normal.normalize_or_zero() } else { DVec3::ZERO });
+            }
+            // What is no number is 0: few ask for them.
+            "vt" => {
+                let mut coordinate = || words.next().and_then(|word| number(word).ok()).unwrap_or_default() as f32;
+                self.uvs.push([coordinate(), coordinate()]);
             }
             // `fo` is how the first versions of the format wrote it.
             "f" | "fo" => self.face(words, line)?,
@@ -155,7 +164,11 @@ impl Reader {
             let position = index(parts.next().unwrap_or_default())?;
             let out_of_range = || format!("index {position} is out of range: there are {count} vertices so far");
             faces.corners.push(zero_based(position, count).ok_or_else(out_of_range)?);
-            self.corner_normals.push(match parts.nth(1) {
+            if let Some(uv) = parts.next().and_then(|text| zero_based(index(text).ok()?, self.uvs.len())) {
+                self.corner_uvs.resize(faces.corners.len() - 1, NO_UV);
+                self.corner_uvs.push(uv);
+            }
+            self.corner_normals.push(match parts.next() {
                 None | Some("") => NO_NORMAL,
                 Some(text) => {
                     self.names_normals = true;
@@ -166,6 +179,7 @@ impl Reader {
         if faces.open_corners() < 3 {
             faces.discard();
             self.corner_normals.truncate(start);
+            self.corner_uvs.truncate(start);
             self.polygons.passed_over.add(Kind::ShortFaces, Some(line));
             return Ok(());
         }
@@ -178,6 +192,11 @@ impl Reader {
         if let Some((_, vertex, line)) = self.polygons.faces.out_of_range(count) {
             let index = u64::from(vertex) + 1;
             return Err(Fault { line, message: format!("index {index} is out of range: there are {count} vertices") });
+        }
+        if !self.corner_uvs.is_empty() {
+            self.corner_uvs.resize(self.polygons.faces.corners.len(), NO_UV);
+            let uv = |index: &u32| self.uvs.get(*index as usize).copied().unwrap_or([f32::NAN; 2]);
+            self.polygons.uvs = Uvs::OfCorners(self.corner_uvs.iter().map(uv).collect());
         }
         if !self.has_all_normals() {
             return Ok(self.polygons);

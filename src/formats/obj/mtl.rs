@@ -21,8 +21,19 @@ pub(in crate::formats) struct Material {
     pub metallic: Option<f64>,
     /// `Ke`, what it emits.
     pub emission: Option<[f64; 3]>,
-    /// Whether an image stands for its colour.
-    pub has_image: bool,
+    /// `map_Kd`, an image that is multiplied by its colour.
+    pub image: Option<Image>,
+}
+
+/// An image by the name of its file.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::formats) struct Image {
+    pub file: String,
+    /// `-o` and `-s`: what is added to texture coordinates after they are multiplied.
+    pub offset: [f64; 2],
+    pub scale: [f64; 2],
+    /// Whether it is said to end at its edges.
+    pub is_clamped: bool,
 }
 
 /// Ways of shading that show what is behind: transparency or refraction.
@@ -80,10 +91,46 @@ fn set(material: &mut Material, word: &str, rest: &str) -> Option<()> {
         "Kd" => material.color = Some(color(rest)?),
         "Pm" => material.metallic = Some(number(rest)?),
         "Ke" => material.emission = Some(color(rest)?),
-        "map_Kd" => material.has_image = true,
+        "map_Kd" => material.image = Some(image(rest)?),
         _ => {}
     }
     Some(())
+}
+
+/// A file's name, which may have spaces, behind options.
+fn image(text: &str) -> Option<Image> {
+    let mut image = Image { file: String::new(), offset: [0.0; 2], scale: [1.0; 2], is_clamped: false };
+    let mut rest = text.trim();
+    let word_of = |text: &str| text.split_ascii_whitespace().next().unwrap_or_default().to_owned();
+    while rest.starts_with('-') {
+        let option = word_of(rest);
+        let (most, are_numbers) = match option.as_str() {
+            "-o" | "-s" | "-t" => (3, true),
+            "-mm" => (2, true),
+            "-blendu" | "-blendv" | "-boost" | "-texres" | "-clamp" | "-bm" | "-imfchan" | "-type" | "-cc" => {
+                (1, false)
+            }
+            // A name may begin so.
+            _ => break,
+        };
+        rest = rest[option.len()..].trim_start();
+        for index in 0..most {
+            let word = word_of(rest);
+            let value = number(&word);
+            if are_numbers && value.is_none() {
+                break;
+            }
+            match (option.as_str(), value, index) {
+                ("-o", Some(value), 0 | 1) => image.offset[index] = value,
+                ("-s", Some(value), 0 | 1) => image.scale[index] = value,
+                ("-clamp", ..) => image.is_clamped = word == "on",
+                _ => {}
+            }
+            rest = rest[word.len()..].trim_start();
+        }
+    }
+    image.file = rest.to_owned();
+    (!image.file.is_empty()).then_some(image)
 }
 
 fn number(text: &str) -> Option<f64> {
@@ -115,11 +162,16 @@ mod tests {
         assert_eq!((names, unread), (vec!["red wine", "cup", "wood", "lamp", "gold"], 2));
         assert_eq!(materials.iter().map(Material::is_glass).collect::<Vec<_>>(), [true, true, false, false, false]);
         assert_eq!((materials[0].ior, materials[0].tint()), (Some(1.34), Some([0.9, 0.1, 0.2])));
-        assert_eq!(
-            (materials[2].color, materials[2].opacity, materials[2].has_image),
-            (Some([0.5; 3]), Some(1.0), true)
-        );
+        let file = materials[2].image.as_ref().map(|image| image.file.as_str());
+        assert_eq!((materials[2].color, materials[2].opacity, file), (Some([0.5; 3]), Some(1.0), Some("oak.png")));
         assert_eq!((materials[3].light(), materials[2].light()), (Some([2.0, 3.0, 4.0]), None));
+        let with = |text: &str| image(text).map(|i| (i.file, i.scale, i.offset, i.is_clamped));
+        assert_eq!(
+            with("-s 2 3 1 -o 0.5 -clamp on -bm 0.2 my oak.png"),
+            Some(("my oak.png".into(), [2.0, 3.0], [0.5, 0.0], true))
+        );
+        assert_eq!(with("-odd.png").map(|found| found.0), Some("-odd.png".into()));
+        assert_eq!(with("-s 1 1 1"), None);
         for illumination in 0..=10 {
             let material = Material { illumination: Some(illumination), ..Material::default() };
             assert_eq!(material.is_glass(), [4, 6, 7, 9].contains(&illumination));

@@ -1,4 +1,6 @@
-//! Materials, textures by their mean colours, and what media absorb.
+//! Materials, textures (images as they are, others by their mean colours), and what media absorb.
+
+use glam::{DAffine2, DMat2, DVec2};
 
 use super::state::Reader;
 use super::tokens::{Parameter, Parameters};
@@ -30,12 +32,21 @@ impl Material {
     }
 
     fn diffuse(color: [f64; 3]) -> Self {
-        Self::Solid(Solid::of(Paint::Color(color.map(|x| x.clamp(0.0, 1.0)))))
+        Self::painted(Paint::Color(color), false)
     }
 
-    fn mirror(color: [f64; 3]) -> Self {
-        Self::Solid(Solid { mirror: true, ..Solid::of(Paint::Color(color.map(|x| x.clamp(0.0, 1.0)))) })
+    fn painted(paint: Paint, mirror: bool) -> Self {
+        Self::Solid(Solid { mirror, ..Solid::of(paint.tinted([1.0; 3])) })
     }
+}
+
+/// A texture by its name.
+#[derive(Debug, Clone)]
+pub(super) struct Texture {
+    /// The mean colour.
+    pub mean: [f64; 3],
+    /// What a surface has of it, if that is more than one colour.
+    paint: Option<Paint>,
 }
 
 /// Reflectances at normal incidence of metals by pbrt's names of their spectra.
@@ -78,7 +89,7 @@ pub(super) fn material(
             if kind == "diffusetransmission" {
                 reader.importer.note("bsdf", place, "materials that let light through diffusely are taken for diffuse");
             }
-            Ok(Material::diffuse(color(reader, parameters, "reflectance")?.unwrap_or([0.5; 3])))
+            Ok(Material::painted(paint(reader, parameters, "reflectance")?.unwrap_or(Paint::Color([0.5; 3])), false))
         }
         "coateddiffuse" => {
             reader.importer.note(
@@ -86,16 +97,16 @@ pub(super) fn material(
                 place,
                 "coated diffuse materials are taken for diffuse, without their gloss",
             );
-            Ok(Material::diffuse(color(reader, parameters, "reflectance")?.unwrap_or([0.5; 3])))
+            Ok(Material::painted(paint(reader, parameters, "reflectance")?.unwrap_or(Paint::Color([0.5; 3])), false))
         }
         "conductor" | "coatedconductor" => {
             let message = "metals are smooth mirrors of their reflectance at normal incidence, at every angle";
             reader.importer.note("conductor", place, message);
-            let reflectance = match color(reader, parameters, "reflectance")? {
+            let reflectance = match paint(reader, parameters, "reflectance")? {
                 Some(reflectance) => reflectance,
-                None => metal(parameters),
+                None => Paint::Color(metal(parameters)),
             };
-            Ok(Material::mirror(reflectance))
+            Ok(Material::painted(reflectance, true))
         }
         "mix" => {
             reader.importer.note("blend", place, "of mixed materials the first is taken");
@@ -142,6 +153,16 @@ fn metal(parameters: &Parameters) -> [f64; 3] {
     METALS.iter().find(|(known, _)| *known == element).map_or([0.9; 3], |(_, color)| *color)
 }
 
+/// What a surface reflects by a parameter: an image, or the colour of anything else.
+fn paint(reader: &mut Reader<'_>, parameters: &Parameters, name: &str) -> Result<Option<Paint>, SceneError> {
+    let texture = parameters.get(name).filter(|parameter| parameter.kind == "texture");
+    let named = texture.and_then(|parameter| reader.textures.get(parameter.texts.first()?));
+    match named.and_then(|texture| texture.paint.clone()) {
+        Some(paint) => Ok(Some(paint)),
+        None => color(reader, parameters, name).map(|color| color.map(Paint::Color)),
+    }
+}
+
 /// A colour parameter: numbers, a spectrum or the mean of a texture.
 pub(super) fn color(
     reader: &mut Reader<'_>,
@@ -157,7 +178,7 @@ fn color_of(reader: &mut Reader<'_>, parameter: &Parameter) -> Result<[f64; 3], 
         ("texture", Some(name), _) => {
             reader.importer.note("texture", place, "textures are taken by their mean colour");
             match reader.textures.get(name) {
-                Some(color) => Ok(*color),
+                Some(texture) => Ok(texture.mean),
                 None => Err(at(place, format!("there is no texture `{name}`"))),
             }
         }
@@ -192,8 +213,66 @@ fn bands(pairs: &[f64]) -> [f64; 3] {
         .map(|from: f64| (0..10).map(|k| at_wavelength(from + 10.0 * (f64::from(k) + 0.5))).sum::<f64>() / 10.0)
 }
 
-/// The mean colour of a texture.
 pub(super) fn texture(
+    reader: &mut Reader<'_>,
+    class: &str,
+    parameters: &Parameters,
+    place: &Place,
+) -> Result<Texture, SceneError> {
+    let paint = match class {
+        "imagemap" => Some(image_map(reader, parameters, place)),
+        "scale" => {
+            // An image and what multiplies it, in either order.
+            let images = [paint(reader, parameters, "tex")?, paint(reader, parameters, "scale")?];
+            match images {
+                [Some(image @ Paint::Texture { .. }), by @ (None | Some(Paint::Color(_)))]
+                | [by @ (None | Some(Paint::Color(_))), Some(image @ Paint::Texture { .. })] => {
+                    Some(image.tinted(by.map_or([1.0; 3], |by| by.mean())))
+                }
+                _ => None,
+            }
+        }
+        _ => None,
+    };
+    if let Some(paint) = paint {
+        return Ok(Texture { mean: paint.mean(), paint: Some(paint) });
+    }
+    mean_of(reader, class, parameters, place).map(|mean| Texture { mean, paint: None })
+}
+
+/// A texture from a file; grey where it cannot be read.
+fn image_map(reader: &mut Reader<'_>, parameters: &Parameters, place: &Place) -> Paint {
+    let name = parameters.text("filename").unwrap_or_default();
+    if parameters.text("encoding").is_some_and(|encoding| encoding != "sRGB") {
+        reader.importer.note("texture_raw", place, "textures of raw numbers are taken for sRGB");
+    }
+    if parameters.text("wrap").is_some_and(|wrap| wrap != "repeat") {
+        reader.importer.note(
+            "texture_wrap",
+            place,
+            "textures that are clamped or black beyond their edges are repeated",
+        );
+    }
+    if parameters.flag("invert") {
+        reader.importer.note("texture_invert", place, "textures are taken as they are and not inverted");
+    }
+    let number = |name: &str, otherwise: f64| parameters.number(name).unwrap_or(otherwise);
+    let uv = DAffine2 {
+        matrix2: DMat2::from_diagonal(DVec2::new(number("uscale", 1.0), number("vscale", 1.0))),
+        translation: DVec2::new(number("udelta", 0.0), number("vdelta", 0.0)),
+    };
+    let paint = reader.importer.texture(name, &uv, place).unwrap_or(Paint::Color([0.5; 3]));
+    let paint = paint.tinted([number("scale", 1.0); 3]);
+    if parameters.text("mapping").is_some_and(|mapping| mapping != "uv") {
+        let message = "textures that are laid on by a plane, a sphere or a cylinder have their mean colour";
+        reader.importer.note("texture_mapping", place, message);
+        return Paint::Color(paint.mean());
+    }
+    paint
+}
+
+/// The mean colour of a texture.
+fn mean_of(
     reader: &mut Reader<'_>,
     class: &str,
     parameters: &Parameters,
@@ -203,12 +282,6 @@ pub(super) fn texture(
     let mixed = |a: [f64; 3], b: [f64; 3], share: f64| [0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * share);
     match class {
         "constant" => Ok(or(color(reader, parameters, "value")?, 1.0)),
-        "imagemap" => {
-            let scale = parameters.number("scale").unwrap_or(1.0);
-            let name = parameters.text("filename").unwrap_or_default();
-            let mean = reader.importer.mean_color(name, place).unwrap_or([0.5; 3]);
-            Ok(mean.map(|x| x * scale))
-        }
         "scale" => {
             let (a, b) = (or(color(reader, parameters, "tex")?, 1.0), or(color(reader, parameters, "scale")?, 1.0));
             Ok([0, 1, 2].map(|k| a[k] * b[k]))

@@ -265,8 +265,8 @@ fn other(
             let name = tokens.quoted("a name")?.to_owned();
             tokens.quoted("the type of a texture")?;
             let (class, parameters) = typed(tokens)?;
-            let color = materials::texture(reader, &class, &parameters, place)?;
-            reader.textures.insert(name, color);
+            let texture = materials::texture(reader, &class, &parameters, place)?;
+            reader.textures.insert(name, texture);
         }
         // How to render is not the scene's affair here.
         "Sampler" | "Integrator" | "Accelerator" | "PixelFilter" => _ = typed(tokens)?,

@@ -12,7 +12,7 @@ use crate::formats::importing::{FileMesh, at, shapes};
 use crate::geometry::Mesh;
 use crate::scene::Place;
 use crate::scene::SceneError;
-use crate::scene::description::Light;
+use crate::scene::description::{Light, Paint, Solid};
 
 /// A shape with the attributes that it has where it stands.
 #[derive(Debug, Clone)]
@@ -100,7 +100,9 @@ pub(super) fn shape(
                 reader.importer.note("subdivision", place, "subdivision surfaces are taken by their control meshes");
             }
             name = "mesh".to_owned();
-            mesh_surface(inline_mesh(kind, parameters, place)?)
+            let has_image =
+                matches!(&reader.state.material, Material::Solid(Solid { paint: Paint::Texture { .. }, .. }));
+            mesh_surface(inline_mesh(kind, parameters, has_image, place)?)
         }
         "plymesh" => {
             if parameters.get("displacement").is_some() {
@@ -165,7 +167,8 @@ fn has_opposed_normals(mesh: &Mesh) -> bool {
     along.sum::<f64>() < 0.0
 }
 
-fn inline_mesh(kind: &str, parameters: &Parameters, place: &Place) -> Result<Mesh, SceneError> {
+/// `has_image`: whether texture coordinates are asked for.
+fn inline_mesh(kind: &str, parameters: &Parameters, has_image: bool, place: &Place) -> Result<Mesh, SceneError> {
     let positions = parameters.points("P")?;
     let mut normals = parameters.points("N")?;
     if normals.len() != positions.len() {
@@ -196,7 +199,19 @@ fn inline_mesh(kind: &str, parameters: &Parameters, place: &Place) -> Result<Mes
     if triangles.is_empty() {
         return Err(at(place, format!("`{kind}` has no faces")));
     }
+    let pairs = ["uv", "st"].iter().find_map(|name| parameters.get(name)).map_or(&[][..], |uv| &uv.numbers);
+    let corner = |index: u32| [0, 1].map(|k| pairs[2 * index as usize + k] as f32);
+    let uvs = match pairs.len() == 2 * positions.len() {
+        _ if !has_image => Vec::new(),
+        true => triangles.iter().map(|triangle| triangle.map(corner)).collect(),
+        // As pbrt has them where a file says nothing.
+        false if kind == "bilinearmesh" => {
+            let halves = [[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], [[0.0, 0.0], [1.0, 1.0], [0.0, 1.0]]];
+            (0..triangles.len()).map(|triangle| halves[triangle % 2]).collect()
+        }
+        false => vec![[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]; triangles.len()],
+    };
     // Normals are interpolated, whatever their length.
     normals.iter_mut().for_each(|normal| *normal = normal.normalize_or(DVec3::Y));
-    Ok(Mesh { positions, normals, triangles })
+    Ok(Mesh { positions, normals, triangles, uvs })
 }

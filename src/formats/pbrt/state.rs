@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use glam::{DAffine3, DVec3};
 
-use super::materials::Material;
+use super::materials::{Material, Texture};
 use super::shapes::Found;
 use super::tokens::Parameters;
 use crate::formats::files::Input;
@@ -38,8 +38,7 @@ pub(super) struct Reader<'a> {
     pub saved: Vec<(State, bool)>,
     pub coordinate_systems: HashMap<String, DAffine3>,
     pub materials: HashMap<String, Material>,
-    /// Mean colours.
-    pub textures: HashMap<String, [f64; 3]>,
+    pub textures: HashMap<String, Texture>,
     /// What media absorb.
     pub media: HashMap<String, [f64; 3]>,
     pub objects: HashMap<String, Rc<[Found]>>,

@@ -1,5 +1,5 @@
 //! PLY, the Stanford polygon format: ASCII and binary of either byte order. Read are the elements `vertex` (x, y, z and, if present,
-//! nx, ny, nz), `face` and `tristrips` (`vertex_indices` or `vertex_index`); everything else is passed over.
+//! nx, ny, nz and texture coordinates, under any of their usual names), `face` and `tristrips` (`vertex_indices` or `vertex_index`); everything else is passed over.
 
 mod header;
 mod rows;
@@ -34,6 +34,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Polygons, Fault> {
 enum Role {
     Position(usize),
     Normal(usize),
+    Uv(usize),
     Corners,
     Strips,
     Nothing,
@@ -47,6 +48,8 @@ fn role(element: &Element, property: &Property) -> Role {
         ("vertex", "nx", None) => Role::Normal(0),
         ("vertex", "ny", None) => Role::Normal(1),
         ("vertex", "nz", None) => Role::Normal(2),
+        ("vertex", "u" | "s" | "texture_u" | "texture_s", None) => Role::Uv(0),
+        ("vertex", "v" | "t" | "texture_v" | "texture_t", None) => Role::Uv(1),
         ("face", "vertex_indices" | "vertex_index", Some(_)) => Role::Corners,
         ("tristrips", "vertex_indices" | "vertex_index", Some(_)) => Role::Strips,
         _ => Role::Nothing,
@@ -62,6 +65,8 @@ fn read_elements(header: &Header, mut rows: impl Rows, polygons: &mut Polygons) 
             return Err(Fault::new("the element `vertex` lacks x, y or z"));
         }
         let has_normals = is_vertex && has(Role::Normal);
+        let has_uvs =
+            is_vertex && (0..2).all(|axis| plan.iter().filter(|(role, _)| *role == Role::Uv(axis)).count() == 1);
         let has_corners = plan.iter().any(|(role, _)| matches!(role, Role::Corners | Role::Strips));
         if matches!(element.name.as_str(), "face" | "tristrips") && !has_corners {
             return Err(Fault::new(format!("the element `{}` lacks `vertex_indices`", element.name)));
@@ -80,11 +85,12 @@ fn read_elements(header: &Header, mut rows: impl Rows, polygons: &mut Polygons) 
         }
         for row in 0..element.count {
             rows.begin_row()?;
-            let (mut position, mut normal) = (DVec3::ZERO, DVec3::ZERO);
+            let (mut position, mut normal, mut uv) = (DVec3::ZERO, DVec3::ZERO, [0.0; 2]);
             for &(role, property) in &plan {
                 match (role, property.length) {
                     (Role::Position(axis), _) => position[axis] = rows.next(property.kind)?,
                     (Role::Normal(axis), _) => normal[axis] = rows.next(property.kind)?,
+                    (Role::Uv(axis), _) => uv[axis] = rows.next(property.kind)? as f32,
                     (Role::Corners, Some(length)) => {
                         read_face(&mut rows, length, property.kind, row, &mut polygons.faces)?;
                     }
@@ -100,6 +106,9 @@ fn read_elements(header: &Header, mut rows: impl Rows, polygons: &mut Polygons) 
                 }
             }
             if is_vertex {
+                if has_uvs {
+                    polygons.uvs.push_of_position(Some(uv), polygons.positions.len());
+                }
                 polygons.push_position(position, rows.line());
                 if has_normals {
                     // One that has no direction is met again, if it is used.

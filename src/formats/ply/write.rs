@@ -5,15 +5,21 @@ use crate::geometry::Mesh;
 /// What a file holds besides positions, faces, and normals where the mesh has some.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PlyExtra<'a> {
-    /// Texture coordinates by vertex, as `u` and `v`; none, or one for each.
+    /// Texture coordinates by vertex, as `u` and `v`; none, or one for each. Those of the mesh itself take their place.
     pub uv: &'a [[f64; 2]],
     /// Names and values of whole numbers by face, one for each.
     pub of_faces: &'a [(&'a str, Vec<i32>)],
 }
 
 /// A mesh as the bytes of a PLY file. Coordinates are `float` where that loses nothing of any, else `double`; all other fractions are `float`.
+/// Positions are split where texture coordinates of the mesh differ.
 pub fn to_bytes(mesh: &Mesh, extra: PlyExtra<'_>) -> Vec<u8> {
-    let Mesh { positions, normals, triangles } = mesh;
+    if mesh.has_uvs() {
+        let (split, uv) = mesh.with_uv_of_positions();
+        let uv: Vec<[f64; 2]> = uv.into_iter().map(|pair| pair.map(f64::from)).collect();
+        return to_bytes(&split, PlyExtra { uv: &uv, ..extra });
+    }
+    let Mesh { positions, normals, triangles, uvs: _ } = mesh;
     let is_single = positions.iter().all(|p| p.as_vec3().as_dvec3() == *p);
     let has_normals = !normals.is_empty() && normals.len() == positions.len();
     let has_uv = !extra.uv.is_empty() && extra.uv.len() == positions.len();
@@ -64,13 +70,26 @@ mod tests {
         let triangles = vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
         for positions in [single, double] {
             for normals in [Vec::new(), vec![DVec3::X, DVec3::NEG_Y, DVec3::Z, DVec3::X]] {
-                let mesh = Mesh { positions: positions.to_vec(), normals, triangles: triangles.clone() };
+                let uvs = Vec::new();
+                let mesh = Mesh { positions: positions.to_vec(), normals, triangles: triangles.clone(), uvs };
                 for extra in [PlyExtra::default(), PlyExtra { uv: &uv, of_faces: &of_faces }] {
                     let (read, _) = super::super::read(&to_bytes(&mesh, extra)).unwrap().finish().unwrap();
-                    assert_eq!(read, mesh);
+                    assert_eq!(read.uvs.len(), if extra.uv.is_empty() { 0 } else { mesh.triangles.len() });
+                    assert!(read.uvs.iter().flatten().all(|uv| *uv == [0.0, 1.0]));
+                    assert_eq!(read.without_uvs(), mesh);
                 }
                 let (_, notes) = super::super::read(&to_bytes(&mesh, PlyExtra::default())).unwrap().finish().unwrap();
                 assert_eq!(notes, Vec::new());
+                // Of its own it has other coordinates at each corner.
+                let corner = |t: usize, k: usize| [t as f32, 0.25 * k as f32];
+                let uvs = (0..4).map(|t| [0, 1, 2].map(|k| corner(t, k))).collect();
+                let mesh = Mesh { uvs, ..mesh };
+                let (read, _) = super::super::read(&to_bytes(&mesh, PlyExtra::default())).unwrap().finish().unwrap();
+                assert_eq!((&read.uvs, read.positions.len()), (&mesh.uvs, 12));
+                let places = |mesh: &Mesh| -> Vec<[DVec3; 3]> {
+                    mesh.triangles.iter().map(|t| t.map(|i| mesh.positions[i as usize])).collect()
+                };
+                assert_eq!(places(&read), places(&mesh));
             }
         }
     }

@@ -11,11 +11,13 @@ use crate::formats::image;
 use crate::formats::mesh::{self, MeshFile, PartFault};
 use crate::formats::parts::NoSuchPart;
 use crate::formats::suggest::suggestion;
+use crate::formats::texture;
 use crate::geometry::Mesh;
 use crate::optics::{Medium, catalog, medium};
 use crate::scene::description::MeshPart;
 use crate::scene::environment::EnvironmentImage;
 use crate::scene::fields::{Field, Slot, Visitor};
+use crate::scene::texture::TextureImage;
 use crate::scene::{Fault, LoadNote, SceneError, validate};
 
 /// What the tables of a scene have to do with each other and with files.
@@ -33,6 +35,8 @@ pub(super) struct Context<'a> {
     names: HashMap<String, &'static str>,
     /// Meshes read so far, with what was passed over in their files: objects that name one file share it.
     meshes: HashMap<(PathBuf, MeshPart), (Arc<Mesh>, Vec<LoadNote>)>,
+    /// Textures read so far.
+    textures: HashMap<PathBuf, Arc<TextureImage>>,
     /// Files of which parts were taken, for more of them.
     mesh_files: HashMap<PathBuf, MeshFile>,
     /// In the order in which they were found.
@@ -43,8 +47,8 @@ impl<'a> Context<'a> {
     pub fn new(files: Option<&'a dyn Files>, folder: &'a Path) -> Self {
         let (names, meshes, errors) = (HashMap::new(), HashMap::new(), Vec::new());
         let (known_media, mesh_files) = (HashSet::new(), HashMap::new());
-        let has_lost_media = false;
-        Self { files, folder, media: Vec::new(), known_media, has_lost_media, names, meshes, mesh_files, errors }
+        let (has_lost_media, textures, media) = (false, HashMap::new(), Vec::new());
+        Self { files, folder, media, known_media, has_lost_media, names, meshes, textures, mesh_files, errors }
     }
 
     /// Keeps an error; whatever stands for the value that could not be read.
@@ -123,6 +127,18 @@ impl<'a> Context<'a> {
             })?
         };
         Ok(self.meshes.entry(key).insert_entry((Arc::new(mesh), notes)).get().clone())
+    }
+
+    fn texture(&mut self, node: &Node<'_>, path: &Path) -> Result<Option<Arc<TextureImage>>, SceneError> {
+        let Some(files) = self.files else { return Ok(None) };
+        if let Some(known) = self.textures.get(path) {
+            return Ok(Some(Arc::clone(known)));
+        }
+        let name = || files.locate(&self.folder.join(path)).display().to_string();
+        let image = texture::read(path, self.folder, files);
+        let image = Arc::new(image.map_err(|message| node.error(format!("the texture {} {message}", name())))?);
+        self.textures.insert(path.to_owned(), Arc::clone(&image));
+        Ok(Some(image))
     }
 
     fn image(&self, node: &Node<'_>, path: PathBuf) -> Result<Option<EnvironmentImage>, SceneError> {
@@ -226,6 +242,7 @@ impl Reader<'_, '_, '_> {
             Slot::Number(value, limits) => *value = node.number_within(limits)?,
             Slot::Maybe(value, limits) => *value = Some(node.number_within(limits)?),
             Slot::Numbers(value, limits) => *value = node.numbers_within(limits)?,
+            Slot::Pair(value, limits) => *value = node.numbers_within(limits)?,
             Slot::Vector(value) => *value = node.numbers()?.into(),
             Slot::Scale(value) if node.is_number() => *value = glam::DVec3::splat(node.number()?),
             Slot::Scale(value) => *value = node.numbers()?.into(),
@@ -249,6 +266,12 @@ impl Reader<'_, '_, '_> {
                 *path = node.words()?.into();
                 if let Some(read) = self.context.image(node, path.clone())? {
                     *image = Arc::new(read);
+                }
+            }
+            Slot::Texture { path, image } => {
+                *path = node.words()?.into();
+                if let Some(read) = self.context.texture(node, path)? {
+                    *image = read;
                 }
             }
             Slot::Table(fields) => {

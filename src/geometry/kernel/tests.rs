@@ -35,7 +35,7 @@ fn grid() -> Mesh {
             triangles.extend([[a, a, a + 1], [a, a, a], [a, a + 1, a]]);
         }
     }
-    Mesh { positions, normals: Vec::new(), triangles }
+    Mesh { positions, normals: Vec::new(), triangles, uvs: Vec::new() }
 }
 
 /// What a scene holds.
@@ -58,6 +58,7 @@ fn parts(numbers: &mut Numbers, scale: f64, offset: DVec3, contents: Contents) -
             positions: vec![corner(0.0, 0.0, 0.0), corner(1.0, 0.0, 0.0), corner(0.0, 1.0, 0.0), corner(0.0, 0.0, 1.0)],
             normals: Vec::new(),
             triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+            uvs: Vec::new(),
         });
     }
     meshes.push(meshes[1].clone());
@@ -237,7 +238,8 @@ fn a_degenerate_tree() {
     };
     let positions = (0..COUNT).flat_map(triangle).collect();
     let triangles = (0..COUNT).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
-    let shells = Part::Mesh { mesh: Mesh { positions, normals: Vec::new(), triangles }, smooth: false };
+    let shells =
+        Part::Mesh { mesh: Mesh { positions, normals: Vec::new(), triangles, uvs: Vec::new() }, smooth: false };
     // Keeps the local origin next to the smallest of them; the ray leaves it behind.
     let grain = Part::Sphere { center: DVec3::NEG_Z * 1e-24, radius: 1e-25 };
     let mut geometry = Geometry::build(&[shells, grain]);

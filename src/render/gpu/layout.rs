@@ -61,7 +61,7 @@ layouts! {
         horizon: [f32; 3],
         first_sun: u32,
         nadir: [f32; 3],
-        pad0: u32,
+        linear_light: u32,
     }
 
     /// `render/gpu/scene.wgsl`
@@ -180,11 +180,11 @@ layouts! {
         sphere: u32,
         outside: u32,
         color: [f32; 3],
-        is_checker: u32,
+        is_varied: u32,
         other_color: [f32; 3],
         pad0: u32,
         checker_origin: [f32; 3],
-        pad1: u32,
+        texture: u32,
         u_axis: [f32; 3],
         pad2: u32,
         v_axis: [f32; 3],
@@ -270,7 +270,7 @@ mod tests {
         for (from, to) in [
             ("    pad3: u32,", "    pad3: vec4u,"),
             ("    other_color: vec3f,\n    pad0: u32,", "    other_color: vec3f,\n    unused: u32,"),
-            ("    color: vec3f,\n    is_checker: u32,", "    is_checker: u32,\n    color: vec3f,"),
+            ("    texture: u32,\n    u_axis: vec3f,", "    u_axis: vec3f,\n    texture: u32,"),
         ] {
             assert_eq!(source.matches(from).count(), 1, "{from}");
             // Whoever reads the renamed field reads it by its new name.

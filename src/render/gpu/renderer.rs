@@ -434,6 +434,7 @@ pub(super) fn variant(task: &RenderTask<'_>, tree_depth: u32) -> Variant {
         can_pass: needs.index_matching || can_skip,
         emitters: needs.emitters,
         suns: scene.emitters.has_suns(),
+        textures: needs.textures,
         sampled_environment: needs.image_environment && settings.sample_environment,
         environment_kind: match &scene.environment {
             crate::scene::lights::EnvironmentLight::Constant(_) => 0,

@@ -38,7 +38,8 @@ struct Scene {
     /// The first emitter from afar that has an extent, or `NOTHING`.
     first_sun: u32,
     nadir: vec3f,
-    pad0: u32,
+    /// Where in `light_tables` linear light by code value of sRGB begins.
+    linear_light: u32,
 }
 
 /// An image, and the part of it that one dispatch renders.

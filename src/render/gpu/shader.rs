@@ -32,6 +32,7 @@ const COMMON: &[(&str, &str)] = modules!(
     "geometry/surface.wgsl",
     "scene/camera.wgsl",
     "scene/scene.wgsl",
+    "scene/texture.wgsl",
     "scene/lights/sample.wgsl",
     "scene/lights/environment.wgsl",
     "scene/lights/area.wgsl",
@@ -81,6 +82,8 @@ pub struct Variant {
     /// Whether rays that escape may see directional lights.
     pub suns: bool,
     pub sampled_environment: bool,
+    /// Whether solids have images.
+    pub textures: bool,
     /// 0: constant; 1: gradient; 2: image.
     pub environment_kind: u32,
     /// Whether random numbers are hashes, each for itself.
@@ -111,6 +114,7 @@ impl Variant {
             emitters: true,
             suns: true,
             sampled_environment: true,
+            textures: true,
             environment_kind: 2,
             independent: false,
         }
@@ -162,6 +166,7 @@ impl Variant {
             ("SUNS", on(self.suns)),
             ("SAMPLED_ENVIRONMENT", on(self.sampled_environment)),
             ("ENVIRONMENT_KIND", f64::from(self.environment_kind)),
+            ("TEXTURES", on(self.textures)),
             ("INDEPENDENT", on(self.independent)),
         ];
         if self.mode == Mode::Rectified {
@@ -203,7 +208,7 @@ mod tests {
         for mode in Mode::ALL.into_iter().filter(|mode| Variant::has_mode(*mode)) {
             let full = Variant { mode, tracker_room: 8, ..Variant::with_everything() };
             all.push(full);
-            let switches: [fn(&mut Variant); 13] = [
+            let switches: [fn(&mut Variant); 14] = [
                 |v| v.triangles = false,
                 |v| v.spheres = false,
                 |v| v.smooth_normals = false,
@@ -214,6 +219,7 @@ mod tests {
                 |v| v.can_pass = false,
                 |v| v.emitters = false,
                 |v| v.suns = false,
+                |v| v.textures = false,
                 |v| (v.sampled_environment, v.environment_kind) = (false, 0),
                 |v| (v.sampled_environment, v.environment_kind) = (false, 1),
                 |v| v.independent = true,

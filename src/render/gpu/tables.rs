@@ -3,6 +3,9 @@
 //! Lengths are multiplied by a power of two so that the objects in the middle of the scene have a size near 1: f32 has room on both sides, and a
 //! scene that is enlarged by a power of two keeps every bit.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -13,6 +16,7 @@ use crate::rectify::flat::FlatLayout;
 use crate::rectify::planes::AskedPlanes;
 use crate::scene::Albedo;
 use crate::scene::lights::{EnvironmentLight, ImageTables, Light};
+use crate::scene::texture::{LINEAR, SurfaceTexture, TextureCoordinates, TextureImage};
 use crate::scene::{ObjectId, Scene, Surface};
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::tracking::{Mode, Prepared};
@@ -187,6 +191,9 @@ pub struct LightTables {
     pub image_size: [u32; 2],
     pub rotation: [f32; 2],
     pub image_scale: f32,
+    pub linear_light: u32,
+    /// By object: where its texture is described, if it has one.
+    pub textures: HashMap<ObjectId, u32>,
 }
 
 impl LightTables {
@@ -209,7 +216,39 @@ impl LightTables {
         if let Some(light) = scene.environment.image() {
             tables.add_image(&light.tables());
         }
+        tables.add_textures(scene);
         tables
+    }
+
+    /// Images of solids, each once, and what describes them on each solid: see `scene/texture.wgsl`.
+    fn add_textures(&mut self, scene: &Scene) {
+        let textures: Vec<(ObjectId, &SurfaceTexture)> = (0..scene.objects.len() as u32)
+            .filter_map(|index| Some((ObjectId(index), &**scene.albedo(ObjectId(index))?.texture()?)))
+            .collect();
+        if textures.is_empty() {
+            return;
+        }
+        self.linear_light = self.words.len() as u32;
+        self.words.extend(LINEAR.iter().map(|value| value.to_bits()));
+        let mut images: HashMap<*const TextureImage, u32> = HashMap::new();
+        for (object, texture) in textures {
+            let image = &texture.image;
+            let texels = *images.entry(Arc::as_ptr(image)).or_insert_with(|| {
+                let first = self.words.len() as u32;
+                self.words.extend(image.texels().iter().map(|texel| u32::from_le_bytes(*texel)));
+                first
+            });
+            // As if there were coordinates for all primitives.
+            let mut uvs = 0;
+            if let ObjectRange::Triangles(range) = scene.geometry.range(object.0) {
+                uvs = (self.words.len() as u32).wrapping_sub(range.start.wrapping_mul(6));
+                let corners = range.clone().map(|id| texture.corner_uvs(id).unwrap_or_default());
+                self.words.extend(corners.flatten().flat_map(|uv| uv.as_vec2().to_array().map(f32::to_bits)));
+            }
+            self.textures.insert(object, self.words.len() as u32);
+            self.words.extend([texels, image.width() as u32, image.height() as u32, uvs]);
+            self.words.extend(texture.transform.to_cols_array().map(|x| (x as f32).to_bits()));
+        }
     }
 
     fn add_image(&mut self, light: &ImageTables<'_>) {
@@ -297,7 +336,11 @@ impl AnswerTables {
             answers,
             mask,
             objects: (0..scene.objects.len())
-                .map(|index| object(scene, ObjectId(index as u32), emitter_of[index], outside(index), scale))
+                .map(|index| {
+                    let id = ObjectId(index as u32);
+                    let texture = lights.textures.get(&id).copied().unwrap_or(NOTHING);
+                    object(scene, id, emitter_of[index], outside(index), texture, scale)
+                })
                 .collect(),
             media: (scene.media.iter())
                 .map(|medium| {
@@ -365,18 +408,30 @@ fn sphere_index(scene: &Scene, object: ObjectId) -> u32 {
     }
 }
 
-fn object(scene: &Scene, id: ObjectId, emitter: u32, outside: u32, scale: f64) -> layout::Object {
+/// `texture`: where its image is described, if it has one.
+fn object(scene: &Scene, id: ObjectId, emitter: u32, outside: u32, texture: u32, scale: f64) -> layout::Object {
     let mut object = layout::Object {
         reach: (scene.geometry.reach_of(id.0) * scale) as f32,
         emitter,
         sphere: sphere_index(scene, id),
         outside,
+        texture: NOTHING,
         ..bytemuck::Zeroable::zeroed()
     };
     let mut paint = |albedo: &Albedo| match *albedo {
         Albedo::Color(color) => object.color = rgb(color),
+        Albedo::Texture(ref image) => {
+            (object.color, object.is_varied, object.texture) = (rgb(image.tint), 1, texture);
+            if let TextureCoordinates::Spherical { object_from_world } = &image.coordinates {
+                // Directions are turned, whatever their length.
+                let rows = object_from_world.transpose();
+                let length = rows.x_axis.length();
+                object.checker_origin = f32s(rows.x_axis / length);
+                (object.u_axis, object.v_axis) = (f32s(rows.y_axis / length), f32s(rows.z_axis / length));
+            }
+        }
         Albedo::Checker { a, b, origin, u_axis, v_axis } => {
-            (object.color, object.other_color, object.is_checker) = (rgb(a), rgb(b), 1);
+            (object.color, object.other_color, object.is_varied) = (rgb(a), rgb(b), 1);
             object.checker_origin = f32s(origin * scale);
             (object.u_axis, object.v_axis) = (f32s(u_axis / scale), f32s(v_axis / scale));
         }
@@ -443,7 +498,7 @@ pub fn scene_of(
         horizon,
         first_sun: answers.first_sun,
         nadir,
-        pad0: 0,
+        linear_light: lights.linear_light,
     }
 }
 

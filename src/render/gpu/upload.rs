@@ -6,10 +6,11 @@ use super::device::GpuDevice;
 use super::fault::GpuFault;
 use super::pipeline::{SceneLayout, uniform_usage};
 use super::tables::{self, AnswerTables, FlatWords, GeometryTables, LightTables};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Mesh};
 use crate::rectify::InterfaceTable;
 use crate::rectify::flat::FlatLayout;
 use crate::scene::lights::ImageLight;
+use crate::scene::texture::{TextureCoordinates, TextureImage};
 use crate::scene::{ObjectId, Scene};
 use crate::tracking::{Mode, Prepared};
 
@@ -48,6 +49,9 @@ pub struct SceneOnGpu {
     of: Sources,
 }
 
+/// An object with the image on it, and the mesh whose texture coordinates it has.
+type KnownTexture = (ObjectId, Weak<TextureImage>, Option<Weak<Mesh>>);
+
 /// What it was made from. Weak, so that nothing is kept alive; an address is not used again while somebody remembers it.
 #[derive(Debug, Clone)]
 struct Sources {
@@ -55,6 +59,8 @@ struct Sources {
     flat: Weak<FlatLayout>,
     image: Option<Weak<ImageLight>>,
     emitters: Vec<ObjectId>,
+    /// Images with what they are laid on, by object.
+    textures: Vec<KnownTexture>,
     scene: Weak<Scene>,
     table: Weak<InterfaceTable>,
     /// What lies outside of objects is as this mode has it; `None`: it does not ask.
@@ -69,6 +75,7 @@ impl Sources {
             flat: Arc::downgrade(&prepared.table.flat().layout),
             image: scene.environment.image().map(Arc::downgrade),
             emitters: scene.emitters.iter().filter_map(|(light, _)| light.object()).collect(),
+            textures: textures_of(scene),
             scene: Arc::downgrade(&prepared.scene),
             table: Arc::downgrade(&prepared.table),
             outsides_of: Some(mode).filter(|mode| matches!(mode, Mode::Declared | Mode::RectifiedObject)),
@@ -89,13 +96,40 @@ impl Sources {
             (None, None) => true,
             _ => false,
         };
-        self.has_geometry_of(other) && is_same_image && self.emitters == other.emitters
+        self.has_geometry_of(other)
+            && is_same_image
+            && self.emitters == other.emitters
+            && self.textures.len() == other.textures.len()
+            && self.textures.iter().zip(&other.textures).all(is_same_texture)
     }
 
     fn has_answers_of(&self, other: &Self) -> bool {
         let is_same_scene = self.scene.ptr_eq(&other.scene) && self.table.ptr_eq(&other.table);
         is_same_scene && self.outsides_of == other.outsides_of
     }
+}
+
+/// The images of solids.
+fn textures_of(scene: &Scene) -> Vec<KnownTexture> {
+    (0..scene.objects.len() as u32)
+        .filter_map(|index| {
+            let texture = scene.albedo(ObjectId(index))?.texture()?;
+            let mesh = match &texture.coordinates {
+                TextureCoordinates::Triangles { mesh, .. } => Some(Arc::downgrade(mesh)),
+                TextureCoordinates::Spherical { .. } => None,
+            };
+            Some((ObjectId(index), Arc::downgrade(&texture.image), mesh))
+        })
+        .collect()
+}
+
+fn is_same_texture((a, b): (&KnownTexture, &KnownTexture)) -> bool {
+    let is_same_mesh = match (&a.2, &b.2) {
+        (Some(a), Some(b)) => a.ptr_eq(b),
+        (None, None) => true,
+        _ => false,
+    };
+    a.0 == b.0 && a.1.ptr_eq(&b.1) && is_same_mesh
 }
 
 impl SceneOnGpu {
@@ -153,7 +187,11 @@ impl SceneOnGpu {
             Some(other) => Arc::clone(&other.lights),
             None => {
                 let mut tables = LightTables::new(scene, &geometry.tables.slots);
-                let buffers = vec![buffer(gpu, "the environment", &tables.words)?];
+                let buffers = vec![buffer(
+                    gpu,
+                    if tables.textures.is_empty() { "the environment" } else { "the images" },
+                    &tables.words,
+                )?];
                 tables.words = Vec::new();
                 Arc::new(Part { tables, buffers })
             }

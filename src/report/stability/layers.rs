@@ -123,7 +123,7 @@ fn prism(subject: &Subject) -> Measured {
             .flat_map(|z| [[-0.5, 0.0, z], [0.5, 0.0, z], [0.0, height, z]].map(DVec3::from))
             .collect();
         let triangles = vec![[0, 2, 1], [3, 4, 5], [0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5]];
-        add(&mut description, mesh_shape(Mesh { positions, normals: Vec::new(), triangles }), ior, 0.0);
+        add(&mut description, mesh_shape(Mesh { positions, triangles, ..Mesh::default() }), ior, 0.0);
         let scene = ready(description)?;
         let expected = prism_deviation(world, ior, 60.0);
         let tilt = (expected / 2.0).to_radians();

@@ -1,8 +1,13 @@
 //! The objects of a scene: what all have in common, and what each role adds.
 
 use std::ops::{Deref, DerefMut};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::DAffine2;
 
 use super::shape::{Shape, Transform};
+use crate::scene::texture::TextureImage;
 
 /// An object of the scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,7 +84,7 @@ named! {
 }
 
 /// Albedo of a solid, each component in [0, 1].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Paint {
     Color([f64; 3]),
     /// Squares of side `size`: on quads by lengths along u and v from the corner, on other shapes by object x and z.
@@ -88,6 +93,74 @@ pub enum Paint {
         b: [f64; 3],
         size: f64,
     },
+    /// An image by texture coordinates: those of a mesh, or of the shape (see [`crate::scene::shapes`]).
+    Texture {
+        /// As written in the file. `FILE#/images/N` is an image within a glTF file.
+        path: PathBuf,
+        image: Arc<TextureImage>,
+        /// Multiplies the image.
+        tint: [f64; 3],
+        uv: UvTransform,
+    },
+}
+
+/// What becomes of texture coordinates before an image is looked up: they are scaled, then turned about (0, 0), then moved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UvTransform {
+    /// How often the image is there over the length of 1, along u and v; negative: mirrored.
+    pub scale: [f64; 2],
+    /// Degrees, counter-clockwise.
+    pub rotate: f64,
+    pub offset: [f64; 2],
+}
+
+impl UvTransform {
+    pub const IDENTITY: Self = Self { scale: [1.0; 2], rotate: 0.0, offset: [0.0; 2] };
+
+    /// The image's coordinates from the surface's.
+    pub fn matrix(&self) -> DAffine2 {
+        DAffine2::from_scale_angle_translation(self.scale.into(), self.rotate.to_radians(), self.offset.into())
+    }
+
+    /// What does the same as a matrix; `None` where it shears or flattens.
+    pub fn of_matrix(matrix: &DAffine2) -> Option<Self> {
+        let [x, y] = [matrix.matrix2.x_axis, matrix.matrix2.y_axis];
+        let width = x.length();
+        let height = matrix.matrix2.determinant() / width;
+        let is_square = x.dot(y).abs() <= 1e-6 * width * y.length();
+        let transform =
+            Self { scale: [width, height], rotate: x.y.atan2(x.x).to_degrees(), offset: matrix.translation.to_array() };
+        (width > 0.0 && height != 0.0 && is_square && matrix.is_finite()).then_some(transform)
+    }
+}
+
+impl Paint {
+    /// An image as it is.
+    pub fn texture(path: impl Into<PathBuf>, image: Arc<TextureImage>) -> Self {
+        Self::Texture { path: path.into(), image, tint: [1.0; 3], uv: UvTransform::IDENTITY }
+    }
+
+    /// The same multiplied by a colour, each component clipped to [0, 1].
+    pub fn tinted(self, by: [f64; 3]) -> Self {
+        let product = |color: [f64; 3]| [0, 1, 2].map(|k| (color[k] * by[k]).clamp(0.0, 1.0));
+        match self {
+            Self::Color(color) => Self::Color(product(color)),
+            Self::Checker { a, b, size } => Self::Checker { a: product(a), b: product(b), size },
+            Self::Texture { path, image, tint, uv } => Self::Texture { path, image, tint: product(tint), uv },
+        }
+    }
+
+    /// Its colour, the mean where it has several.
+    pub fn mean(&self) -> [f64; 3] {
+        match self {
+            Self::Color(color) => *color,
+            Self::Checker { a, b, .. } => [0, 1, 2].map(|k| 0.5 * (a[k] + b[k])),
+            Self::Texture { image, tint, .. } => {
+                let mean = image.mean();
+                [0, 1, 2].map(|k| tint[k] * mean[k])
+            }
+        }
+    }
 }
 
 named! {
@@ -298,7 +371,22 @@ impl FromIterator<Object> for Objects {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
+    use glam::{DVec2, DVec3};
+
+    #[test]
+    fn a_transform_of_texture_coordinates_is_that_of_its_matrix() {
+        for scale in [[1.0, 1.0], [2.0, -3.0], [0.5, 4.0]] {
+            for rotate in [0.0, 90.0, -30.0] {
+                let made = UvTransform { scale, rotate, offset: [0.25, -2.0] };
+                let again = UvTransform::of_matrix(&made.matrix()).unwrap().matrix();
+                assert!(again.abs_diff_eq(made.matrix(), 1e-12), "{made:?}");
+            }
+        }
+        let quarter = UvTransform { scale: [2.0, 1.0], rotate: 90.0, offset: [0.5, 0.0] };
+        assert!(quarter.matrix().transform_point2(DVec2::new(1.0, 0.0)).abs_diff_eq(DVec2::new(0.5, 2.0), 1e-12));
+        let shear = glam::DMat2::from_cols(DVec2::X, DVec2::ONE);
+        assert_eq!(UvTransform::of_matrix(&DAffine2::from_mat2(shear)), None);
+    }
 
     #[test]
     fn objects_stand_by_role_and_in_their_order() {

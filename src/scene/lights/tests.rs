@@ -18,7 +18,12 @@ fn geometry() -> Geometry {
     let parts = vec![
         Part::Sphere { center: DVec3::new(0.0, 2.0, 0.0), radius: 0.5 },
         Part::Mesh {
-            mesh: Mesh { positions: corners.to_vec(), normals: Vec::new(), triangles: vec![[0, 1, 2]] },
+            mesh: Mesh {
+                positions: corners.to_vec(),
+                normals: Vec::new(),
+                triangles: vec![[0, 1, 2]],
+                uvs: Vec::new(),
+            },
             smooth: false,
         },
     ];

@@ -25,7 +25,12 @@ pub(super) fn icosphere(center: DVec3, radius: f64, subdivisions: u32) -> Mesh {
             })
             .collect();
     }
-    Mesh { positions: directions.iter().map(|d| center + *d * radius).collect(), normals: directions, triangles }
+    Mesh {
+        positions: directions.iter().map(|d| center + *d * radius).collect(),
+        normals: directions,
+        triangles,
+        uvs: Vec::new(),
+    }
 }
 
 /// Twelve vertices, cyclic permutations of (0, ±1, ±φ), and twenty faces.

@@ -2,11 +2,20 @@
 //!
 //! Faces are counter-clockwise seen from outside. Every closed shape is closed bit for bit: vertices that are split, so that a
 //! crease stays sharp when normals are interpolated, have bit-equal positions.
+//!
+//! Where a texture asks for them, shapes have texture coordinates, so that an image is seen upright and not mirrored from outside:
+//!
+//! - a quad: (0, 0) at its corner against both edges, u along `edge_u` and v along `edge_v`;
+//! - a box: the whole image on each side, upright where the side is, on top and bottom with u along x;
+//! - what is round: u around the y axis, ½ towards +z and growing counter-clockwise seen from above. v goes from pole to pole of a sphere, up the
+//!   wall of a cylinder, whose ends have the image's inscribed circle, around the tube of a torus from its outside upwards, and along the profile
+//!   of a lathe, upwards on its outside.
 
 mod icosphere;
 mod limits;
 mod profile;
 mod revolve;
+mod uvs;
 mod validate;
 
 use glam::{DVec2, DVec3};
@@ -24,24 +33,44 @@ pub use validate::validate;
 /// # Errors
 /// When the shape's numbers make no shape, as [`validate`] says.
 pub fn tessellate(shape: &Shape) -> Result<Option<Mesh>, SceneError> {
+    tessellate_as(shape, false)
+}
+
+/// The same with texture coordinates, except for meshes from files that have none.
+///
+/// # Errors
+/// As [`tessellate`].
+pub fn tessellate_with_uvs(shape: &Shape) -> Result<Option<Mesh>, SceneError> {
+    tessellate_as(shape, true)
+}
+
+fn tessellate_as(shape: &Shape, with_uvs: bool) -> Result<Option<Mesh>, SceneError> {
     validate(shape).map_err(|error| SceneError::new(error.to_string()))?;
-    let mesh = match shape {
+    let mut mesh = match shape {
         Shape::Sphere { .. } => return Ok(None),
         &Shape::Icosphere { center, radius, subdivisions } => icosphere::icosphere(center, radius, subdivisions),
         &Shape::Box { min, max } => cuboid(min, max),
         &Shape::Cylinder { center, radius, height, segments } => {
             let half = 0.5 * height;
             let outline = profile::from_points(&[[0.0, -half], [radius, -half], [radius, half], [0.0, half]]);
-            moved(revolve::revolve(&outline, segments), center)
+            moved(revolve::revolve(&outline, segments, with_uvs.then(uvs::of_cylinder)), center)
         }
         &Shape::Torus { center, major, minor, segments, rings } => {
-            moved(revolve::revolve(&profile::circle(major, minor, rings), segments), center)
+            let outline = profile::circle(major, minor, rings);
+            moved(revolve::revolve(&outline, segments, with_uvs.then(|| uvs::along(&outline))), center)
         }
-        Shape::Lathe { profile, segments } => revolve::revolve(&profile::from_points(profile), *segments),
+        Shape::Lathe { profile, segments } => {
+            let outline = profile::from_points(profile);
+            revolve::revolve(&outline, *segments, with_uvs.then(|| uvs::along(&outline)))
+        }
         &Shape::Quad { center, edge_u, edge_v } => quad(center, edge_u, edge_v),
-        Shape::Mesh { mesh, .. } => (**mesh).clone(),
+        Shape::Mesh { mesh, .. } if with_uvs => (**mesh).clone(),
+        Shape::Mesh { mesh, .. } => mesh.without_uvs(),
         Shape::Point { .. } | Shape::Spot { .. } | Shape::Directional { .. } => Mesh::default(),
     };
+    if with_uvs && !mesh.has_uvs() {
+        mesh.uvs = uvs::of_shape(shape, &mesh);
+    }
     if mesh.positions.iter().all(|p| p.is_finite()) {
         Ok(Some(mesh))
     } else {
@@ -86,6 +115,7 @@ fn quad(center: DVec3, edge_u: DVec3, edge_v: DVec3) -> Mesh {
         positions: vec![center - u - v, center + u - v, center + u + v, center - u + v],
         normals: vec![normal; 4],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
+        uvs: Vec::new(),
     }
 }
 

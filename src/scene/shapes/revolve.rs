@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::profile::Piece;
+use super::uvs::OfPiece;
 use super::{push_quad, unit_circle};
 use crate::geometry::Mesh;
 
@@ -11,10 +12,10 @@ use crate::geometry::Mesh;
 const FLAT_AT_AXIS_UP_TO_DEGREES: f64 = 40.0;
 
 /// Revolves an outline about y. Vertex k of a ring stands at angle 2πk/segments from +x towards +z. The result is turned outward by
-/// the sign of its volume.
-pub(super) fn revolve(outline: &[Piece], segments: u32) -> Mesh {
+/// the sign of its volume. `uvs` are how each piece has texture coordinates, if it shall have some.
+pub(super) fn revolve(outline: &[Piece], segments: u32, uvs: Option<Vec<OfPiece>>) -> Mesh {
     let mut rings = Rings { mesh: Mesh::default(), segments, made: [None; 2] };
-    for piece in outline {
+    for (index, piece) in outline.iter().enumerate() {
         // A piece along the axis has no surface.
         if piece.points.iter().all(|p| p.x == 0.0) {
             continue;
@@ -22,10 +23,15 @@ pub(super) fn revolve(outline: &[Piece], segments: u32) -> Mesh {
         let middle_normal = (piece.normals[0] + piece.normals[1]).normalize_or_zero();
         let [a, b] = [0, 1].map(|end| rings.ring(piece.points[end], piece.normals[end], middle_normal));
         rings.join(&a, &b);
+        if let Some(of_piece) = uvs.as_ref().and_then(|uvs| uvs.get(index)) {
+            rings.add_uvs(&a, &b, *of_piece);
+        }
     }
     let mut mesh = rings.mesh;
     if mesh.signed_volume() < 0.0 {
         mesh.reverse();
+        // Nor shall images be mirrored.
+        mesh.uvs.iter_mut().flatten().for_each(|[_, v]| *v = 1.0 - *v);
     }
     mesh
 }
@@ -95,6 +101,25 @@ impl Rings {
                 (Around(a), Pole(b)) => triangles.push([a + k, b, a + next]),
                 (Around(a), Tip(b)) => triangles.push([a + k, b + k, a + next]),
                 (Pole(_) | Tip(_), Pole(_) | Tip(_)) => {}
+            }
+        }
+    }
+
+    /// The texture coordinates of the triangles that [`Self::join`] has just made.
+    fn add_uvs(&mut self, a: &Ring, b: &Ring, of_piece: OfPiece) {
+        use Ring::Around;
+        let segments = self.segments;
+        for k in 0..segments {
+            // Not wrapped around: the last sector ends a turn after the first began.
+            let at = |end: usize, steps: f64| of_piece.at(end, f64::from(k) + steps, segments);
+            let [a_here, a_next, b_here, b_next] = [at(0, 0.0), at(0, 1.0), at(1, 0.0), at(1, 1.0)];
+            match (*a, *b) {
+                (Around(_), Around(_)) => {
+                    self.mesh.uvs.extend([[a_here, b_here, b_next], [a_here, b_next, a_next]]);
+                }
+                (_, Around(_)) => self.mesh.uvs.push([at(0, 0.5), b_here, b_next]),
+                (Around(_), _) => self.mesh.uvs.push([a_here, at(1, 0.5), a_next]),
+                _ => {}
             }
         }
     }

@@ -475,6 +475,7 @@ mod tests {
             positions: (0..8).map(at).collect(),
             normals: Vec::new(),
             triangles: quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+            uvs: Vec::new(),
         }
     }
 

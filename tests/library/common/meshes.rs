@@ -550,6 +550,7 @@ impl Case {
                 .collect(),
             normals: Vec::new(),
             triangles: part.triangles.clone(),
+            uvs: Vec::new(),
         };
         let triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().map(|t| t.map(|i| mesh.positions[i as usize])).collect();
         self.add(numbers, Shape::mesh("other.ply", Arc::new(mesh)));

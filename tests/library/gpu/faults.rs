@@ -64,6 +64,7 @@ const FAULTS: &[Fault] = &[
     ),
     ("camera", Mode::Rectified, "turns = 0.125 * p.y / p.x;", "turns = 0.126 * p.x / p.y;"),
     ("scene", Mode::Rectified, "return exp(-absorption * length);", "return exp(-absorption * 1.2 * length);"),
+    ("texture", Mode::Rectified, "between_texels(1.0 - uv.y,", "between_texels(uv.y,"),
     (
         "environment",
         Mode::Rectified,

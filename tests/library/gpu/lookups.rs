@@ -322,6 +322,60 @@ fn lights_are_the_same() {
     assert!(lamps.iter().all(|count| *count > 100) && others <= 12, "{lamps:?} {others}");
 }
 
+/// Images on solids: where they are looked up, and what is found there.
+#[test]
+fn images_on_solids_are_the_same() {
+    let Some(device) = device() else { return };
+    let gpu = Gpu::new(device);
+    let text = r#"
+        camera = { position = [0.0, 0.0, 9.0], target = [0.0, 0.0, 0.0] }
+        [[solid]]
+        name = "globe"
+        texture = "assets/thumbnails/iced-water.png"
+        tint = [0.9, 0.5, 1.0]
+        shape = { sphere = { center = [-1.0, 0.2, 0.3], radius = 0.7 } }
+        transform = { rotate = [20.0, 50.0, -70.0], scale = 1.3 }
+        [[solid]]
+        name = "crate"
+        texture = "assets/thumbnails/wine-glass.png"
+        shape = { box = { min = [0.1, -1.0, -0.8], max = [1.5, 0.7, 0.6] } }
+        transform = { rotate = [0.0, 20.0, 5.0], scale = [1.0, -1.0, 1.1] }
+        [[solid]]
+        name = "ring"
+        texture = "assets/thumbnails/iced-water.png"
+        shape = { torus = { center = [0.0, 0.0, 0.0], major = 1.4, minor = 0.2, segments = 24, rings = 12 } }
+        [[solid]]
+        name = "grey"
+        shape = { sphere = { center = [0.0, 1.5, 0.0], radius = 0.3 } }
+    "#;
+    let path = std::path::Path::new("images.toml");
+    let subject = Subject::new(iorect::formats::parse(text, path, &iorect::formats::Disk).unwrap());
+    let scene = &*subject.prepared.scene;
+    let rays = rays(&subject, 31, 3000);
+    let body = "fn probe(i: u32) {
+        let ray = ray_leaving(vector(6u * i), vector(6u * i + 3u), NOTHING);
+        let hit = search(ray, FAR, NOTHING, false);
+        probe_out[4u * i] = hit.primitive;
+        if hit.primitive != NOTHING {
+            put_vector(4u * i + 1u, albedo_at(faces[hit.primitive].object, hit, surface_at(ray, hit)));
+        }
+    }";
+    let found = subject.probe(&gpu, body, &words(&subject, &rays), rays.len(), 4);
+    let (mut seen, mut errors) = ([0; 4], Vec::new());
+    for (ray, found) in rays.iter().zip(found.chunks(4)) {
+        let Some(hit) = scene.geometry.closest(ray).filter(|hit| found[0] == hit.primitive) else { continue };
+        let object = ObjectId(scene.geometry.object_of(hit.primitive));
+        let albedo = scene.albedo(object).unwrap().at(&hit, &scene.geometry.surface(ray, &hit)).to_rgb();
+        seen[object.0 as usize] += 1;
+        errors.push((DVec3::from(albedo) - DVec3::from_slice(&floats(&found[1..]))).abs().max_element());
+    }
+    assert!(seen.iter().all(|count| *count > 10), "{seen:?}");
+    // A rounding of f32 in a coordinate is less than a thousandth of a texel, and neighbours may be black and white.
+    errors.sort_by(f64::total_cmp);
+    let (middle, most) = (errors[errors.len() / 2], errors[errors.len() * 99 / 100]);
+    assert!(middle < 2e-5 && most < 3e-3, "{middle:e} {most:e}");
+}
+
 /// Rays through pixels and lens.
 #[test]
 fn the_camera_is_the_same() {

@@ -39,7 +39,7 @@ fn settings(mode: Mode, seed: u64) -> ImageSettings {
 }
 
 /// A scene in which every module of the shaders has something to do: spheres and meshes that nest, overlap and share faces, smooth and flat; absorption; a
-/// mirror, a checkerboard; lights of every kind and an image all around; a lens.
+/// mirror, a checkerboard, an image; lights of every kind and an image all around; a lens.
 fn workshop() -> Description {
     const TEXT: &str = r#"
         camera = { position = [0.4, 1.3, 4.6], target = [0.0, -0.1, 0.0], vertical_fov = 38.0, aperture_radius = 0.02 }
@@ -86,7 +86,8 @@ fn workshop() -> Description {
         [[solid]]
         name = "berry"
         smooth = true
-        color = [0.7, 0.1, 0.1]
+        texture = "assets/thumbnails/iced-water.png"
+        tint = [1.0, 0.4, 0.3]
         shape = { icosphere = { center = [1.5, -0.45, 0.5], radius = 0.38, subdivisions = 2 } }
         [[light]]
         name = "panel"

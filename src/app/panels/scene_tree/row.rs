@@ -12,7 +12,7 @@ use crate::app::state::State;
 use crate::app::theme::{Palette, WARNING_MARK, opaque};
 use crate::app::widgets::{focus_ring, swatch_ui};
 use crate::scene::Description;
-use crate::scene::description::{Object, Paint, Role, Shape, Solid};
+use crate::scene::description::{Object, Role, Shape, Solid};
 
 /// Makes a row of the panel's width that can be selected. Returns it and the part of it at the left of the controls.
 pub fn selectable_row_ui(ui: &mut Ui, is_selected: bool, name: &str, height: f32) -> (Rect, Response) {
@@ -223,8 +223,7 @@ pub fn plain_row_ui(ui: &mut Ui, state: &State, object: &Object, commands: &mut 
 /// The colour of what is no refractor.
 fn color_of(role: &Role) -> [f64; 3] {
     match role {
-        Role::Solid(Solid { paint: Paint::Color(color), .. }) => *color,
-        Role::Solid(Solid { paint: Paint::Checker { a, b, .. }, .. }) => std::array::from_fn(|i| 0.5 * (a[i] + b[i])),
+        Role::Solid(Solid { paint, .. }) => paint.mean(),
         Role::Light(light) => {
             let most = light.emission.rgb.iter().copied().fold(1e-9, f64::max);
             light.emission.rgb.map(|x| x / most)

@@ -1,9 +1,11 @@
 use std::io::Cursor;
+use std::path::Path;
 
 use serde_json::{Value, json};
 
 use super::make::{CUBE_FACES, Maker};
 use super::{notes, opened};
+use crate::formats::{parse, to_text};
 use crate::optics::Ior;
 use crate::scene::description::{Description, Paint};
 
@@ -108,7 +110,7 @@ fn solids_are_diffuse_or_mirrors() {
     let mut maker = Maker::cube(None);
     maker.node(json!({"mesh": 0}));
     let scene = opened(&maker);
-    assert_eq!(scene.objects[0].solid().map(|solid| solid.paint), Some(Paint::Color([0.8; 3])));
+    assert_eq!(scene.objects[0].solid().map(|solid| &solid.paint), Some(&Paint::Color([0.8; 3])));
 }
 
 #[test]
@@ -150,9 +152,9 @@ fn images_stand_for_their_average() {
     let solid = scene.objects[0].solid().unwrap();
     let Paint::Color(color) = solid.paint else { panic!("one colour") };
     assert!(color.iter().zip([0.6, 0.3, 0.0]).all(|(a, b)| (a - b).abs() < 1e-6), "{color:?}");
-    // More of it is metal than not.
+    // More of it is metal than not. The cube has no texture coordinates.
     assert!(solid.mirror);
-    assert_eq!(notes(&scene)[0], "texture");
+    assert_eq!(notes(&scene)[..3], ["texture", "rough_metal", "no_texture_coordinates"]);
     // One that cannot be read, or is not there, leaves the factor alone.
     for image in [
         json!({"uri": "data:image/ktx2;base64,AAAA"}),
@@ -163,6 +165,114 @@ fn images_stand_for_their_average() {
         maker.root["images"][0] = image;
         let scene = opened(&maker);
         assert_eq!(notes(&scene)[0], "image");
-        assert_eq!(scene.objects[0].solid().map(|solid| solid.paint), Some(Paint::Color([0.8, 0.4, 0.0])));
+        assert_eq!(scene.objects[0].solid().map(|solid| &solid.paint), Some(&Paint::Color([0.8, 0.4, 0.0])));
     }
+}
+
+/// A square in two triangles with the coordinates of a whole image, v downwards as glTF has them, of a material with an image of two by two.
+fn square(texture: Value, sets: &[[[f32; 2]; 4]]) -> Maker {
+    let image = image::RgbImage::from_fn(2, 2, |x, y| image::Rgb([255 * x as u8, 255 * y as u8, 0]));
+    let mut png = Cursor::new(Vec::new());
+    image.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let mut maker = Maker::cube(Some(json!({
+        "name": "Oak",
+        "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [1, 0.5, 1, 1], "baseColorTexture": texture},
+    })));
+    let position = maker.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]);
+    let indices = maker.shorts(&[0, 1, 2, 0, 2, 3]);
+    let mut attributes = json!({"POSITION": position});
+    for (set, uv) in sets.iter().enumerate() {
+        let view = maker.view(&uv.iter().flatten().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>());
+        let accessor = json!({"bufferView": view, "componentType": 5126, "count": 4, "type": "VEC2"});
+        let accessor = maker.push("accessors", accessor);
+        attributes[format!("TEXCOORD_{set}")] = json!(accessor);
+    }
+    maker.root["meshes"][0]["primitives"][0]["attributes"] = attributes;
+    maker.root["meshes"][0]["primitives"][0]["indices"] = json!(indices);
+    let view = maker.view(&png.into_inner());
+    maker.push("images", json!({"bufferView": view, "mimeType": "image/png"}));
+    maker.push("textures", json!({"source": 0, "sampler": 0}));
+    maker.push("samplers", json!({}));
+    maker.node(json!({"mesh": 0, "name": "plate"}));
+    maker
+}
+
+const WHOLE: [[f32; 2]; 4] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
+
+/// The texture coordinates at the lower left, the lower right and the upper right corner.
+fn uvs(scene: &Description) -> [[f32; 2]; 3] {
+    super::mesh(&scene.objects[0]).uvs[0]
+}
+
+#[test]
+fn base_colours_with_images_are_textures() {
+    let scene = opened(&square(json!({"index": 0}), &[WHOLE]));
+    let Paint::Texture { path, image, tint, .. } = &scene.objects[0].solid().unwrap().paint else {
+        panic!("no texture")
+    };
+    assert_eq!((path.to_str(), *tint), (Some("set.glb#/images/0"), [1.0, 0.5, 1.0]));
+    // The upper row first: black and red, then green and yellow.
+    let rgb = |texel: &[u8; 4]| [texel[0], texel[1], texel[2]];
+    let texels: Vec<[u8; 3]> = image.texels().iter().map(rgb).collect();
+    assert_eq!(texels, [[0, 0, 0], [255, 0, 0], [0, 255, 0], [255, 255, 0]]);
+    // v goes up.
+    assert_eq!(uvs(&scene), [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+    assert_eq!(notes(&scene), ["no_camera", "no_light"]);
+}
+
+/// In the words of a scene file, which name the image within the file; and saved, with files of its own.
+#[test]
+fn embedded_images_survive() {
+    let maker = square(json!({"index": 0, "extensions": {"KHR_texture_transform": {"scale": [2, 1]}}}), &[WHOLE]);
+    let scene = opened(&maker);
+    let files = super::files(&[("a/set.glb", maker.binary())]);
+    let again = parse(&to_text(&scene), Path::new("a/set.toml"), &files).unwrap();
+    assert_eq!(again.fingerprint(), scene.fingerprint());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plates.toml");
+    crate::formats::save(&scene, &path).unwrap();
+    let saved = crate::formats::file(&path).unwrap();
+    let Paint::Texture { path, image, tint, .. } = &saved.objects[0].solid().unwrap().paint else {
+        panic!("no texture")
+    };
+    assert_eq!((path.to_str(), *tint), (Some("plates-textures/plate.png"), [1.0, 0.5, 1.0]));
+    let Paint::Texture { image: before, .. } = &scene.objects[0].solid().unwrap().paint else { panic!("no texture") };
+    assert_eq!((image, uvs(&saved)), (before, uvs(&scene)));
+}
+
+#[test]
+fn textures_are_moved_turned_and_scaled() {
+    let with = |transform: Value, tex_coord: usize| {
+        let texture = json!({"index": 0, "texCoord": tex_coord, "extensions": {"KHR_texture_transform": transform}});
+        let other = WHOLE.map(|[u, v]| [u * 0.5, v * 0.5]);
+        uvs(&opened(&square(texture, &[WHOLE, other])))
+    };
+    // With v downwards: (u, v) at the lower left is (0, 1), becomes (0.25, 2.5) and is (0.25, −1.5) with v upwards.
+    assert_eq!(with(json!({"scale": [2, 2], "offset": [0.25, 0.5]}), 0), [[0.25, -1.5], [2.25, -1.5], [2.25, 0.5]]);
+    assert_eq!(with(json!({}), 1), [[0.0, 0.5], [0.5, 0.5], [0.5, 1.0]]);
+    assert_eq!(with(json!({"texCoord": 1}), 0), [[0.0, 0.5], [0.5, 0.5], [0.5, 1.0]]);
+    // Coordinates are turned counter-clockwise about the upper left corner, (0, 1) with v upwards: what was below it is now to its right.
+    let turned = with(json!({"rotation": std::f64::consts::FRAC_PI_2}), 0);
+    for (found, expected) in turned.iter().zip([[1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]) {
+        assert!((found[0] - expected[0]).abs() + (found[1] - expected[1]).abs() < 1e-6, "{turned:?}");
+    }
+}
+
+#[test]
+fn what_is_approximated_of_textures_is_told() {
+    let twice = WHOLE.map(|uv| uv.map(|x| 2.0 * x));
+    for (uv, sampler, expected) in [
+        (twice, json!({"wrapS": 33071}), Some("wrap")),
+        (twice, json!({"wrapT": 33648}), Some("wrap")),
+        (twice, json!({"wrapS": 10497}), None),
+        (WHOLE, json!({"wrapS": 33071}), None),
+    ] {
+        let mut maker = square(json!({"index": 0}), &[uv]);
+        maker.root["samplers"][0] = sampler;
+        let found = notes(&opened(&maker)).into_iter().find(|kind| *kind == "wrap");
+        assert_eq!(found, expected);
+    }
+    let mut maker = square(json!({"index": 0}), &[WHOLE]);
+    maker.root["materials"][0]["alphaMode"] = json!("MASK");
+    assert_eq!(notes(&opened(&maker))[0], "cutout");
 }

@@ -7,11 +7,12 @@ use std::sync::Arc;
 use crate::formats::builtin::BuiltIn;
 use crate::formats::disk::{self, FileError};
 use crate::formats::files::{Files, normal};
-use crate::formats::ply;
 use crate::formats::toml::read::parse_text_only;
+use crate::formats::{ply, texture};
 use crate::geometry::Mesh;
 use crate::scene::SceneError;
-use crate::scene::description::{Description, Environment, MeshPart, Object, Shape, Source};
+use crate::scene::description::{Description, Environment, MeshPart, Object, Paint, Role, Shape, Solid, Source};
+use crate::scene::texture::TextureImage;
 use crate::writing::write_atomically;
 
 /// Makes the scene's paths right for a scene file at `target`: relative ones for its folder, and what was added by an absolute path relative
@@ -45,11 +46,31 @@ pub(super) fn relocate(description: &mut Description, target: &Path) -> Result<(
         }
         Ok(())
     };
-    let mut meshes = MeshFiles::beside(target);
-    for Object { name, shape, .. } in description.objects.iter_mut() {
+    // Of solids with their texture coordinates, of others without: positions are split where coordinates differ.
+    let [mut meshes, mut bare_meshes] = [(); 2].map(|()| Beside::<Mesh>::new(target, "meshes"));
+    let mut images = Beside::<TextureImage>::new(target, "textures");
+    for Object { name, shape, role, .. } in description.objects.iter_mut() {
+        if let Role::Solid(Solid { paint: Paint::Texture { path, image, .. }, .. }) = role {
+            let (file, is_within) = (texture::file_of(path), texture::file_of(path) != path);
+            if is_within && source.as_ref().is_some_and(|source| is_in_import(source, file)) {
+                *path = images.write(image, name, "png", || texture::to_png(image))?;
+            } else if let Some((file, index)) = texture::parts_of(path) {
+                let mut file = file.to_path_buf();
+                moved(&mut file)?;
+                *path = texture::within(&file, index);
+            } else {
+                moved(path)?;
+            }
+        }
         if let Shape::Mesh { path, part, mesh, .. } = shape {
             if source.as_ref().is_some_and(|source| is_in_import(source, path)) {
-                *path = meshes.write(name, mesh)?;
+                let bytes = |mesh: &Mesh| ply::to_bytes(mesh, ply::PlyExtra::default());
+                *path = match role {
+                    Role::Solid(_) => meshes.write(mesh, name, "ply", || bytes(mesh))?,
+                    Role::Refractor(_) | Role::Light(_) => {
+                        bare_meshes.write(mesh, name, "ply", || bytes(&mesh.without_uvs()))?
+                    }
+                };
                 *part = MeshPart::default();
             } else {
                 moved(path)?;
@@ -76,7 +97,11 @@ fn absolute_paths(source: &Source) -> Vec<PathBuf> {
         Environment::Image { path, .. } => Some(path),
         _ => None,
     };
-    meshes.chain(image).filter(|path| path.is_absolute()).cloned().collect()
+    let textures = description.objects.iter().filter_map(|object| match &object.solid()?.paint {
+        Paint::Texture { path, .. } => Some(path),
+        _ => None,
+    });
+    meshes.chain(textures).chain(image).filter(|path| path.is_absolute()).cloned().collect()
 }
 
 /// Where a file with an absolute path is within a folder; `None` where it is elsewhere.
@@ -91,29 +116,35 @@ fn is_in_import(source: &Source, path: &Path) -> bool {
     source.import.is_some() && source.path.file_name().is_some_and(|name| path == Path::new(name))
 }
 
-/// The meshes of a scene of another format, as files in a folder beside the scene file.
-struct MeshFiles {
+/// What a scene of another format holds of one kind, as files in a folder beside the scene file.
+struct Beside<T> {
     /// Of the scene file.
     parent: PathBuf,
     /// The name of the folder in there.
     folder: PathBuf,
     /// By identity: objects may share one.
-    written: HashMap<*const Mesh, PathBuf>,
+    written: HashMap<*const T, PathBuf>,
 }
 
-impl MeshFiles {
-    fn beside(target: &Path) -> Self {
+impl<T> Beside<T> {
+    fn new(target: &Path, kind: &str) -> Self {
         let stem = target.file_stem().unwrap_or_default().to_string_lossy();
         Self {
             parent: target.parent().unwrap_or(Path::new("")).to_path_buf(),
-            folder: format!("{stem}-meshes").into(),
+            folder: format!("{stem}-{kind}").into(),
             written: HashMap::new(),
         }
     }
 
-    /// Writes the mesh of an object, once, and answers how the scene file names it.
-    fn write(&mut self, name: &str, mesh: &Arc<Mesh>) -> Result<PathBuf, SceneError> {
-        if let Some(path) = self.written.get(&Arc::as_ptr(mesh)) {
+    /// Writes what an object of that name has, once, and answers how the scene file names it.
+    fn write(
+        &mut self,
+        part: &Arc<T>,
+        name: &str,
+        ending: &str,
+        bytes: impl FnOnce() -> Vec<u8>,
+    ) -> Result<PathBuf, SceneError> {
+        if let Some(path) = self.written.get(&Arc::as_ptr(part)) {
             return Ok(path.clone());
         }
         let folder = self.parent.join(&self.folder);
@@ -121,9 +152,9 @@ impl MeshFiles {
             let failed = |error| SceneError::in_file(&folder, format!("this folder cannot be made: {error}"));
             std::fs::create_dir(&folder).map_err(failed)?;
         }
-        let file = write_beside(&ply::to_bytes(mesh, ply::PlyExtra::default()), &folder, &file_stem(name), "ply")?;
+        let file = write_beside(&bytes(), &folder, &file_stem(name), ending)?;
         let path = self.folder.join(file);
-        self.written.insert(Arc::as_ptr(mesh), path.clone());
+        self.written.insert(Arc::as_ptr(part), path.clone());
         Ok(path)
     }
 }
