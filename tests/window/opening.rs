@@ -18,7 +18,7 @@ fn write(path: &Path, contents: impl AsRef<[u8]>) {
 }
 
 /// A tetrahedron of glass, with its buffer in another file.
-fn write_gltf(path: &Path, ior: f64) {
+pub fn write_gltf(path: &Path, ior: f64) {
     let corners: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let faces: [u8; 12] = [0, 2, 1, 0, 3, 2, 0, 1, 3, 1, 2, 3];
     let bytes: Vec<u8> = corners.iter().flatten().flat_map(|x| x.to_le_bytes()).chain(faces).collect();

@@ -102,6 +102,55 @@ fn edits_survive_a_crash_and_are_restored() {
     assert_eq!(fs::read_dir(desk.autosaves()).unwrap().count(), 0);
 }
 
+/// Scenes of other formats, whose meshes and materials an autosave must not lose.
+#[test]
+fn edits_of_scenes_from_other_programs_are_restored() {
+    let mitsuba = r#"<scene version="3.0.0"><sensor type="perspective"><float name="fov" value="40"/><transform name="to_world">
+        <lookat origin="0, 1, 6" target="0, 0, 0" up="0, 1, 0"/></transform></sensor><emitter type="constant"/>
+        <shape type="cube" id="block"><bsdf type="dielectric"><float name="int_ior" value="1.7"/></bsdf></shape></scene>"#;
+    let pbrt = "LookAt 0 1 6  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 40\nWorldBegin\nLightSource \"infinite\"\n\
+        Material \"dielectric\" \"float eta\" 1.7\nShape \"trianglemesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0  0 0 1]\n  \
+        \"integer indices\" [0 2 1  0 3 2  0 1 3  1 2 3]\n";
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    for name in ["scene.gltf", "scene.xml", "scene.pbrt", "scene.obj"] {
+        let desk = Desk::new();
+        let path = desk.folder.path().join(name);
+        match name {
+            "scene.gltf" => crate::opening::write_gltf(&path, 1.7),
+            "scene.xml" => fs::write(&path, mitsuba).expect("the folder is writable"),
+            "scene.pbrt" => fs::write(&path, pbrt).expect("the folder is writable"),
+            _ => fs::write(&path, obj).expect("the folder is writable"),
+        }
+        let on_disk = fs::read(&path).unwrap();
+        let mut harness = desk.window(path.to_str().expect("a plain path"));
+        let medium = harness.state().state().document.description().media[0].name.clone();
+        apply(&mut harness, Command::set_ior(MediumRef::Named(medium.clone()), Ior::Constant(1.61)));
+        until(&mut harness, "the edit is kept", |_| desk.kept().len() == 1);
+        let edited = harness.state().state().document.description().clone();
+        drop(harness);
+
+        let mut harness = desk.window("nested-spheres");
+        until(&mut harness, "the edits are offered", |app| !app.state().left_behind.is_empty());
+        harness.get_by_label("Restore").click();
+        until(&mut harness, "they are back", |app| app.state().document.description().medium(&medium).is_some());
+        let restored = harness.state().state().document.description().clone();
+        assert_eq!(restored.fingerprint(), edited.fingerprint(), "{name}");
+        assert_eq!(restored.medium(&medium).unwrap().ior.ior(), 1.61, "{name}");
+        until(&mut harness, "it is shown", |app| app.state().is_prepared() && every_pane_has_an_image(app));
+        // Saved as a scene file of its own, with everything beside it: the other program's file stays as it is.
+        assert!(harness.state().state().document.path.is_none(), "{name}");
+        let saved = desk.folder.path().join("saved/here.toml");
+        fs::create_dir(saved.parent().unwrap()).expect("the folder is writable");
+        apply(&mut harness, Command::SaveAs(saved.clone()));
+        until(&mut harness, "it is saved", |app| !app.state().document.is_dirty());
+        until(&mut harness, "nothing is kept", |_| desk.kept().is_empty());
+        drop(harness);
+        assert_eq!(fs::read(&path).unwrap(), on_disk, "{name}");
+        let again = iorect::formats::open(&saved).expect("it can be read");
+        assert_eq!(again.fingerprint(), edited.fingerprint(), "{name}");
+    }
+}
+
 #[test]
 fn edits_are_discarded_put_off_or_undone() {
     let desk = Desk::new();
