@@ -71,6 +71,7 @@ impl<'a> Elements<'a> {
         }
         let component = Component::of(accessor.component_type)?;
         let numbers = match kind {
+            "VEC4" => 4,
             "VEC3" => 3,
             "VEC2" => 2,
             _ => 1,
@@ -132,6 +133,15 @@ impl Container {
     /// Pairs of numbers.
     pub fn pairs(&self, index: usize, budget: &mut Budget) -> Result<Vec<[f64; 2]>, String> {
         self.tuples(index, "VEC2", budget, |pair| pair)
+    }
+
+    /// Colours, with or without opacity, which is left out.
+    pub fn colors(&self, index: usize, budget: &mut Budget) -> Result<Vec<[f64; 3]>, String> {
+        let kind = self.accessor(index).map_or("VEC3", |accessor| &accessor.kind);
+        match kind {
+            "VEC4" => self.tuples(index, kind, budget, |[red, green, blue, _]| [red, green, blue]),
+            _ => self.tuples(index, "VEC3", budget, |color| color),
+        }
     }
 
     fn tuples<T, const N: usize>(

@@ -37,6 +37,8 @@ pub struct Builder<'a> {
     path: PathBuf,
     pieces: Pieces,
     looks: HashMap<Option<usize>, Look>,
+    /// The mean colours of vertices.
+    vertex_colors: HashMap<(usize, Option<usize>), [f64; 3]>,
     /// The names of the media of materials.
     media_of: HashMap<Option<usize>, String>,
     images: Images,
@@ -55,6 +57,7 @@ impl<'a> Builder<'a> {
             path: input.path.file_name().map(PathBuf::from).unwrap_or_default(),
             pieces: HashMap::new(),
             looks: HashMap::new(),
+            vertex_colors: HashMap::new(),
             media_of: HashMap::new(),
             images: Images::default(),
             budget: Budget::default(),
@@ -100,7 +103,7 @@ impl<'a> Builder<'a> {
                 }
                 (name, _) => name.to_owned(),
             };
-            let role = self.role(material, &mesh_data).map_err(of_node)?;
+            let role = self.role(mesh, material, &mesh_data).map_err(of_node)?;
             let material = match material {
                 Some(index) => Some(format!("{MATERIALS}{index}")),
                 None if materials.len() > 1 => Some(NO_MATERIAL.to_owned()),
@@ -146,7 +149,17 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn role(&mut self, material: Option<usize>, mesh: &Mesh) -> Result<Role, String> {
+    /// What vertices of a mesh multiply the colour of a material by.
+    fn vertex_color(&mut self, mesh: usize, material: Option<usize>) -> Result<[f64; 3], String> {
+        if let Some(known) = self.vertex_colors.get(&(mesh, material)) {
+            return Ok(*known);
+        }
+        let mean = self.container.mean_vertex_color(mesh, material, &mut self.budget, &mut self.tally)?;
+        self.vertex_colors.insert((mesh, material), mean);
+        Ok(mean)
+    }
+
+    fn role(&mut self, index: usize, material: Option<usize>, mesh: &Mesh) -> Result<Role, String> {
         let look = match self.looks.entry(material) {
             Entry::Occupied(found) => found.into_mut(),
             Entry::Vacant(free) => {
@@ -156,6 +169,8 @@ impl<'a> Builder<'a> {
         let smooth = !mesh.normals.is_empty();
         Ok(match look.clone() {
             Look::Opaque { color, image, is_mirror } => {
+                let of_vertices = self.vertex_color(index, material)?;
+                let color = std::array::from_fn(|channel| color[channel] * of_vertices[channel]);
                 let name = || material.map(|index| materials::name(self.container, index)).unwrap_or_default();
                 let paint = match image {
                     Some(image) => painted(image, color, mesh, &name(), &mut self.tally),

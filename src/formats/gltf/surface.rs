@@ -72,6 +72,42 @@ impl Container {
         polygons.part(&MeshPart::default()).map_err(|missing| Fault::new(missing.message))
     }
 
+    /// The mean colour of the vertices of what a mesh has of a material, 1 where they have none.
+    pub fn mean_vertex_color(
+        &self,
+        mesh: usize,
+        material: Option<usize>,
+        budget: &mut Budget,
+        tally: &mut Tally,
+    ) -> Result<[f64; 3], String> {
+        let (mut sum, mut count, mut has_colors) = ([0.0; 3], 0, false);
+        for &number in self.primitives_of(mesh, material) {
+            let attributes = &self.root.meshes[mesh].primitives[number].attributes;
+            let vertices = attributes.get("POSITION").and_then(|index| self.root.accessors.get(*index));
+            let vertices = vertices.map_or(0, |accessor| accessor.count);
+            match attributes.get("COLOR_0") {
+                // Colours that cannot be read are none: the mesh is what matters.
+                Some(&accessor) => {
+                    has_colors = true;
+                    for color in self.colors(accessor, budget).unwrap_or_default() {
+                        count += 1;
+                        (0..3).for_each(|channel| sum[channel] += color[channel]);
+                    }
+                }
+                None => {
+                    count += vertices;
+                    sum = sum.map(|sum| sum + vertices as f64);
+                }
+            }
+        }
+        if !has_colors || count == 0 {
+            return Ok([1.0; 3]);
+        }
+        tally.add("vertex_colors", "colours of vertices stand for their average", &self.root.meshes[mesh].name);
+        let mean = sum.map(|sum| sum / count as f64);
+        Ok(mean.map(|share| if share.is_finite() { share.clamp(0.0, 1.0) } else { 1.0 }))
+    }
+
     fn add(
         &self,
         primitive: &Primitive,

@@ -7,7 +7,7 @@ use super::make::{CUBE_FACES, Maker};
 use super::{notes, opened};
 use crate::formats::{parse, to_text};
 use crate::optics::Ior;
-use crate::scene::description::{Description, Paint};
+use crate::scene::description::{Description, Paint, Solid};
 
 fn of(material: Value) -> Description {
     let mut maker = Maker::cube(Some(material));
@@ -111,6 +111,32 @@ fn solids_are_diffuse_or_mirrors() {
     maker.node(json!({"mesh": 0}));
     let scene = opened(&maker);
     assert_eq!(scene.objects[0].solid().map(|solid| &solid.paint), Some(&Paint::Color([0.8; 3])));
+}
+
+/// Colours of vertices multiply that of the material (section 3.9.2 of the specification); a mesh without them stays as it is.
+#[test]
+fn colors_of_vertices_stand_for_their_average() {
+    let mut maker = Maker::cube(Some(
+        json!({"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 1, "baseColorFactor": [0.5, 1, 1, 1]}}),
+    ));
+    let colors: Vec<[f32; 3]> = (0..8).map(|i| if i < 2 { [1.0, 0.0, 0.4] } else { [0.2, 0.0, 0.8] }).collect();
+    let accessor = maker.floats(&colors);
+    let plain = maker.root["meshes"][0].clone();
+    maker.root["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(accessor);
+    maker.push("meshes", plain);
+    (0..2).for_each(|mesh| _ = maker.node(json!({"mesh": mesh})));
+    let scene = opened(&maker);
+    let Some(Solid { paint: Paint::Color(color), .. }) = scene.objects[0].solid() else { panic!("one colour") };
+    assert!(color.iter().zip([0.2, 0.0, 0.7]).all(|(a, b)| (a - b).abs() < 1e-6), "{color:?}");
+    assert_eq!(scene.objects[1].solid().map(|solid| &solid.paint), Some(&Paint::Color([0.5, 1.0, 1.0])));
+    assert!(notes(&scene).contains(&"vertex_colors"));
+    // With opacity, as whole numbers.
+    let view = maker.view(&[255, 51, 0, 7].repeat(8));
+    maker.root["accessors"][accessor] =
+        json!({"bufferView": view, "componentType": 5121, "normalized": true, "count": 8, "type": "VEC4"});
+    let scene = opened(&maker);
+    let Some(Solid { paint: Paint::Color(color), .. }) = scene.objects[0].solid() else { panic!("one colour") };
+    assert!(color.iter().zip([0.5, 0.2, 0.0]).all(|(a, b)| (a - b).abs() < 1e-6), "{color:?}");
 }
 
 #[test]
