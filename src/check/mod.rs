@@ -18,12 +18,15 @@ mod overlap;
 mod placed;
 mod rims;
 mod samples;
+mod unrendered;
 pub mod verdict;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use glam::DVec3;
+
+pub use self::unrendered::unrendered;
 
 use crate::rectify::{Cancelled, Progress};
 use crate::scene::LoadNote;
@@ -107,7 +110,7 @@ pub fn check_watched(prepared: &Prepared, progress: &Progress) -> Result<Vec<Pro
     let mut problems = mesh::problems(prepared, &rims, &mut doubts);
     progress.go_on()?;
     let encounters = prepared.table.encounters(&prepared.scene);
-    let parts: [&dyn Fn() -> Vec<Problem>; 15] = [
+    let parts: [&dyn Fn() -> Vec<Problem>; 16] = [
         &|| notes::problems(prepared),
         &|| overlap::problems(prepared, &encounters, &rims),
         &|| crowded::problems(prepared),
@@ -118,6 +121,7 @@ pub fn check_watched(prepared: &Prepared, progress: &Progress) -> Result<Vec<Pro
         &|| index::problems(prepared),
         &|| flush::problems(prepared, &encounters).into_iter().collect(),
         &|| media::problems(prepared),
+        &|| unrendered(&prepared.description),
         &|| light(prepared),
         &|| textures(prepared),
         &|| lamp::problems(prepared),

@@ -8,7 +8,7 @@ use crate::formats::{self, builtin};
 use crate::geometry::Mesh;
 use crate::optics::Ior;
 use crate::scene::LoadNote;
-use crate::scene::description::{Description, MeshPart, Shape};
+use crate::scene::description::{Description, MeshPart, Refractor, Shape};
 use crate::tracking::prepare;
 
 const HEAD: &str = r#"
@@ -84,6 +84,24 @@ fn media_unused_or_dispersive() {
     assert_eq!(found(scene.clone()), pairs(&[("dispersion", "glass")]));
     let message = &problems_of(scene)[0].message;
     assert!(message.contains("glass 1.5290"), "{message}");
+}
+
+/// Once a kind, whatever the number of objects, with their names and values.
+#[test]
+fn what_is_kept_and_not_rendered() {
+    let mut scene = scene(&(sphere("ball", "glass", 0.0, 1.0) + &sphere("core", "water", 0.1, 0.5)));
+    scene.objects[0].refractor_mut().unwrap().roughness = [0.25; 2];
+    scene.objects[1].refractor_mut().unwrap().roughness = [0.125, 0.5];
+    assert_eq!(found(scene.clone()), pairs(&[("roughness", "ball, core")]));
+    let message = &unrendered(&scene)[0].message;
+    assert!(message.contains("ball 0.25, core 0.125 along u and 0.5 along v"), "{message}");
+    let mut walls = scene.clone();
+    walls.objects.iter_mut().for_each(|object| {
+        *object.refractor_mut().unwrap() = Refractor { thin: true, ..Refractor::of("glass") };
+    });
+    walls.media.pop();
+    walls.objects[1].visible = false;
+    assert_eq!(found(walls), pairs(&[("thin_as_body", "ball"), ("thin_hidden", "core")]));
 }
 
 #[test]

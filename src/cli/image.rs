@@ -12,6 +12,7 @@ use super::arguments::{ImageArguments, Size};
 use super::preparation::prepare_shown;
 use super::progress::Progress;
 use super::{Failure, pool, tell};
+use crate::check::unrendered;
 use crate::export::renderer;
 use crate::render::choice::{self, Work};
 use crate::render::exact::unit_exponent;
@@ -149,6 +150,9 @@ impl<'a> Job<'a> {
         let start = Instant::now();
         let description = crate::formats::open(&arguments.scene)?;
         let load_secs = start.elapsed().as_secs_f64();
+        for problem in unrendered(&description) {
+            tell(&format!("note: {}: {}\n", problem.place, problem.message));
+        }
         let camera = Camera::new(&description.camera)?;
         let pool = pool(arguments.threads)?;
         let prepared = pool.install(|| prepare_shown(Arc::new(description)))?;

@@ -7,7 +7,7 @@ use super::ending::{Format, by_ending, list};
 use super::files::Input;
 use super::parts::NoSuchPart;
 use super::polygons::{Fault, Polygons};
-use super::{gltf, obj, ply, scenes, stl};
+use super::{gltf, obj, ply, scenes, serialized, stl};
 use crate::geometry::Mesh;
 use crate::scene::description::{MeshPart, Shape};
 use crate::scene::{Description, LoadNote, SceneError};
@@ -15,7 +15,7 @@ use crate::scene::{Description, LoadNote, SceneError};
 pub(super) type MeshFormat = Format<fn(&Input<'_>) -> Result<MeshFile, Fault>>;
 
 /// The endings of files that meshes are read from, in lower case.
-pub const MESH_ENDINGS: &[&str] = &["obj", "ply", "stl", "glb", "gltf"];
+pub const MESH_ENDINGS: &[&str] = &["obj", "ply", "stl", "glb", "gltf", "serialized"];
 
 /// Every mesh format that is read.
 const FORMATS: &[MeshFormat] = &[
@@ -26,6 +26,7 @@ const FORMATS: &[MeshFormat] = &[
         endings: &["glb", "gltf"],
         read: |input| gltf::File::read(input).map(|file| MeshFile::Gltf(Box::new(file))),
     },
+    MeshFormat { endings: &["serialized"], read: |input| surface(serialized::read(input.bytes)) },
 ];
 
 /// Scenes of other formats, whose objects have meshes that are in no file of their own: they are named so until the scene is saved.
@@ -160,6 +161,6 @@ mod tests {
         assert_eq!(first_ending("a/b.OBJ"), Ok("obj"));
         assert_eq!(first_ending("b.ply"), Ok("ply"));
         assert_eq!(first_ending("b.GLTF"), Ok("glb"));
-        assert!(first_ending("b").unwrap_err().contains("use .obj, .ply, .stl or .glb"));
+        assert!(first_ending("b").unwrap_err().contains("use .obj, .ply, .stl, .glb or .serialized"));
     }
 }

@@ -4,6 +4,7 @@
 //! those are found is a [`Files`]: the disk, what is compiled into the program, or memory.
 
 pub mod builtin;
+mod compressed;
 mod corners;
 pub mod disk;
 mod encoding;
@@ -25,6 +26,7 @@ mod ply;
 mod polygon;
 mod polygons;
 mod scenes;
+mod serialized;
 mod stl;
 mod studio;
 mod suggest;
@@ -37,6 +39,7 @@ use std::path::Path;
 pub use self::builtin::BuiltIn;
 pub use self::disk::Disk;
 pub use self::files::{Files, Memory};
+pub(crate) use self::image::write::exr_of_pixels;
 pub use self::mesh::MESH_ENDINGS;
 pub use self::ply::{PlyExtra, to_bytes as ply_bytes};
 pub use self::scenes::SCENE_ENDINGS;

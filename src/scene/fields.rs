@@ -50,6 +50,8 @@ pub enum Slot<'a> {
     /// A number that may be left out.
     Maybe(&'a mut Option<f64>, Limits),
     Numbers(&'a mut [f64; 3], Limits),
+    /// One number for both, or two.
+    Both(&'a mut [f64; 2], Limits),
     Pair(&'a mut [f64; 2], Limits),
     Vector(&'a mut DVec3),
     /// One number for all axes, or three.
@@ -179,6 +181,15 @@ impl dyn Visitor + '_ {
         self
     }
 
+    /// GGX's α, one number for both ways along a surface or two, which is 0 where it is left out.
+    pub fn roughness(&mut self, value: &mut [f64; 2]) -> &mut Self {
+        let is_default = Some(*value == [0.0; 2]);
+        if !self.field(Field { key: "roughness", slot: Slot::Both(value, SHARE), is_default }) {
+            *value = [0.0; 2];
+        }
+        self
+    }
+
     /// The name of a medium that may be left out.
     pub fn maybe_medium(&mut self, key: &'static str, value: &mut Option<String>) -> &mut Self {
         let is_default = Some(value.is_none());
@@ -243,6 +254,8 @@ impl Slot<'_> {
             Self::Number(value, _) => Plain::Number(*value),
             Self::Maybe(value, _) => Plain::Number((*value)?),
             Self::Numbers(value, _) => numbers(&*value),
+            Self::Both(value, _) if value[0] == value[1] => Plain::Number(value[0]),
+            Self::Both(value, _) => numbers(&*value),
             Self::Pair(value, _) => numbers(&*value),
             Self::Scale(value) if value.x == value.y && value.y == value.z => Plain::Number(value.x),
             Self::Vector(value) | Self::Scale(value) => numbers(&value.to_array()),

@@ -6,6 +6,7 @@ mod declared;
 pub mod description;
 pub mod emission;
 pub mod environment;
+pub mod equal_area;
 mod error;
 pub mod fields;
 pub mod fingerprint;

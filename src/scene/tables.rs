@@ -164,24 +164,22 @@ impl Object {
         let Self { name, shape, transform, visible, role } = self;
         v.slot("name", Slot::Name(name));
         match role {
-            Role::Refractor(Refractor { medium, priority, smooth, outside }) => {
+            Role::Refractor(Refractor { medium, priority, smooth, roughness, thin, outside }) => {
                 v.slot("medium", Slot::Medium(medium));
                 v.optional("priority", priority, 0, ANY);
-                let mut roughness = 0.0;
-                v.optional("roughness", &mut roughness, 0.0, SHARE);
-                v.check(&|| match roughness {
-                    0.0 => Ok(()),
-                    _ => Fault::at(
-                        "roughness",
-                        "rough surfaces are not yet supported; set `roughness` to 0 or remove it",
-                    ),
-                });
+                v.roughness(roughness);
                 v.optional("smooth", smooth, false, ANY);
+                v.optional("thin", thin, false, ANY);
                 v.maybe_medium("outside", outside);
             }
-            Role::Solid(Solid { paint, mirror, smooth }) => {
+            Role::Solid(Solid { paint, mirror, roughness, smooth }) => {
                 paint.fields(v);
                 v.optional("mirror", mirror, false, ANY);
+                if *mirror {
+                    v.roughness(roughness);
+                } else {
+                    v.refuse("roughness", "`roughness` belongs to a mirror; set `mirror` to true or remove it");
+                }
                 v.optional("smooth", smooth, false, ANY);
             }
             Role::Light(light) => light.fields(shape, v),

@@ -97,7 +97,7 @@ impl Checker<'_> {
                 limits.require(&format!("`{key}`"), *value)
             }
             Slot::Numbers(value, limits) => each(value, limits),
-            Slot::Pair(value, limits) => each(value, limits),
+            Slot::Pair(value, limits) | Slot::Both(value, limits) => each(value, limits),
             Slot::Vector(value) | Slot::Scale(value) => each(&value.to_array(), super::fields::ANY),
             Slot::Points(points) => points.iter().flatten().zip(0..).try_for_each(|(&x, i)| {
                 let name = format!("element {} of element {} of `{key}`", i % 2 + 1, i / 2 + 1);

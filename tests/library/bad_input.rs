@@ -145,8 +145,10 @@ fn impossible_objects() {
     refused(&format!("{whole}[[solid]]\nname = \"a\"\n{ball}"), 12, 8, &["already a refractor called `a`"]);
     refused(&format!("{CAMERA}[[light]]\nname = \"vacuum\"\n{ball}radiance = [1, 1, 1]\n"), 5, 8, &["reserved"]);
     refused(&format!("{whole}priority = 3000000000\n"), 11, 12, &["-2147483648 to 2147483647"]);
-    refused(&format!("{whole}roughness = 0.1\n"), 11, 13, &["not yet supported"]);
     refused(&format!("{whole}roughness = 2\n"), 11, 13, &["between 0 and 1"]);
+    refused(&format!("{whole}roughness = [0.5, -1]\n"), 11, 13, &["element 2", "between 0 and 1"]);
+    refused(&format!("{whole}roughness = [0.5, 0.1, 0.1]\n"), 11, 13, &["2 numbers"]);
+    refused(&format!("{CAMERA}[[solid]]\nname = \"s\"\n{ball}roughness = 0.1\n"), 7, 13, &["belongs to a mirror"]);
     refused(&format!("{whole}transform = {{ scale = 0 }}\n"), 11, 23, &["must not be 0"]);
     refused(&format!("{whole}transform = {{ scale = [1, 0, 1] }}\n"), 11, 23, &["must not be 0"]);
     refused(&format!("{whole}transform = {{ scale = [1, 2, 1] }}\n"), 11, 13, &["use an `icosphere`"]);

@@ -49,7 +49,8 @@ name = "ball"
 medium = "water"
 shape = { sphere = { center = [1, 2, 3], radius = 0.5 } }
 priority = -2
-roughness = 0.0
+roughness = [0.1, 0.2]
+thin = true
 transform = { scale = 2.0, rotate = [10, 20, 30], translate = [1, 0, 0] }
 
 [[refractor]]
@@ -80,6 +81,7 @@ name = "block"
 shape = { box = { min = [-1, -1, -1], max = [1, 1, 1] } }
 color = [0.5, 0.4, 0.3]
 mirror = true
+roughness = 0.25
 
 [[solid]]
 name = "plain"
@@ -126,7 +128,7 @@ fn every_key_reaches_the_description() {
     assert_eq!(ball.shape, Shape::Sphere { center: DVec3::new(1.0, 2.0, 3.0), radius: 0.5 });
     assert_eq!(
         ball.refractor(),
-        Some(&Refractor { medium: "water".into(), priority: -2, smooth: false, outside: None })
+        Some(&Refractor { priority: -2, roughness: [0.1, 0.2], thin: true, ..Refractor::of("water") })
     );
     let transform = Transform { scale: DVec3::splat(2.0), rotate: DVec3::new(10.0, 20.0, 30.0), translate: DVec3::X };
     assert_eq!(ball.transform, transform);

@@ -22,6 +22,7 @@ mod families;
 mod geometry;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod kept;
 mod layering;
 mod lights;
 mod loaders;
@@ -38,6 +39,7 @@ mod reference;
 mod report;
 mod resolved;
 mod seams;
+mod skies;
 mod smooth_normals;
 mod stability;
 mod tev;

@@ -10,7 +10,7 @@ use iorect::formats;
 use iorect::measure::metrics::block_means;
 use iorect::report::stability::scenes as made;
 use iorect::scene::MediumId;
-use iorect::scene::description::{Description, Environment, Object, Paint, Shape, Solid};
+use iorect::scene::description::{Description, Object, Paint, Shape, Solid};
 use iorect::tracking::{Mode, Prepared, Tracker, WithTracker};
 
 use crate::common::{Numbers, add, empty, icosphere, ready, sphere};
@@ -235,13 +235,9 @@ fn spheres_stay_spheres() {
 fn what_is_written_is_read_again_as_declared() {
     let size = (48, 48);
     for name in ["half-submerged", "camera-in-water", "nested-spheres", "lamp-in-ice"] {
-        let mut description = formats::open(name).unwrap();
+        let description = formats::open(name).unwrap();
         let frame = Frame { width: size.0, height: size.1, samples: 1 };
         for target in [Target::Mitsuba, Target::Pbrt] {
-            if target == Target::Pbrt {
-                // Its environment maps are not read.
-                description.environment = Environment::Color([0.9, 0.8, 0.7]);
-            }
             let folder = tempfile::tempdir().unwrap();
             let bundle = export(&Arc::new(description.clone()), target, frame).unwrap();
             bundle.write(folder.path()).unwrap();

@@ -427,7 +427,7 @@ fn wrong_scenes_are_refused_with_file_line_and_column() {
         ("[environment]", "[environment", ""),
         ("target = [0.0, 0.0, 0.0]", "target = [0.0, 0.0, 6.0]", "direction"),
         ("vertical_fov = 24.0", "vertical_fov = 180.0", "vertical_fov"),
-        ("medium = \"water\"", "medium = \"water\"\nroughness = 0.2", "not yet supported"),
+        ("medium = \"water\"", "medium = \"water\"\nroughness = 1.2", "between 0 and 1"),
     ];
     for (from, to, hint) in cases {
         assert!(NEST.contains(from));
@@ -652,7 +652,7 @@ fn a_gltf_file_is_a_scene_and_becomes_a_scene_file() {
     desk.put("sheets.bin", bytes);
     let problems = desk.json("check sheets.gltf --json")["problems"].clone();
     let kinds: Vec<&str> = problems.as_array().unwrap().iter().filter_map(|problem| problem["kind"].as_str()).collect();
-    assert!(kinds.contains(&"thin_wall") && kinds.contains(&"no_camera"), "{kinds:?}");
+    assert!(kinds.contains(&"thin_as_body") && kinds.contains(&"no_camera"), "{kinds:?}");
     assert!(desk.fine("convert sheets.gltf made.toml").contains("2 objects"));
     assert!(desk.path().join("made-meshes/pane.ply").is_file());
     assert_eq!(desk.json("rectify made.toml --json")["patches"], desk.json("rectify sheets.gltf --json")["patches"]);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::scene::ResolvedScene;
-use crate::export::picture::exr_of_pixels;
+use crate::formats::exr_of_pixels;
 use crate::scene::lights::EnvironmentLight;
 use crate::writing::{WriteError, write_atomically};
 

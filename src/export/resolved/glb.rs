@@ -9,10 +9,11 @@ use serde_json::{Value, json};
 
 use super::files::Bundle;
 use super::pieces::{Piece, surface};
-use super::scene::{Frame, Lamp, ResolvedScene, list};
+use super::scene::{Frame, Lamp, ResolvedScene, ThinWall};
 use crate::color::srgb_from_linear;
 use crate::formats::texture::to_png;
 use crate::geometry::Mesh;
+use crate::optics::Ior;
 use crate::scene::Albedo;
 use crate::scene::camera::Camera;
 use crate::scene::texture::TextureImage;
@@ -35,6 +36,15 @@ pub fn write(resolved: &ResolvedScene, frame: Frame) -> Bundle {
     files
 }
 
+/// What materials of refractors differ by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Dielectric {
+    medium: MediumId,
+    /// The root of α.
+    roughness: f64,
+    thin: bool,
+}
+
 struct Writer<'a> {
     resolved: &'a ResolvedScene,
     bytes: Vec<u8>,
@@ -43,8 +53,8 @@ struct Writer<'a> {
     meshes: Vec<Value>,
     nodes: Vec<Value>,
     materials: Vec<Value>,
-    /// Media that have a material.
-    media: Vec<(MediumId, usize)>,
+    /// Dielectrics that have a material.
+    dielectrics: Vec<(Dielectric, usize)>,
     images: Vec<Value>,
     textures: Vec<Value>,
     /// Images of solids that have a texture.
@@ -65,7 +75,7 @@ impl<'a> Writer<'a> {
             meshes: Vec::new(),
             nodes: Vec::new(),
             materials: Vec::new(),
-            media: Vec::new(),
+            dielectrics: Vec::new(),
             images: Vec::new(),
             textures: Vec::new(),
             known_images: Vec::new(),
@@ -80,8 +90,15 @@ impl<'a> Writer<'a> {
         let scene = self.resolved.scene();
         for (refractor, medium) in scene.refractors() {
             let Some(mesh) = surface(&self.resolved.prepared, refractor).map(Piece::into_mesh) else { continue };
-            let material = self.dielectric(medium, 2.0 * scene.geometry.radius_of(refractor.0));
+            let thin = self.resolved.description().objects[refractor.0 as usize].refractor().is_some_and(|r| r.thin);
+            let dielectric = Dielectric { medium, roughness: self.roughness(refractor), thin };
+            let material = self.dielectric(dielectric, 2.0 * scene.geometry.radius_of(refractor.0));
             self.object(refractor, &mesh, &[], material);
+        }
+        for ThinWall { object, piece, inside: medium, .. } in &self.resolved.walls {
+            let dielectric = Dielectric { medium: *medium, roughness: self.roughness(*object), thin: true };
+            let material = self.dielectric(dielectric, 0.0);
+            self.object(*object, &piece.clone().into_mesh(), &[], material);
         }
         for (object, piece) in &self.resolved.opaque {
             let (mesh, uv) = self.resolved.mesh_with_uv(*object, piece);
@@ -184,11 +201,24 @@ impl<'a> Writer<'a> {
         self.materials.len() - 1
     }
 
-    /// The material of a medium. `thickness` is what viewers take for it that do not trace rays.
-    fn dielectric(&mut self, medium: MediumId, thickness: f64) -> usize {
-        if let Some((_, known)) = self.media.iter().find(|(known, _)| *known == medium) {
+    /// glTF's roughness of an object, the root of α.
+    fn roughness(&mut self, object: ObjectId) -> f64 {
+        let [u, v] = self.resolved.roughness(object);
+        if u != v {
+            let name = &self.resolved.scene().object(object).name;
+            self.notes
+                .push(format!("`{name}`: glTF has one roughness for both ways along a surface: it is their mean"));
+        }
+        // α of the mean is the geometric mean.
+        if u == v { u.sqrt() } else { (u * v).sqrt().sqrt() }
+    }
+
+    /// The material of a dielectric. `thickness` is what viewers take for it that do not trace rays.
+    fn dielectric(&mut self, dielectric: Dielectric, thickness: f64) -> usize {
+        if let Some((_, known)) = self.dielectrics.iter().find(|(known, _)| *known == dielectric) {
             return *known;
         }
+        let Dielectric { medium, roughness, thin } = dielectric;
         let found = self.resolved.medium(medium);
         let absorption = found.absorption.to_rgb();
         let most = absorption.into_iter().fold(0.0, f64::max);
@@ -206,20 +236,41 @@ impl<'a> Writer<'a> {
             ));
         }
         let (name, ior) = (found.name.clone(), found.ior().max(1.0));
-        for extension in ["KHR_materials_transmission", "KHR_materials_ior", "KHR_materials_volume"] {
-            self.uses(extension);
+        let mut extensions = json!({
+            "KHR_materials_transmission": { "transmissionFactor": 1 },
+            "KHR_materials_ior": { "ior": ior },
+        });
+        ["KHR_materials_transmission", "KHR_materials_ior"].into_iter().for_each(|extension| self.uses(extension));
+        // Without a volume it is a thin wall.
+        if !thin {
+            extensions["KHR_materials_volume"] = volume;
+            self.uses("KHR_materials_volume");
+            if let Some(abbe) = self.abbe_number(medium) {
+                extensions["KHR_materials_dispersion"] = json!({ "dispersion": 20.0 / abbe });
+                self.uses("KHR_materials_dispersion");
+            }
         }
         let material = self.material(json!({
             "name": name,
-            "pbrMetallicRoughness": { "baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0, "roughnessFactor": 0 },
-            "extensions": {
-                "KHR_materials_transmission": { "transmissionFactor": 1 },
-                "KHR_materials_ior": { "ior": ior },
-                "KHR_materials_volume": volume,
+            "pbrMetallicRoughness": {
+                "baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0, "roughnessFactor": roughness,
             },
+            "extensions": extensions,
         }));
-        self.media.push((medium, material));
+        self.dielectrics.push((dielectric, material));
         material
+    }
+
+    /// Abbe's number of a medium that disperses, and what it does not say.
+    fn abbe_number(&mut self, medium: MediumId) -> Option<f64> {
+        let index = self.resolved.index(medium);
+        let abbe = index.abbe_number();
+        let is_whole = matches!(index, Ior::Cauchy([_, _, 0.0])) && abbe.is_some();
+        if index.is_dispersive() && !is_whole {
+            let name = &self.resolved.medium(medium).name;
+            self.notes.push(format!("`{name}`: glTF has Abbe's number for dispersion, and no formula"));
+        }
+        abbe
     }
 
     fn glowing(&mut self, radiance: [f64; 3], two_sided: bool) -> usize {
@@ -236,7 +287,7 @@ impl<'a> Writer<'a> {
 
     fn solid(&mut self, object: ObjectId) -> usize {
         let is_mirror = matches!(self.resolved.scene().object(object).surface, Surface::Mirror { .. });
-        let (metallic, roughness) = if is_mirror { (1, 0) } else { (0, 1) };
+        let (metallic, roughness) = if is_mirror { (1, self.roughness(object)) } else { (0, 1.0) };
         let mut surface = json!({ "metallicFactor": metallic, "roughnessFactor": roughness });
         match self.resolved.albedo(object) {
             Some(Albedo::Color(color)) => {
@@ -289,7 +340,6 @@ impl<'a> Writer<'a> {
     }
 
     fn lamps(&mut self) {
-        let mut suns = Vec::new();
         for (object, lamp) in self.resolved.lamps() {
             let name = self.resolved.scene().object(object).name.clone();
             let (rgb, mut light, place, axis) = match lamp {
@@ -300,10 +350,7 @@ impl<'a> Writer<'a> {
                     let cone = json!({ "innerConeAngle": inner, "outerConeAngle": outer });
                     (intensity, json!({ "type": "spot", "spot": cone }), position, Some(axis))
                 }
-                Lamp::Directional { direction, irradiance, angle } => {
-                    if angle > 0.0 {
-                        suns.push(name.clone());
-                    }
+                Lamp::Directional { direction, irradiance, .. } => {
                     (irradiance, json!({ "type": "directional" }), DVec3::ZERO, Some(direction))
                 }
             };
@@ -325,12 +372,7 @@ impl<'a> Writer<'a> {
             self.nodes.push(node);
             self.uses("KHR_lights_punctual");
         }
-        if !suns.is_empty() {
-            self.notes.push(format!(
-                "{}: suns have no extent in glTF; all of the light comes from one direction",
-                list(&suns)
-            ));
-        }
+        self.notes.extend(self.resolved.notes_of_lamps("glTF", false));
     }
 
     fn camera(&mut self, frame: Frame) {

@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use super::files::{Bundle, environment_exr};
 use super::pieces::Piece;
-use super::scene::{Frame, Lamp, ResolvedScene, TextureFiles, list};
+use super::scene::{Frame, Lamp, ResolvedScene, TextureFiles, ThinWall, list};
 use crate::formats::{PlyExtra, ply_bytes};
 use crate::scene::Albedo;
 use crate::scene::lights::EnvironmentLight;
@@ -80,6 +80,7 @@ impl Writer<'_> {
         self.environment();
         self.lamps();
         self.interfaces();
+        self.walls();
         self.opaque();
         self.line(0, "</scene>");
     }
@@ -142,10 +143,7 @@ impl Writer<'_> {
     }
 
     fn lamps(&mut self) {
-        let mut suns = Vec::new();
-        let mut spots = Vec::new();
         for (object, lamp) in self.resolved.lamps() {
-            let name = self.resolved.scene().object(object).name.clone();
             match lamp {
                 Lamp::Point { position, intensity } => {
                     self.line(1, "<emitter type=\"point\">");
@@ -153,7 +151,6 @@ impl Writer<'_> {
                     self.line(2, rgb("intensity", intensity));
                 }
                 Lamp::Spot { position, axis, intensity, half_angles: [inner, outer] } => {
-                    spots.push(name);
                     self.line(1, "<emitter type=\"spot\">");
                     let up = axis.any_orthonormal_vector();
                     let [from, to, up] = [position, position + axis, up].map(triple);
@@ -164,10 +161,7 @@ impl Writer<'_> {
                     self.line(2, format!("<float name=\"cutoff_angle\" value=\"{outer:?}\"/>"));
                     self.line(2, format!("<float name=\"beam_width\" value=\"{:?}\"/>", inner.min(0.999 * outer)));
                 }
-                Lamp::Directional { direction, irradiance, angle } => {
-                    if angle > 0.0 {
-                        suns.push(name);
-                    }
+                Lamp::Directional { direction, irradiance, .. } => {
                     self.line(1, "<emitter type=\"directional\">");
                     self.line(2, format!("<vector name=\"direction\" value=\"{}\"/>", triple(direction)));
                     self.line(2, rgb("irradiance", irradiance));
@@ -179,17 +173,7 @@ impl Writer<'_> {
             }
             self.line(1, "</emitter>");
         }
-        if !suns.is_empty() {
-            self.files.notes.push(format!(
-                "{}: suns have no extent in Mitsuba; all of the light comes from one direction",
-                list(&suns)
-            ));
-        }
-        if !spots.is_empty() {
-            self.files
-                .notes
-                .push(format!("{}: between their two angles spots fade otherwise in Mitsuba", list(&spots)));
-        }
+        self.files.notes.extend(self.resolved.notes_of_lamps("Mitsuba", true));
     }
 
     fn interfaces(&mut self) {
@@ -200,9 +184,17 @@ impl Writer<'_> {
             self.line(1, format!("<!-- {}: {} | {} -->", comment(name), comment(&outside.name), comment(&inside.name)));
             let file = format!("{}.{index}.ply", resolved.name(interface.refractor));
             let is_smooth = self.shape(&interface.piece, &file, None);
-            self.line(2, "<bsdf type=\"dielectric\">");
-            self.line(3, format!("<float name=\"int_ior\" value=\"{:?}\"/>", inside.ior()));
-            self.line(3, format!("<float name=\"ext_ior\" value=\"{:?}\"/>", outside.ior()));
+            // Mitsuba refuses rough ones between equal indices.
+            let roughness = resolved.roughness(interface.refractor);
+            let is_rough = roughness != [0.0; 2] && inside.ior() != outside.ior();
+            self.dielectric(
+                if is_rough { "roughdielectric" } else { "dielectric" },
+                interface.inside,
+                interface.outside,
+            );
+            if is_rough {
+                self.alpha(3, roughness);
+            }
             self.line(2, "</bsdf>");
             for (side, medium) in [("interior", interface.inside), ("exterior", interface.outside)] {
                 if resolved.absorbs(medium) {
@@ -210,6 +202,42 @@ impl Writer<'_> {
                 }
             }
             self.end_of_shape(is_smooth);
+        }
+    }
+
+    /// Begins the BSDF of a dielectric.
+    fn dielectric(&mut self, kind: &str, inside: MediumId, outside: MediumId) {
+        let [inside, outside] = [inside, outside].map(|id| self.resolved.medium(id).ior());
+        self.line(2, format!("<bsdf type=\"{kind}\">"));
+        self.line(3, format!("<float name=\"int_ior\" value=\"{inside:?}\"/>"));
+        self.line(3, format!("<float name=\"ext_ior\" value=\"{outside:?}\"/>"));
+    }
+
+    fn alpha(&mut self, depth: usize, [u, v]: [f64; 2]) {
+        self.line(depth, "<string name=\"distribution\" value=\"ggx\"/>");
+        if u == v {
+            self.line(depth, format!("<float name=\"alpha\" value=\"{u:?}\"/>"));
+        } else {
+            self.line(depth, format!("<float name=\"alpha_u\" value=\"{u:?}\"/>"));
+            self.line(depth, format!("<float name=\"alpha_v\" value=\"{v:?}\"/>"));
+        }
+    }
+
+    fn walls(&mut self) {
+        let resolved = self.resolved;
+        for ThinWall { object, piece, inside, outside } in &resolved.walls {
+            let name = &resolved.scene().object(*object).name;
+            self.line(1, format!("<!-- {}, a thin wall -->", comment(name)));
+            let is_smooth = self.shape(piece, &format!("{}.ply", resolved.name(*object)), None);
+            self.dielectric("thindielectric", *inside, *outside);
+            self.line(2, "</bsdf>");
+            self.end_of_shape(is_smooth);
+        }
+        self.files.notes.extend(resolved.notes_of_walls("Mitsuba"));
+        let dispersive = resolved.dispersive();
+        if !dispersive.is_empty() {
+            let what = "dielectrics of Mitsuba do not disperse: all colours get the IOR at 587.56 nm";
+            self.files.notes.push(format!("{}: {what}", list(&dispersive)));
         }
     }
 
@@ -303,11 +331,18 @@ impl Writer<'_> {
         let Some(albedo) = resolved.albedo(object) else { return };
         let is_mirror = matches!(self.resolved.scene().object(object).surface, Surface::Mirror { .. });
         self.line(2, "<bsdf type=\"twosided\">");
-        let (kind, parameter) =
-            if is_mirror { ("conductor", "specular_reflectance") } else { ("diffuse", "reflectance") };
+        let roughness = self.resolved.roughness(object);
+        let (kind, parameter) = match is_mirror {
+            true if roughness != [0.0; 2] => ("roughconductor", "specular_reflectance"),
+            true => ("conductor", "specular_reflectance"),
+            false => ("diffuse", "reflectance"),
+        };
         self.line(3, format!("<bsdf type=\"{kind}\">"));
         if is_mirror {
             self.line(4, "<string name=\"material\" value=\"none\"/>");
+        }
+        if kind == "roughconductor" {
+            self.alpha(4, roughness);
         }
         match albedo {
             Albedo::Color(color) => self.line(4, rgb(parameter, color.to_rgb())),

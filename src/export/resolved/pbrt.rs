@@ -2,17 +2,15 @@
 //!
 //! pbrt's `eta` is the index inside over that outside, and every surface names the media on both of its sides.
 
-use std::f64::consts::FRAC_PI_4;
 use std::fmt::Write;
-
-use glam::DVec3;
 
 use super::files::{Bundle, exr_bytes};
 use super::pieces::Piece;
-use super::scene::{Frame, Lamp, ResolvedScene, TextureFiles, list};
+use super::scene::{Frame, Lamp, ResolvedScene, TextureFiles, ThinWall, list};
 use crate::formats::{PlyExtra, ply_bytes};
 use crate::scene::Albedo;
 use crate::scene::description::Environment;
+use crate::scene::equal_area;
 use crate::scene::lights::EnvironmentLight;
 use crate::scene::{MediumId, ObjectId, Surface};
 
@@ -22,6 +20,10 @@ const MAX_DEPTH: u32 = 10_000;
 const GRADIENT_SIDE: usize = 512;
 /// The most of the side of one that is.
 const MOST_SIDE: usize = 4096;
+
+/// Wavelengths in nanometres that indices are given at: those that pbrt renders.
+const SPECTRUM: std::ops::RangeInclusive<u32> = 360..=830;
+const SPECTRUM_STEP: usize = 5;
 
 pub fn write(resolved: &ResolvedScene, frame: Frame) -> Bundle {
     let (files, textures) = (Bundle::new(resolved.notes.clone()), TextureFiles::default());
@@ -89,6 +91,7 @@ impl Writer<'_> {
         self.environment();
         self.lamps();
         self.interfaces();
+        self.walls();
         self.opaque();
     }
 
@@ -111,7 +114,7 @@ impl Writer<'_> {
                 };
                 let pixel = |x: usize, y: usize| {
                     let at = [x, y].map(|k| (k as f64 + 0.5) / side as f64);
-                    light.radiance(equal_area_direction(at)).to_rgb().map(|c| c as f32)
+                    light.radiance(equal_area::direction(at)).to_rgb().map(|c| c as f32)
                 };
                 self.files.add("environment.exr", exr_bytes(side, side, pixel));
                 self.line("LightSource \"infinite\" \"string filename\" \"environment.exr\"");
@@ -120,11 +123,10 @@ impl Writer<'_> {
     }
 
     fn lamps(&mut self) {
-        let (mut suns, mut spots) = (Vec::new(), Vec::new());
         for (object, lamp) in self.resolved.lamps() {
-            let name = self.resolved.scene().object(object).name.clone();
+            let name = &self.resolved.scene().object(object).name;
             let around = self.medium(self.resolved.medium_around(object));
-            self.line(format!("AttributeBegin # {}", comment(&name)));
+            self.line(format!("AttributeBegin # {}", comment(name)));
             self.line(format!("  MediumInterface \"\" {around}"));
             match lamp {
                 Lamp::Point { position, intensity } => {
@@ -132,7 +134,6 @@ impl Writer<'_> {
                     self.line(format!("    {}", rgb("I", intensity)));
                 }
                 Lamp::Spot { position, axis, intensity, half_angles: [inner, outer] } => {
-                    spots.push(name);
                     let [from, to] = [position, position + axis].map(triple);
                     self.line(format!("  LightSource \"spot\" \"point3 from\" [ {from} ] \"point3 to\" [ {to} ]"));
                     self.line(format!(
@@ -141,10 +142,7 @@ impl Writer<'_> {
                     ));
                     self.line(format!("    {}", rgb("I", intensity)));
                 }
-                Lamp::Directional { direction, irradiance, angle } => {
-                    if angle > 0.0 {
-                        suns.push(name);
-                    }
+                Lamp::Directional { direction, irradiance, .. } => {
                     let from = triple(-direction);
                     self.line(format!("  LightSource \"distant\" \"point3 from\" [ {from} ] \"point3 to\" [ 0 0 0 ]"));
                     self.line(format!("    {}", rgb("L", irradiance)));
@@ -152,13 +150,7 @@ impl Writer<'_> {
             }
             self.line("AttributeEnd");
         }
-        if !suns.is_empty() {
-            let what = "suns have no extent in pbrt; all of the light comes from one direction";
-            self.files.notes.push(format!("{}: {what}", list(&suns)));
-        }
-        if !spots.is_empty() {
-            self.files.notes.push(format!("{}: between their two angles spots fade otherwise in pbrt", list(&spots)));
-        }
+        self.files.notes.extend(self.resolved.notes_of_lamps("pbrt", true));
     }
 
     fn interfaces(&mut self) {
@@ -170,11 +162,60 @@ impl Writer<'_> {
             self.line(format!("AttributeBegin # {}: {sides}", comment(name)));
             let [inner, outer] = [interface.inside, interface.outside].map(|id| self.medium(id));
             self.line(format!("  MediumInterface {inner} {outer}"));
-            let eta = inside.ior() / outside.ior();
-            self.line(format!("  Material \"dielectric\" \"float eta\" {eta:?}"));
+            let eta = self.eta(interface.inside, interface.outside);
+            self.line(format!("  Material \"dielectric\" {eta}"));
+            self.roughness(interface.refractor);
             let file = format!("{}.{index}.ply", resolved.name(interface.refractor));
             self.shape(&interface.piece, &file, None);
             self.line("AttributeEnd");
+        }
+    }
+
+    /// The index inside over that outside, of one number or by wavelengths.
+    fn eta(&self, inside: MediumId, outside: MediumId) -> String {
+        let ratio = self.resolved.medium(inside).ior() / self.resolved.medium(outside).ior();
+        let sides = [inside, outside].map(|id| self.resolved.index(id));
+        let at = |nm: u32| {
+            let [inside, outside] = sides.map(|index| 1.0 + index.ior_minus_one(1e-3 * f64::from(nm)));
+            inside / outside
+        };
+        let pairs: Vec<(u32, f64)> = SPECTRUM.step_by(SPECTRUM_STEP).map(|nm| (nm, at(nm))).collect();
+        let is_one = !sides.iter().any(|index| index.is_dispersive());
+        // Formulas may have no answer far from where they were measured.
+        if is_one || pairs.iter().any(|(_, eta)| !(eta.is_finite() && *eta > 0.0)) {
+            return format!("\"float eta\" {ratio:?}");
+        }
+        let pairs: Vec<String> = pairs.iter().map(|(nm, eta)| format!("{nm} {eta:.8}")).collect();
+        format!("\"spectrum eta\" [ {} ]", pairs.join(" "))
+    }
+
+    fn roughness(&mut self, object: ObjectId) {
+        let [u, v] = self.resolved.roughness(object);
+        if [u, v] == [0.0; 2] {
+            return;
+        }
+        let alpha = match u == v {
+            true => format!("\"float roughness\" {u:?}"),
+            false => format!("\"float uroughness\" {u:?} \"float vroughness\" {v:?}"),
+        };
+        self.line(format!("    {alpha} \"bool remaproughness\" false"));
+    }
+
+    fn walls(&mut self) {
+        let resolved = self.resolved;
+        for ThinWall { object, piece, inside, outside } in &resolved.walls {
+            self.line(format!("AttributeBegin # {}, a thin wall", comment(&resolved.scene().object(*object).name)));
+            let around = self.medium(*outside);
+            self.line(format!("  MediumInterface {around} {around}"));
+            let eta = self.eta(*inside, *outside);
+            self.line(format!("  Material \"thindielectric\" {eta}"));
+            self.shape(piece, &format!("{}.ply", resolved.name(*object)), None);
+            self.line("AttributeEnd");
+        }
+        self.files.notes.extend(resolved.notes_of_walls("pbrt"));
+        let dispersive = resolved.dispersive();
+        if !dispersive.is_empty() {
+            self.files.notes.push(format!("{}: colours are dispersed in pbrt, and not here", list(&dispersive)));
         }
     }
 
@@ -244,6 +285,7 @@ impl Writer<'_> {
                 self.line(format!("  Material \"{material}\" \"texture {parameter}\" \"{texture}\""));
             }
         }
+        self.roughness(object);
     }
 }
 
@@ -254,41 +296,4 @@ fn medium_name(medium: MediumId) -> String {
 /// Text for a comment, which ends with its line.
 fn comment(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { '_' } else { c }).collect()
-}
-
-/// The direction of a place in [0, 1]² of an equal-area octahedral map (Clarberg 2008), as pbrt reads its environments.
-fn equal_area_direction(at: [f64; 2]) -> DVec3 {
-    let [u, v] = at.map(|x| 2.0 * x - 1.0);
-    let (across, down) = (u.abs(), v.abs());
-    let from_edge = 1.0 - (across + down);
-    let r = 1.0 - from_edge.abs();
-    let phi = if r == 0.0 { FRAC_PI_4 } else { ((down - across) / r + 1.0) * FRAC_PI_4 };
-    let z = (1.0 - r * r).copysign(from_edge);
-    let ring = r * (2.0 - r * r).sqrt();
-    DVec3::new(phi.cos().copysign(u) * ring, phi.sin().copysign(v) * ring, z)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Equal areas: the mean of x², y² and z² over the square is a third each. And its marked places.
-    #[test]
-    fn the_map_is_of_equal_areas() {
-        let side = 200;
-        let mut sum = DVec3::ZERO;
-        for y in 0..side {
-            for x in 0..side {
-                let d = equal_area_direction([x, y].map(|k| (f64::from(k) + 0.5) / f64::from(side)));
-                assert!((d.length() - 1.0).abs() < 1e-12);
-                sum += d * d;
-            }
-        }
-        let mean = sum / f64::from(side * side);
-        assert!((mean - 1.0 / 3.0).abs().max_element() < 1e-3, "{mean}");
-        assert!(equal_area_direction([0.5, 0.5]).abs_diff_eq(DVec3::Z, 1e-12));
-        assert!(equal_area_direction([0.0, 0.0]).abs_diff_eq(DVec3::NEG_Z, 1e-12));
-        assert!(equal_area_direction([1.0, 0.5]).abs_diff_eq(DVec3::X, 1e-12));
-        assert!(equal_area_direction([0.5, 0.0]).abs_diff_eq(DVec3::NEG_Y, 1e-12));
-    }
 }

@@ -1,6 +1,6 @@
 //! A scene with every interface resolved: what the writers of all formats take, each in its own words.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 use glam::{DVec3, Vec2};
@@ -9,14 +9,15 @@ use super::files::Bundle;
 use super::pieces::{Interface, Piece, interfaces, surface, with_meshes};
 use crate::formats::texture::to_png;
 use crate::geometry::{Mesh, Ray};
+use crate::optics::Ior;
 use crate::rectify::start::start;
 use crate::scene::Albedo;
 use crate::scene::camera::Camera;
-use crate::scene::description::{Description, Shape};
+use crate::scene::description::{Description, Object, Paint, Shape, Solid};
 use crate::scene::lights::Light;
 use crate::scene::texture::{SurfaceTexture, TextureCoordinates, TextureImage, spherical_corners};
 use crate::scene::{MediumId, ObjectId, Scene, SceneError, SceneMedium, Surface};
-use crate::tracking::Prepared;
+use crate::tracking::{Prepared, prepare};
 
 /// The scene, its interfaces, and what cannot be said of it elsewhere.
 pub struct ResolvedScene {
@@ -24,11 +25,24 @@ pub struct ResolvedScene {
     pub interfaces: Vec<Interface>,
     /// Solids, and lights with a surface.
     pub opaque: Vec<(ObjectId, Piece)>,
+    /// Walls without an inside that are hidden here, and are written as what they are.
+    pub walls: Vec<ThinWall>,
     pub camera_medium: MediumId,
     /// Short names of the objects' files, each once.
     names: Vec<String>,
     /// What is approximated, and what is left out.
     pub notes: Vec<String>,
+}
+
+/// A wall without an inside: light goes straight through it, and is reflected.
+#[derive(Debug, Clone)]
+pub struct ThinWall {
+    pub object: ObjectId,
+    pub piece: Piece,
+    /// What it is made of.
+    pub inside: MediumId,
+    /// What is declared around it, or else the world.
+    pub outside: MediumId,
 }
 
 /// A light without a surface, in scene coordinates.
@@ -90,7 +104,8 @@ impl ResolvedScene {
             .collect();
         let interfaces = interfaces(&prepared);
         let names = file_names(scene);
-        Ok(Self { interfaces, opaque, camera_medium, names, notes, prepared })
+        let walls = thin_walls(description)?;
+        Ok(Self { interfaces, opaque, walls, camera_medium, names, notes, prepared })
     }
 
     pub fn scene(&self) -> &Scene {
@@ -103,6 +118,46 @@ impl ResolvedScene {
 
     pub fn medium(&self, id: MediumId) -> &SceneMedium {
         self.scene().medium(id)
+    }
+
+    /// The index of a medium as the scene has it, at all wavelengths.
+    pub fn index(&self, id: MediumId) -> &Ior {
+        const ONE: Ior = Ior::Constant(1.0);
+        match id {
+            MediumId::WORLD => &self.description().world.ior,
+            id => id.0.checked_sub(2).and_then(|k| self.description().media.get(k as usize)).map_or(&ONE, |m| &m.ior),
+        }
+    }
+
+    /// GGX's α of an object along u and v.
+    pub fn roughness(&self, object: ObjectId) -> [f64; 2] {
+        self.description().objects[object.0 as usize].roughness()
+    }
+
+    /// Media at interfaces whose index differs between wavelengths, by name.
+    pub fn dispersive(&self) -> Vec<String> {
+        let sides = self.interfaces.iter().flat_map(|interface| [interface.inside, interface.outside]);
+        let sides = sides.chain(self.walls.iter().map(|wall| wall.inside));
+        let media = sides.filter(|id| self.index(*id).is_dispersive()).collect::<BTreeSet<_>>();
+        media.into_iter().map(|id| self.medium(id).name.clone()).collect()
+    }
+
+    /// What is to be said of thin walls where `format` has a word for them.
+    pub fn notes_of_walls(&self, format: &str) -> Vec<String> {
+        let name = |object: &Object| object.name.clone();
+        let hidden: Vec<String> = self.walls.iter().map(|wall| self.scene().object(wall.object).name.clone()).collect();
+        let is_body = |object: &&Object| object.visible && object.refractor().is_some_and(|refractor| refractor.thin);
+        let bodies: Vec<String> = self.description().objects.iter().filter(is_body).map(name).collect();
+        let mut notes = Vec::new();
+        if !hidden.is_empty() {
+            notes.push(format!("{}: hidden here, and written as thin walls", list(&hidden)));
+        }
+        if !bodies.is_empty() {
+            let advice = "hide what is to be a thin wall there";
+            notes
+                .push(format!("{}: thin walls are bodies in {format} as they are shown here; {advice}", list(&bodies)));
+        }
+        notes
     }
 
     /// A short name of an object, of letters, digits and dashes, that no other object has.
@@ -158,6 +213,22 @@ impl ResolvedScene {
                 Light::Area(_) | Light::Environment(_) => None,
             })
             .collect()
+    }
+
+    /// What is to be said of lights without a surface in `format`, whose suns have no extent. `has_other_edges`: its spots fade otherwise than here.
+    pub fn notes_of_lamps(&self, format: &str, has_other_edges: bool) -> Vec<String> {
+        let lamps = self.lamps();
+        let names = |is_it: &dyn Fn(&Lamp) -> bool| -> Vec<String> {
+            let some = lamps.iter().filter(|(_, lamp)| is_it(lamp));
+            some.map(|(object, _)| self.scene().object(*object).name.clone()).collect()
+        };
+        let suns = names(&|lamp| matches!(lamp, Lamp::Directional { angle, .. } if *angle > 0.0));
+        let spots = names(&|lamp| has_other_edges && matches!(lamp, Lamp::Spot { .. }));
+        let of_suns = format!("suns have no extent in {format}; all of the light comes from one direction");
+        let of_spots = format!("between their two angles spots fade otherwise in {format}");
+        let note =
+            |(names, what): (Vec<String>, String)| (!names.is_empty()).then(|| format!("{}: {what}", list(&names)));
+        [(suns, of_suns), (spots, of_spots)].into_iter().filter_map(note).collect()
     }
 
     /// The mesh of something opaque, and its texture coordinates where it is chequered, two squares to a unit, or has an image.
@@ -247,6 +318,34 @@ pub fn list(names: &[String]) -> String {
         0 => shown.join(", "),
         more => format!("{} and {more} more", shown.join(", ")),
     }
+}
+
+/// The thin walls that are hidden, where they stand.
+fn thin_walls(description: &Description) -> Result<Vec<ThinWall>, SceneError> {
+    let medium = |name: &str| {
+        let index = description.media.iter().position(|medium| medium.name == name);
+        index.map_or(MediumId::WORLD, |index| MediumId(index as u32 + 2))
+    };
+    let is_wall = |object: &Object| !object.visible && object.refractor().is_some_and(|refractor| refractor.thin);
+    let walls = || description.objects.iter().zip(0..).filter(|(object, _)| is_wall(object));
+    if walls().next().is_none() {
+        return Ok(Vec::new());
+    }
+    // Alone and as solids, which nothing is asked of.
+    let solid = |object: &Object| {
+        let role = Solid { smooth: object.is_smooth(), ..Solid::of(Paint::Color([0.5; 3])) };
+        Object { visible: true, role: role.into(), ..object.clone() }
+    };
+    let objects = walls().map(|(object, _)| solid(object)).collect();
+    let alone = prepare(Arc::new(Description { objects, camera_medium: None, ..description.clone() }), None)?;
+    Ok((walls().zip(0..))
+        .filter_map(|((object, index), place)| {
+            let piece = surface(&alone, ObjectId(place))?;
+            let inside = medium(&object.refractor()?.medium);
+            let outside = object.outside().map_or(MediumId::WORLD, medium);
+            Some(ThinWall { object: ObjectId(index), piece, inside, outside })
+        })
+        .collect())
 }
 
 fn file_names(scene: &Scene) -> Vec<String> {

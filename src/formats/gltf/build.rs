@@ -168,7 +168,7 @@ impl<'a> Builder<'a> {
         };
         let smooth = !mesh.normals.is_empty();
         Ok(match look.clone() {
-            Look::Opaque { color, image, is_mirror } => {
+            Look::Opaque { color, image, is_mirror, roughness } => {
                 let of_vertices = self.vertex_color(index, material)?;
                 let color = std::array::from_fn(|channel| color[channel] * of_vertices[channel]);
                 let name = || material.map(|index| materials::name(self.container, index)).unwrap_or_default();
@@ -176,21 +176,22 @@ impl<'a> Builder<'a> {
                     Some(image) => painted(image, color, mesh, &name(), &mut self.tally),
                     None => Paint::Color(color),
                 };
-                Solid { mirror: is_mirror, smooth, ..Solid::of(paint) }.into()
+                let roughness = [if is_mirror { roughness } else { 0.0 }; 2];
+                Solid { mirror: is_mirror, roughness, smooth, ..Solid::of(paint) }.into()
             }
             Look::Light { radiance, is_double_sided } => {
                 // The inward side of what is closed is seen by nobody.
                 let two_sided = is_double_sided && !is_closed(mesh);
                 Light { two_sided, ..Light::of_radiance(radiance) }.into()
             }
-            Look::Glass { ior, absorption } => {
+            Look::Glass { ior, absorption, roughness, thin } => {
                 let medium = self.media_of.entry(material).or_insert_with(|| {
                     let name = material.map(|index| materials::name(self.container, index)).unwrap_or_default();
                     let name = self.media_names.give(&name, "glass");
                     self.media.push(Medium { name: name.clone(), ior, absorption });
                     name
                 });
-                Refractor { smooth, ..Refractor::of(medium.clone()) }.into()
+                Refractor { smooth, roughness: [roughness; 2], thin, ..Refractor::of(medium.clone()) }.into()
             }
         })
     }

@@ -29,18 +29,21 @@ pub enum Look {
     Glass {
         ior: Ior,
         absorption: [f64; 3],
+        /// GGX's α.
+        roughness: f64,
+        /// It has no volume, and is a thin wall by the standard.
+        thin: bool,
     },
     /// An image is multiplied by the colour.
     Opaque {
         color: [f64; 3],
         image: Option<BaseColor>,
         is_mirror: bool,
+        /// GGX's α.
+        roughness: f64,
     },
     /// Sheets of it may emit from both sides.
-    Light {
-        radiance: [f64; 3],
-        is_double_sided: bool,
-    },
+    Light { radiance: [f64; 3], is_double_sided: bool },
 }
 
 /// What a material is called in a scene.
@@ -58,7 +61,7 @@ pub fn look(
     tally: &mut Tally,
 ) -> Result<Look, String> {
     let Some(index) = index else {
-        return Ok(Look::Opaque { color: DEFAULT_ALBEDO, image: None, is_mirror: false });
+        return Ok(Look::Opaque { color: DEFAULT_ALBEDO, image: None, is_mirror: false, roughness: 1.0 });
     };
     let materials = &container.root.materials;
     let material =
@@ -82,15 +85,12 @@ pub fn look(
         let of_passing = images.numbers(container, transmission.transmission_texture.as_ref(), tally);
         let passing = share(transmission.transmission_factor * of_passing[0]) * (1.0 - metallic);
         if passing >= 0.5 {
-            if roughness > 0.05 {
-                tally.add("rough_glass", "rough glass is shown as smooth", &named);
-            }
             if passing < 0.99 {
                 tally.add("part_transmission", "what transmits in part is shown as if it transmitted all", &named);
             }
             let average = images.color(container, texture, tally);
             let color = [0, 1, 2].map(|axis| share([red, green, blue][axis] * average[axis]));
-            return Ok(glass(material, &named, color, tally));
+            return Ok(glass(material, &named, color, alpha_of(roughness), tally));
         }
         if passing > 0.0 {
             tally.add("part_transmission", "what transmits less than half is shown as opaque", &named);
@@ -111,10 +111,7 @@ pub fn look(
     }
     let is_mirror = metallic >= 0.5 && roughness <= MOST_POLISHED;
     match (metallic >= 0.5, is_mirror) {
-        (true, true) if roughness > 0.05 => {
-            tally.add("rough_metal", "rough metal is shown as a mirror or diffuse", &named)
-        }
-        (true, false) => tally.add("rough_metal", "rough metal is shown as a mirror or diffuse", &named),
+        (true, false) => tally.add("rough_metal", "very rough metal is shown as diffuse", &named),
         (false, _) if roughness < 0.5 => tally.add("gloss", "the gloss of diffuse surfaces is left out", &named),
         _ => {}
     }
@@ -122,10 +119,15 @@ pub fn look(
     if image.is_some() && material.alpha_mode == "MASK" {
         tally.add("cutout", "holes that images cut by alpha are filled", &named);
     }
-    Ok(Look::Opaque { color: [red, green, blue].map(share), image, is_mirror })
+    Ok(Look::Opaque { color: [red, green, blue].map(share), image, is_mirror, roughness: alpha_of(roughness) })
 }
 
-fn glass(material: &Material, named: &str, color: [f64; 3], tally: &mut Tally) -> Look {
+/// glTF's roughness is the root of α.
+fn alpha_of(roughness: f64) -> f64 {
+    roughness * roughness
+}
+
+fn glass(material: &Material, named: &str, color: [f64; 3], roughness: f64, tally: &mut Tally) -> Look {
     let MaterialExtensions { ior, volume, dispersion, specular, .. } = &material.extensions;
     let index = ior.as_ref().and_then(|extension| extension.ior).unwrap_or(DEFAULT_IOR);
     let index = if index == 0.0 || !(IOR.is_fine)(index) {
@@ -169,13 +171,11 @@ fn glass(material: &Material, named: &str, color: [f64; 3], tally: &mut Tally) -
             absorption = [0.0; 3];
         }
     } else {
-        let what = "what transmits without a volume is a thin wall in glTF; it is taken for a body of its IOR";
-        tally.add("thin_wall", what, named);
         if color.iter().any(|share| *share < 0.999) {
             tally.add("thin_tint", "the colour of thin walls is left out", named);
         }
     }
-    Look::Glass { ior, absorption }
+    Look::Glass { ior, absorption, roughness, thin: thickness <= 0.0 }
 }
 
 /// −ln of the share that passes, at least 0.

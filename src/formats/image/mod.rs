@@ -10,6 +10,7 @@ mod exr;
 pub(crate) mod limits;
 mod radiance;
 mod repair;
+pub(super) mod write;
 
 use std::path::Path;
 

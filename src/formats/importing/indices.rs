@@ -1,5 +1,7 @@
 //! Indices of refraction by the names that other renderers have for them.
 
+use crate::optics::{Ior, catalog};
+
 /// As Mitsuba lists them.
 const MITSUBA: [(&str, f64); 24] = [
     ("vacuum", 1.0),
@@ -47,6 +49,16 @@ pub fn of_mitsuba(name: &str) -> Option<f64> {
 /// The index that pbrt has under a name, at the d line.
 pub fn of_pbrt(name: &str) -> Option<f64> {
     find(&PBRT, name)
+}
+
+/// The same at all wavelengths, where the catalogue has that glass.
+pub fn formula_of_pbrt(name: &str) -> Option<Ior> {
+    let name = match name.trim().to_lowercase().as_str() {
+        "glass-bk7" => "n-bk7",
+        "glass-f11" => "sf11",
+        _ => return None,
+    };
+    catalog::find(name).map(Ior::Catalog)
 }
 
 /// All names, for errors.

@@ -14,10 +14,24 @@ use super::Matter;
 pub struct Side {
     /// `None`: that of the world, as inside of a surface that bends nothing.
     pub ior: Option<f64>,
+    /// The index at all wavelengths, where the file says it.
+    pub formula: Option<Ior>,
     /// σ per scene unit; `None` where the file says nothing.
     pub absorption: Option<[f64; 3]>,
     /// The file's name for it, or the empty text.
     pub name: String,
+}
+
+impl Side {
+    /// Whether nothing is different on two sides of a surface that bends nothing.
+    pub fn absorbs_as(&self, other: &Self) -> bool {
+        self.absorption.unwrap_or_default() == other.absorption.unwrap_or_default()
+    }
+
+    /// It absorbs nothing, and has no name.
+    pub fn clear() -> Self {
+        Self { absorption: Some([0.0; 3]), ..Self::default() }
+    }
 }
 
 /// Indices as near as this are one: files give them in single precision.
@@ -43,7 +57,7 @@ pub fn resolve(objects: &mut [(Object, Matter)], camera: Option<&Side>) -> (Worl
     }
     // What bends nothing has the index of what is outside.
     for (object, matter) in &mut *objects {
-        if let (Matter::Refractor { inside, outside }, Role::Refractor(refractor)) = (&*matter, &mut object.role)
+        if let (Matter::Refractor { inside, outside, .. }, Role::Refractor(refractor)) = (&*matter, &mut object.role)
             && inside.ior.is_none()
         {
             let ior = media.index_of(outside);
@@ -69,7 +83,7 @@ pub fn resolve(objects: &mut [(Object, Matter)], camera: Option<&Side>) -> (Worl
 fn world(objects: &[(Object, Matter)]) -> (f64, [f64; 3]) {
     let sides = || {
         objects.iter().filter_map(|(_, matter)| match matter {
-            Matter::Refractor { inside, outside } => Some((inside, outside)),
+            Matter::Refractor { inside, outside, .. } => Some((inside, outside)),
             _ => None,
         })
     };
@@ -108,17 +122,22 @@ impl Media {
         self.list.iter().find(is_it).map(|medium| medium.name.clone())
     }
 
-    fn add(&mut self, ior: f64, absorption: [f64; 3], name: &str, otherwise: &str) -> String {
-        let name = if name.is_empty() { super::indices::name_of(ior).unwrap_or(otherwise) } else { name };
+    fn add(&mut self, ior: f64, side: &Side, otherwise: &str) -> String {
+        let name = match side.name.as_str() {
+            "" => super::indices::name_of(ior).unwrap_or(otherwise),
+            name => name,
+        };
         let name = self.names.give(name, "medium");
-        self.list.push(Medium { name: name.clone(), ior: Ior::Constant(ior), absorption });
+        let absorption = side.absorption.unwrap_or_default();
+        let ior = side.formula.clone().unwrap_or(Ior::Constant(ior));
+        self.list.push(Medium { name: name.clone(), ior, absorption });
         name
     }
 
     /// The medium inside `object`, which is never the world by name.
     fn inside(&mut self, side: &Side, object: &str) -> String {
         let (ior, absorption) = (side.ior.unwrap_or(self.world.0), side.absorption.unwrap_or_default());
-        self.find(ior, absorption).unwrap_or_else(|| self.add(ior, absorption, &side.name, object))
+        self.find(ior, absorption).unwrap_or_else(|| self.add(ior, side, object))
     }
 
     fn outside(&mut self, side: &Side) -> String {
@@ -134,14 +153,14 @@ impl Media {
                 of_index.map(|medium| medium.name.clone())
             }),
         };
-        found.unwrap_or_else(|| self.add(ior, side.absorption.unwrap_or_default(), &side.name, &format!("IOR {ior}")))
+        found.unwrap_or_else(|| self.add(ior, side, &format!("IOR {ior}")))
     }
 
     /// Around cameras and lights, and where nothing bends, files declare what absorbs and not the index.
     fn by_absorption(&mut self, side: &Side) -> String {
         match self.known(side) {
             Some(name) => name,
-            None => self.add(self.world.0, side.absorption.unwrap_or_default(), &side.name, "medium"),
+            None => self.add(self.world.0, side, "medium"),
         }
     }
 
@@ -173,12 +192,15 @@ mod tests {
     use glam::DVec3;
 
     fn side(ior: Option<f64>, absorption: Option<f64>, name: &str) -> Side {
-        Side { ior, absorption: absorption.map(|sigma| [sigma; 3]), name: name.to_owned() }
+        Side { ior, absorption: absorption.map(|sigma| [sigma; 3]), name: name.to_owned(), ..Side::default() }
     }
 
     fn ball(name: &str, inside: Side, outside: Side) -> (Object, Matter) {
         let shape = Shape::Sphere { center: DVec3::ZERO, radius: 1.0 };
-        (Object::new(name, shape, Refractor::of("")), Matter::Refractor { inside, outside })
+        (
+            Object::new(name, shape, Refractor::of("")),
+            Matter::Refractor { refractor: Refractor::of(""), inside, outside },
+        )
     }
 
     /// Medium, index and what is declared outside, by object.

@@ -3,10 +3,12 @@
 //!
 //! Nothing is dropped silently: what has no counterpart is approximated or left out, and said once a kind, with the place of the first.
 
+pub(super) mod environment;
 pub(super) mod indices;
 pub(super) mod media;
 pub(super) mod place;
 pub(super) mod shapes;
+pub(super) mod spectra;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -16,9 +18,12 @@ use glam::{DAffine2, DAffine3, DVec3};
 
 use self::media::{Side, resolve};
 use self::place::{Facing, Placed};
+use super::disk::MAX_DATA_BYTES;
 use super::files::Input;
+use super::mesh::{MeshFile, PartFault};
 use super::names::Names;
-use super::{image, mesh, texture};
+use super::parts::NoSuchPart;
+use super::{compressed, image, mesh, texture};
 use crate::geometry::Mesh;
 use crate::scene::Place;
 use crate::scene::camera::Camera;
@@ -38,6 +43,7 @@ pub(super) const MOST_OBJECTS: usize = 1 << 20;
 #[derive(Debug, Clone)]
 pub(super) enum Matter {
     Refractor {
+        refractor: Refractor,
         inside: Side,
         outside: Side,
     },
@@ -57,10 +63,14 @@ pub(super) struct Importer<'a> {
     notes: Vec<LoadNote>,
     names: Names,
     objects: Vec<(Object, Matter)>,
-    meshes: HashMap<PathBuf, Arc<FileMesh>>,
+    meshes: HashMap<(PathBuf, MeshPart), Arc<FileMesh>>,
+    /// Of which parts were taken, for more of them.
+    mesh_files: HashMap<PathBuf, MeshFile>,
     textures: HashMap<PathBuf, Arc<TextureImage>>,
     /// Files other than meshes and images that were read.
     files: Vec<PathBuf>,
+    /// Where files are looked for beside the scene's folder, by paths from there.
+    folders: Vec<PathBuf>,
     pub camera: Option<CameraDescription>,
     /// What the file declares around the camera.
     pub camera_medium: Option<Side>,
@@ -72,8 +82,11 @@ pub(super) struct Importer<'a> {
 pub(super) struct FileMesh {
     pub mesh: Arc<Mesh>,
     pub notes: Vec<LoadNote>,
-    /// As the scene names it.
+    /// As the scene names it; empty of one that is in no file of its own.
     pub path: PathBuf,
+    pub part: MeshPart,
+    /// What its object may be called.
+    pub name: String,
     pub facing: Facing,
 }
 
@@ -87,7 +100,9 @@ impl<'a> Importer<'a> {
             objects: Vec::new(),
             meshes: HashMap::new(),
             textures: HashMap::new(),
+            mesh_files: HashMap::new(),
             files: Vec::new(),
+            folders: Vec::new(),
             camera: None,
             camera_medium: None,
             environment: Environment::DEFAULT,
@@ -107,11 +122,16 @@ impl<'a> Importer<'a> {
         self.notes.push(LoadNote { kind, count: 1, first_line, message });
     }
 
-    /// The bytes of a file that the scene names, and the path by which errors call it.
+    /// The bytes of a file that the scene names, uncompressed, and the path by which errors call it.
     pub fn bytes_of(&mut self, named: &str, place: &Place) -> Result<(Vec<u8>, PathBuf), SceneError> {
-        let file = self.locate(named);
+        let file = self.locate(&self.found(named));
         let bytes = self.input.files.read(&file).map_err(|why| at(place, format!("{} {why}", file.display())))?;
-        Ok((bytes.into_owned(), file))
+        let bytes = match compressed::is_compressed(&file) {
+            true => compressed::gunzip(&bytes, MAX_DATA_BYTES)
+                .map_err(|why| at(place, format!("{} {why}", file.display())))?,
+            false => bytes.into_owned(),
+        };
+        Ok((bytes, file))
     }
 
     /// The bytes of a part of the scene's own text, in another file.
@@ -123,27 +143,74 @@ impl<'a> Importer<'a> {
         Ok(found)
     }
 
-    fn locate(&self, named: &str) -> PathBuf {
-        let folder = self.input.path.parent().unwrap_or(Path::new(""));
-        self.input.files.locate(&folder.join(named.replace('\\', "/")))
+    fn folder(&self) -> &Path {
+        self.input.path.parent().unwrap_or(Path::new(""))
     }
 
-    /// The mesh of a file, read once.
-    pub fn mesh(&mut self, named: &str, place: &Place) -> Result<Arc<FileMesh>, SceneError> {
-        let path = PathBuf::from(named.replace('\\', "/"));
-        if let Some(known) = self.meshes.get(&path) {
+    /// By a path from the scene's folder.
+    fn locate(&self, path: &Path) -> PathBuf {
+        self.input.files.locate(&self.folder().join(path))
+    }
+
+    /// The path of a file that the scene names, from the scene's folder: there, or in a folder that it is to be looked for in.
+    pub fn found(&self, named: &str) -> PathBuf {
+        let named = PathBuf::from(named.replace('\\', "/"));
+        if self.folders.is_empty() {
+            return named;
+        }
+        let others = self.folders.iter().map(|folder| folder.join(&named));
+        let mut all = std::iter::once(named.clone()).chain(others);
+        all.find(|path| self.input.files.read(&self.locate(path)).is_ok()).unwrap_or(named)
+    }
+
+    /// Files are looked for in another folder too, which is named from that of the file at `place`.
+    pub fn look_in(&mut self, named: &str, place: &Place) {
+        let folder = place.file.parent().unwrap_or(Path::new("")).join(named.replace('\\', "/"));
+        let folder = folder.strip_prefix(self.folder()).map(Path::to_path_buf).unwrap_or(folder);
+        self.folders.push(folder);
+    }
+
+    /// The mesh of a file, or a part of it, read once.
+    pub fn mesh(&mut self, named: &str, part: &MeshPart, place: &Place) -> Result<Arc<FileMesh>, SceneError> {
+        let key = (self.found(named), part.clone());
+        if let Some(known) = self.meshes.get(&key) {
             return Ok(Arc::clone(known));
         }
+        let path = &key.0;
+        if !self.mesh_files.contains_key(path) {
+            let file = self.mesh_file(named, path, place)?;
+            self.mesh_files.insert(path.clone(), file);
+        }
+        let located = self.locate(path);
+        let (mesh, notes) = match &self.mesh_files[path] {
+            file if !part.is_whole() => file.part(part).map_err(|fault| match fault {
+                PartFault::Fault(fault) => mesh::error_in(&located, fault),
+                PartFault::NoSuchPart(NoSuchPart { message, .. }) => at(place, format!("{named} {message}")),
+            })?,
+            _ => {
+                let whole = self.mesh_files.remove(path).map(MeshFile::whole).expect("it was just read");
+                whole.map_err(|fault| mesh::error_in(&located, fault))?
+            }
+        };
+        let facing = Facing::of(&mesh);
+        let is_compressed = compressed::is_compressed(path);
+        let plain = if is_compressed { path.with_extension("") } else { path.clone() };
+        let name = plain.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        // Scene files name no compressed meshes: it is one of the scene's own.
+        let path = if is_compressed { PathBuf::new() } else { path.clone() };
+        let read = Arc::new(FileMesh { mesh: Arc::new(mesh), notes, path, part: part.clone(), name, facing });
+        self.meshes.insert(key, Arc::clone(&read));
+        Ok(read)
+    }
+
+    fn mesh_file(&mut self, named: &str, path: &Path, place: &Place) -> Result<MeshFile, SceneError> {
+        let plain = if compressed::is_compressed(path) { path.with_extension("") } else { path.to_path_buf() };
         // A scene is no mesh: it could name itself.
-        let format = mesh::format_of(&path).ok().filter(|_| mesh::is_mesh(&path));
+        let format = mesh::format_of(&plain).ok().filter(|_| mesh::is_mesh(&plain));
         let format = format.ok_or_else(|| at(place, format!("{named} is no mesh that is read")))?;
         let (bytes, file) = self.bytes_of(named, place)?;
         let input = Input { bytes: &bytes, path: &file, files: self.input.files };
-        let (mesh, notes) = mesh::read(&input, format).map_err(|fault| mesh::error_in(&file, fault))?;
-        let facing = Facing::of(&mesh);
-        let read = Arc::new(FileMesh { mesh: Arc::new(mesh), notes, path: path.clone(), facing });
-        self.meshes.insert(path, Arc::clone(&read));
-        Ok(read)
+        MeshFile::read(&input, format).map_err(|fault| mesh::error_in(&file, fault))
     }
 
     /// Makes a texture that is looked up by the file's coordinates one that is by those of the shape. Where that cannot be said it has its mean colour.
@@ -164,7 +231,7 @@ impl<'a> Importer<'a> {
 
     /// A texture, read once; `None` where it cannot be read, which is said. `uv` makes coordinates in the image, v upwards, of those of the file.
     pub fn texture(&mut self, named: &str, uv: &DAffine2, place: &Place) -> Option<Paint> {
-        let path = PathBuf::from(named.replace('\\', "/"));
+        let path = self.found(named);
         let image = match self.textures.get(&path) {
             Some(known) => Arc::clone(known),
             None => {
@@ -217,7 +284,19 @@ impl<'a> Importer<'a> {
     pub fn image(&mut self, named: &str, place: &Place) -> Result<EnvironmentImage, SceneError> {
         let format = image::format_of(Path::new(named)).map_err(|message| at(place, message))?;
         let (bytes, file) = self.bytes_of(named, place)?;
-        image::read(&bytes, format).map_err(|message| SceneError::in_file(file, message))
+        let image = image::read(&bytes, format).map_err(|message| SceneError::in_file(&file, message))?;
+        if !self.files.contains(&file) {
+            self.files.push(file);
+        }
+        Ok(image)
+    }
+
+    /// GGX's α as a scene may have it.
+    pub fn roughness(&mut self, alpha: [f64; 2], place: &Place) -> [f64; 2] {
+        if alpha.iter().any(|alpha| *alpha > 1.0) {
+            self.note("roughness", place, "surfaces rougher than an α of 1 have one of 1");
+        }
+        alpha.map(|alpha| if alpha.is_finite() { alpha.clamp(0.0, 1.0) } else { 0.0 })
     }
 
     /// Adds an object. `facing` says whether the file's normals point to the object's outside; where they point inward, what it declares on their
@@ -246,15 +325,19 @@ impl<'a> Importer<'a> {
             *part = MeshPart::of_group(&name);
         }
         let (role, matter): (Role, Matter) = match matter {
-            Matter::Refractor { inside, outside } => {
-                let (inside, outside) = if is_inward { (outside, inside) } else { (inside, outside) };
-                let role = Refractor { smooth: is_smooth, ..Refractor::of("") };
-                (role.into(), Matter::Refractor { inside, outside })
+            Matter::Refractor { refractor, inside, outside } => {
+                // A thin wall is the same from both sides.
+                let is_turned = is_inward && !refractor.thin;
+                let (inside, outside) = if is_turned { (outside, inside) } else { (inside, outside) };
+                let role = Refractor { smooth: is_smooth, ..refractor.clone() };
+                (role.into(), Matter::Refractor { refractor, inside, outside })
             }
             Matter::Solid(solid) => (Solid { smooth: is_smooth, ..solid.clone() }.into(), Matter::Solid(solid)),
             Matter::Light { light, around } => (light.clone().into(), Matter::Light { light, around }),
         };
-        let object = Object { name, shape, transform, visible: true, role };
+        // Light goes straight through thin walls. They are kept for other renderers, and hidden.
+        let visible = !matches!(&role, Role::Refractor(refractor) if refractor.thin);
+        let object = Object { name, shape, transform, visible, role };
         self.objects.push((object, matter));
         Ok(())
     }
@@ -291,6 +374,16 @@ impl<'a> Importer<'a> {
         Camera::new(&description.camera).map_err(|error| SceneError::in_file(path, error.message))?;
         Ok(description)
     }
+}
+
+/// A diffuse solid; shares beyond 0 and 1 are clamped.
+pub(super) fn diffuse(paint: Paint) -> Solid {
+    Solid::of(paint.tinted([1.0; 3]))
+}
+
+/// A mirror with GGX's α along u and v.
+pub(super) fn mirror(paint: Paint, roughness: [f64; 2]) -> Solid {
+    Solid { mirror: true, roughness, ..diffuse(paint) }
 }
 
 /// An error at a place.

@@ -105,9 +105,9 @@ pub fn placed_mesh(file: &FileMesh, matrix: &DAffine3, is_flipped: bool, is_smoo
     let is_inward = (file.facing == Facing::Inward) != is_flipped;
     match transform(matrix) {
         Some(transform) => {
-            let FileMesh { mesh, notes, path, .. } = file;
+            let FileMesh { mesh, notes, path, part, .. } = file;
             let (mesh, notes) = (Arc::clone(mesh), notes.clone());
-            let shape = Shape::Mesh { path: path.clone(), part: MeshPart::default(), mesh, notes };
+            let shape = Shape::Mesh { path: path.clone(), part: part.clone(), mesh, notes };
             Placed { transform, is_inward, is_smooth, ..Placed::new(shape) }
         }
         None => Placed { is_inward, ..made(transformed(&file.mesh, matrix), is_smooth) },

@@ -3,11 +3,11 @@
 use super::Reader;
 use super::tree::Node;
 use super::values::{color_of, number, number_of, paint_of, text_of};
-use crate::formats::importing::{at, indices};
+use crate::formats::importing::{at, diffuse, indices, mirror, spectra};
 use crate::formats::suggest::suggestion;
 use crate::optics::catalog;
 use crate::scene::SceneError;
-use crate::scene::description::{Paint, Solid};
+use crate::scene::description::{Paint, Refractor, Solid};
 
 /// Indices of a dielectric that gives none, as Mitsuba has them.
 const DEFAULT_INTERIOR: f64 = 1.5046;
@@ -30,26 +30,18 @@ pub(super) enum Material {
         inside: NamedIor,
         outside: NamedIor,
         name: String,
+        /// Its roughness, and whether it is a thin wall.
+        refractor: Refractor,
     },
     /// It bends nothing: media may change there.
     Null,
-    /// Light goes straight through, and no medium begins.
-    Thin,
     Solid(Solid),
 }
 
 impl Material {
     /// Of a shape that names none.
     pub fn unspecified() -> Self {
-        Self::diffuse([0.5; 3])
-    }
-
-    fn diffuse(color: [f64; 3]) -> Self {
-        Self::painted(Paint::Color(color), false)
-    }
-
-    fn painted(paint: Paint, mirror: bool) -> Self {
-        Self::Solid(Solid { mirror, ..Solid::of(paint.tinted([1.0; 3])) })
+        Self::Solid(diffuse(Paint::Color([0.5; 3])))
     }
 }
 
@@ -62,30 +54,26 @@ fn within<'t>(reader: &mut Reader<'_, 't>, node: &'t Node, depth: usize) -> Resu
         return Err(at(&node.place, "BSDFs stand too deep in each other"));
     }
     match node.kind.as_str() {
-        "dielectric" => dielectric(reader, node),
+        "dielectric" => dielectric(reader, node, Refractor::of("")),
         "roughdielectric" => {
-            reader.importer.note("roughness", &node.place, "rough dielectrics are taken for smooth ones");
-            dielectric(reader, node)
+            let roughness = roughness(reader, node)?;
+            dielectric(reader, node, Refractor { roughness, ..Refractor::of("") })
         }
-        "thindielectric" => {
-            let message = "thin dielectrics are left out: light goes through them as if they were not there";
-            reader.importer.note("thin", &node.place, message);
-            Ok(Material::Thin)
-        }
+        "thindielectric" => dielectric(reader, node, Refractor { thin: true, ..Refractor::of("") }),
         "null" => Ok(Material::Null),
         "diffuse" => {
             let paint = paint_of(reader, node, "reflectance")?;
-            Ok(Material::painted(paint.unwrap_or(Paint::Color([0.5; 3])), false))
+            Ok(Material::Solid(diffuse(paint.unwrap_or(Paint::Color([0.5; 3])))))
         }
-        "plastic" | "roughplastic" => {
+        "plastic" | "roughplastic" | "pplastic" => {
             reader.importer.note("plastic", &node.place, "plastics are taken for diffuse, without their gloss");
             let paint = paint_of(reader, node, "diffuse_reflectance")?;
-            Ok(Material::painted(paint.unwrap_or(Paint::Color([0.5; 3])), false))
+            Ok(Material::Solid(diffuse(paint.unwrap_or(Paint::Color([0.5; 3])))))
         }
-        "conductor" => conductor(reader, node),
+        "conductor" => conductor(reader, node, [0.0; 2]),
         "roughconductor" => {
-            reader.importer.note("roughness", &node.place, "rough conductors are taken for smooth mirrors");
-            conductor(reader, node)
+            let roughness = roughness(reader, node)?;
+            conductor(reader, node, roughness)
         }
         "principled" | "principledthin" => principled(reader, node),
         "twosided" => inner(reader, node, depth),
@@ -123,7 +111,22 @@ fn inner<'t>(reader: &mut Reader<'_, 't>, node: &'t Node, depth: usize) -> Resul
     }
 }
 
-fn dielectric<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<Material, SceneError> {
+/// α of a rough dielectric or conductor, which need not say it.
+fn roughness<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<[f64; 2], SceneError> {
+    const DEFAULT: f64 = 0.1;
+    if text_of(node, "distribution")? != Some("ggx") {
+        let message = "Beckmann's distribution of facets is kept as GGX of the same α";
+        reader.importer.note("distribution", &node.place, message);
+    }
+    let mut number = |name: &str| -> Result<Option<f64>, SceneError> {
+        Ok(color_of(reader, node, name)?.map(|[a, b, c]| (a + b + c) / 3.0))
+    };
+    let both = number("alpha")?.unwrap_or(DEFAULT);
+    let alpha = [number("alpha_u")?.unwrap_or(both), number("alpha_v")?.unwrap_or(both)];
+    Ok(reader.importer.roughness(alpha, &node.place))
+}
+
+fn dielectric<'t>(reader: &mut Reader<'_, 't>, node: &'t Node, refractor: Refractor) -> Result<Material, SceneError> {
     for name in ["specular_reflectance", "specular_transmittance"] {
         if let Some(color) = color_of(reader, node, name)?
             && color != [1.0; 3]
@@ -134,7 +137,7 @@ fn dielectric<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<Materia
     }
     let inside = index(node, "int_ior", DEFAULT_INTERIOR)?;
     let outside = index(node, "ext_ior", DEFAULT_EXTERIOR)?;
-    Ok(Material::Dielectric { inside, outside, name: node.id.clone() })
+    Ok(Material::Dielectric { inside, outside, name: node.id.clone(), refractor })
 }
 
 /// An index by number or by name.
@@ -155,17 +158,7 @@ fn index(node: &Node, name: &str, otherwise: f64) -> Result<NamedIor, SceneError
     Ok(NamedIor { ior, name: text.trim().to_lowercase() })
 }
 
-/// Reflectances at normal incidence of metals that are asked for by name.
-const METALS: [(&str, [f64; 3]); 6] = [
-    ("Au", [1.0, 0.78, 0.34]),
-    ("Ag", [0.97, 0.96, 0.91]),
-    ("Al", [0.91, 0.92, 0.92]),
-    ("Cu", [0.95, 0.64, 0.54]),
-    ("Cr", [0.55, 0.56, 0.55]),
-    ("W", [0.5, 0.48, 0.45]),
-];
-
-fn conductor<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<Material, SceneError> {
+fn conductor<'t>(reader: &mut Reader<'_, 't>, node: &'t Node, roughness: [f64; 2]) -> Result<Material, SceneError> {
     let paint = paint_of(reader, node, "specular_reflectance")?.unwrap_or(Paint::Color([1.0; 3]));
     let (eta, k) = (color_of(reader, node, "eta")?, color_of(reader, node, "k")?);
     let metal = text_of(node, "material")?;
@@ -178,17 +171,14 @@ fn conductor<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<Material
                 ((n - 1.0).powi(2) + k * k) / ((n + 1.0).powi(2) + k * k)
             })
         }
-        (metal, ..) => {
-            let known = METALS.iter().find(|(name, _)| Some(*name) == metal.and_then(|metal| metal.split('_').next()));
-            known.map_or([0.9; 3], |(_, color)| *color)
-        }
+        (metal, ..) => spectra::metal(metal.and_then(|metal| metal.split('_').next()).unwrap_or_default()),
     };
     if reflectance != [1.0; 3] {
         let message = "metals are mirrors of their reflectance at normal incidence, at every angle";
         reader.importer.note("conductor", &node.place, message);
     }
     let finite = |x: f64| if x.is_finite() { x } else { 1.0 };
-    Ok(Material::painted(paint.tinted(reflectance.map(finite)), true))
+    Ok(Material::Solid(mirror(paint.tinted(reflectance.map(finite)), roughness)))
 }
 
 fn principled<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<Material, SceneError> {
@@ -198,14 +188,17 @@ fn principled<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<Materia
         "principled BSDFs are taken for dielectrics, mirrors or diffuse surfaces, whichever they are most",
     );
     let paint = paint_of(reader, node, "base_color")?.unwrap_or(Paint::Color([0.5; 3]));
-    let share = |name: &str| number_of(node, name).map(|share| share.unwrap_or(0.0));
-    if share("spec_trans")? > 0.5 {
-        if node.kind == "principledthin" {
-            return Ok(Material::Thin);
-        }
+    let number = |name: &str, otherwise: f64| number_of(node, name).map(|share| share.unwrap_or(otherwise));
+    // As Mitsuba makes α of it.
+    let aspect = (1.0 - 0.9 * number("anisotropic", 0.0)?).max(0.0).sqrt();
+    let square = number("roughness", 0.5)?.powi(2);
+    let roughness = reader.importer.roughness([square / aspect, square * aspect].map(|a| a.max(1e-3)), &node.place);
+    if number("spec_trans", 0.0)? > 0.5 {
         let ior = number_of(node, "eta")?.filter(|ior| crate::optics::ior::IOR_RANGE.contains(ior)).unwrap_or(1.5);
         let side = |ior: f64| NamedIor { ior, name: String::new() };
-        return Ok(Material::Dielectric { inside: side(ior), outside: side(1.0), name: node.id.clone() });
+        let refractor = Refractor { roughness, thin: node.kind == "principledthin", ..Refractor::of("") };
+        return Ok(Material::Dielectric { inside: side(ior), outside: side(1.0), name: node.id.clone(), refractor });
     }
-    Ok(Material::painted(paint, share("metallic")? > 0.5))
+    let is_metal = number("metallic", 0.0)? > 0.5;
+    Ok(Material::Solid(if is_metal { mirror(paint, roughness) } else { diffuse(paint) }))
 }

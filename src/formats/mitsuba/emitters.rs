@@ -1,17 +1,20 @@
 //! Emitters that stand alone: at a point, in a cone, from afar and all around.
 
 use glam::{DAffine3, DVec3};
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::transform::transform_of;
 use super::tree::Node;
 use super::values::{color_of, number_of, text_of, vector};
 use super::{Reader, medium};
+use crate::formats::importing::environment::Layout;
 use crate::formats::importing::place::Placed;
 use crate::formats::importing::{Matter, at};
 use crate::scene::SceneError;
 use crate::scene::description::{Environment, Light, MAX_RADIANCE, Quantity, Shape};
+
+/// Cosines nearer to 1 than this are of one direction.
+const UPRIGHT: f64 = 1e-9;
 
 pub(super) fn add<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<(), SceneError> {
     let matrix = transform_of(node, "to_world")?;
@@ -19,10 +22,12 @@ pub(super) fn add<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<(),
     match node.kind.as_str() {
         "constant" => {
             let radiance = strength(reader, node, "radiance")?;
-            set_environment(reader, node, Environment::Color(radiance));
+            reader.importer.set_environment(Environment::Color(radiance), &node.place);
             Ok(())
         }
         "envmap" => environment_map(reader, node, &matrix),
+        // It belongs to the shapes that refer to it.
+        "area" => Ok(()),
         "point" => {
             let position = node.property("position").map_or(Ok(matrix.translation), |place| vector(place, 0.0))?;
             lamp(reader, node, Shape::Point { position }, Quantity::Intensity)
@@ -73,28 +78,30 @@ fn lamp<'t>(reader: &mut Reader<'_, 't>, node: &'t Node, shape: Shape, quantity:
     reader.importer.add(&name, Placed::new(shape), Matter::Light { light, around }, &node.place)
 }
 
-fn set_environment(reader: &mut Reader<'_, '_>, node: &Node, environment: Environment) {
-    if reader.importer.environment != Environment::DEFAULT {
-        reader.importer.note("environment", &node.place, "of several environments the last is taken");
-    }
-    reader.importer.environment = environment;
-}
-
 fn environment_map<'t>(reader: &mut Reader<'_, 't>, node: &'t Node, matrix: &DAffine3) -> Result<(), SceneError> {
     let Some(name) = text_of(node, "filename")?.map(str::to_owned) else {
         return Err(at(&node.place, "an environment map needs a `filename`"));
     };
     let image = reader.importer.image(&name, &node.place)?;
     let scale = number_of(node, "scale")?.unwrap_or(1.0).clamp(0.0, 1e60);
-    // The image stands upright here, and is seen from the other side: the middle of Mitsuba's is at +z, that of ours at −z.
-    let (x, y) = (matrix.matrix3 * DVec3::X, (matrix.matrix3 * DVec3::Y).normalize_or(DVec3::Y));
-    if y.y < 1.0 - 1e-6 {
-        let message = "environment maps stand upright about the y axis: the tilt of this one is left out";
+    let axes = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis].map(DVec3::normalize_or_zero);
+    let [x, y, z] = axes;
+    if !(y.y > 1.0 - UPRIGHT && x.cross(y).dot(z) > 1.0 - UPRIGHT) {
+        let scene_from_local = matrix.matrix3;
+        if !(scene_from_local.is_finite() && scene_from_local.determinant() != 0.0) {
+            return Err(at(&node.place, "the environment map's transform leaves no directions"));
+        }
+        let image = image.upright(Layout::Upright, scene_from_local.inverse());
+        let message = "environment maps stand upright about the y axis: this one, which is tilted, is resampled";
         reader.importer.note("environment_tilt", &node.place, message);
+        reader.importer.set_environment_image(image, scale, &node.place);
+        return Ok(());
     }
+    // It is seen from the other side: the middle of Mitsuba's is at +z, that of ours at −z.
     let turn = (-x.z).atan2(x.x).to_degrees();
     let rotation = (180.0 + turn).rem_euclid(360.0);
-    let path = PathBuf::from(name.replace('\\', "/"));
-    set_environment(reader, node, Environment::Image { path, image: Arc::new(image), rotation, scale });
+    let path = reader.importer.found(&name);
+    let environment = Environment::Image { path, image: Arc::new(image), rotation, scale };
+    reader.importer.set_environment(environment, &node.place);
     Ok(())
 }

@@ -8,7 +8,7 @@ use crate::scene::SceneError;
 
 /// What is known of a medium: its absorption and its name, but not its index, which BSDFs have.
 pub(super) fn medium<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<Side, SceneError> {
-    let mut side = Side { ior: None, absorption: Some([0.0; 3]), name: node.id.clone() };
+    let mut side = Side { absorption: Some([0.0; 3]), name: node.id.clone(), ..Side::default() };
     if node.kind != "homogeneous" {
         let message = format!("media of the type {} are taken for clear", node.kind);
         reader.importer.note("medium", &node.place, message);

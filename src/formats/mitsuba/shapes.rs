@@ -12,7 +12,7 @@ use crate::formats::importing::media::Side;
 use crate::formats::importing::place::{Placed, placed_mesh, shining};
 use crate::formats::importing::{MOST_OBJECTS, Matter, at, shapes};
 use crate::scene::SceneError;
-use crate::scene::description::Light;
+use crate::scene::description::{Light, MeshPart, Refractor};
 
 const MOST_DEPTH: usize = 16;
 
@@ -99,17 +99,23 @@ fn one<'t>(reader: &mut Reader<'_, 't>, node: &'t Node, outer: &DAffine3, group:
         let by_ior = ior.as_ref().map_or("", |ior| ior.name.as_str());
         let by_medium = medium.as_ref().map_or("", |medium| medium.name.as_str());
         let name = [by_medium, by_ior, otherwise].into_iter().find(|name| !name.is_empty()).unwrap_or_default();
-        Side { ior: ior.as_ref().map(|ior| ior.ior), absorption, name: name.to_owned() }
+        Side { ior: ior.as_ref().map(|ior| ior.ior), absorption, name: name.to_owned(), ..Side::default() }
     };
     let matter = match material {
-        Material::Dielectric { inside, outside, name } => Matter::Refractor {
-            inside: side(Some(inside), interior, &name),
-            outside: side(Some(outside), exterior, ""),
-        },
-        Material::Null if interior.is_some() || exterior.is_some() => {
-            Matter::Refractor { inside: side(None, interior, ""), outside: side(None, exterior, "") }
+        Material::Dielectric { inside, outside, name, refractor } => {
+            // No medium begins at a thin wall.
+            let interior = interior.filter(|_| !refractor.thin);
+            let (inside, outside) = (side(Some(inside), interior, &name), side(Some(outside), exterior, ""));
+            Matter::Refractor { refractor, inside, outside }
         }
-        Material::Null | Material::Thin => return Ok(()),
+        Material::Null => {
+            let (inside, outside) = (side(None, interior, ""), side(None, exterior, ""));
+            // Around what is taken for clear there is nothing to see.
+            if inside.absorbs_as(&outside) {
+                return Ok(());
+            }
+            Matter::Refractor { refractor: Refractor::of(""), inside, outside }
+        }
         Material::Solid(solid) => Matter::Solid(solid),
     };
     reader.importer.add(&name, placed, matter, &node.place)
@@ -124,13 +130,20 @@ fn surface(reader: &mut Reader<'_, '_>, node: &Node, matrix: &DAffine3) -> Resul
         Ok(Some(Found { is_flipped: is_inward, placed: Placed { is_inward, ..placed }, stem: String::new() }))
     };
     match node.kind.as_str() {
-        "ply" | "obj" => {
+        "ply" | "obj" | "serialized" => {
             let name = text_of(node, "filename")?.ok_or_else(|| at(&node.place, "a mesh needs a `filename`"))?;
-            let mesh = reader.importer.mesh(name, &node.place)?;
+            let part = match node.kind.as_str() {
+                "serialized" => {
+                    let index = number_of(node, "shape_index")?.or(number_of(node, "shapeIndex")?).unwrap_or(0.0);
+                    MeshPart::of_group(index.to_string())
+                }
+                _ => MeshPart::default(),
+            };
+            let mesh = reader.importer.mesh(name, &part, &node.place)?;
             // Mitsuba takes normals of its own from the order of corners, which a mirroring turns round; those of the file are mirrored with it.
             let has_own = !flag_of(node, "face_normals")? && !mesh.mesh.normals.is_empty();
             let is_flipped = flips != (is_mirrored && !has_own);
-            let stem = mesh.path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+            let stem = mesh.name.clone();
             let placed = placed_mesh(&mesh, matrix, is_flipped, true);
             // Of OBJ files v is turned about unless it is said that it shall not be, of PLY files the other way about.
             let flips_uv = match node.property("flip_tex_coords") {

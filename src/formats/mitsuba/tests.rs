@@ -134,11 +134,33 @@ fn what_has_no_counterpart_is_said_once_a_kind() {
             + r#"<emitter type="constant"><rgb name="radiance" value="0.5"/></emitter>"#
             + r#"<emitter type="sunsky"/>"#),
     );
-    assert_eq!(kinds(&read), ["roughness", "bsdf", "shape", "emitter"]);
+    assert_eq!(kinds(&read), ["distribution", "bsdf", "shape", "emitter"]);
     let import = read.source.as_ref().unwrap().import.as_ref().unwrap();
     assert_eq!((import.notes[0].count, import.notes[0].first_line), (2, Some(2)));
     assert_eq!(read.environment, Environment::Color([0.5; 3]));
     assert!(read.objects.find("c").is_some_and(|object| object.solid().is_some()));
+}
+
+/// Nothing about rendering stands in the way of reading the scene.
+#[test]
+fn how_to_render_is_passed_over() {
+    let read = scene(
+        r#"<integrator type="$kind"/><sensor type="perspective"><sampler type="independent"><integer name="sample_count" value="$spp"/></sampler></sensor>
+        <emitter type="area" id="glow"><rgb name="radiance" value="2"/></emitter><shape type="sphere"><ref id="glow"/></shape>"#,
+    );
+    assert_eq!(kinds(&read), [""; 0]);
+    assert!(read.objects[0].light().is_some());
+}
+
+/// Files are looked for where `<path>` says too, as seen from the file that says it.
+#[test]
+fn files_are_looked_for_in_other_folders() {
+    let text = r#"<scene version="3.0.0"><path value="../common"/><shape type="obj"><string name="filename" value="meshes/a.obj"/></shape></scene>"#;
+    let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let files = Memory([("common/meshes/a.obj".into(), mesh.as_bytes().to_vec())].into());
+    let read = crate::formats::read(text.as_bytes(), Path::new("scenes/s.xml"), &files).unwrap();
+    let Shape::Mesh { path, .. } = &read.objects[0].shape else { panic!("a mesh") };
+    assert_eq!(path, Path::new("../common/meshes/a.obj"), "from the scene's folder");
 }
 
 /// As a scene of the program's own format it says the same.

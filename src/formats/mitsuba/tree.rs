@@ -117,6 +117,10 @@ impl Source<'_, '_> {
         if depth > MOST_DEPTH {
             return Err(at(&place, format!("elements stand more than {MOST_DEPTH} deep in each other")));
         }
+        // How to render is not the scene's affair here, and may hang on variables that are set elsewhere.
+        if ["integrator", "sampler", "rfilter"].contains(&element.tag_name().name()) {
+            return Ok(());
+        }
         let mut attributes = Vec::new();
         for attribute in element.attributes() {
             attributes.push((attribute.name().to_owned(), self.filled(attribute.value(), &place)?));
@@ -146,6 +150,10 @@ impl Source<'_, '_> {
                 return Ok(());
             }
             "include" => return self.include(&node, file, depth, nodes),
+            "path" => {
+                self.importer.look_in(node.value()?, &node.place);
+                return Ok(());
+            }
             _ => {}
         }
         for child in element.children().filter(roxmltree::Node::is_element) {

@@ -5,7 +5,7 @@ use glam::{DAffine2, DMat2, DVec2, DVec3};
 use super::Reader;
 use super::transform::transform_of;
 use super::tree::Node;
-use crate::formats::importing::at;
+use crate::formats::importing::{at, spectra};
 use crate::scene::SceneError;
 use crate::scene::description::Paint;
 
@@ -140,6 +140,15 @@ fn one_color<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<[f64; 3]
         "rgb" | "srgb" => rgb(node, node.value()?),
         "spectrum" | "blackbody" => spectrum(reader, node),
         "texture" => texture(reader, node),
+        "volume" if node.kind == "constvolume" => Ok(color_of(reader, node, "value")?.unwrap_or([1.0; 3])),
+        "volume" => {
+            reader.importer.note(
+                "volume",
+                &node.place,
+                "what differs from place to place within a medium is taken for 0.5",
+            );
+            Ok([0.5; 3])
+        }
         tag => Err(at(&node.place, format!("<{tag}> is no colour"))),
     }
 }
@@ -175,18 +184,7 @@ fn spectrum(reader: &mut Reader<'_, '_>, node: &Node) -> Result<[f64; 3], SceneE
         samples.push((finite(node, wavelength.trim())?, finite(node, value.trim())?));
     }
     reader.importer.note("spectrum", &node.place, "spectra are taken by their means over red, green and blue");
-    samples.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let at_wavelength = |nm: f64| {
-        let next = samples.partition_point(|sample| sample.0 < nm);
-        match (next.checked_sub(1).map(|before| samples[before]), samples.get(next)) {
-            (Some(a), Some(b)) if b.0 > a.0 => a.1 + (b.1 - a.1) * (nm - a.0) / (b.0 - a.0),
-            (Some(a), _) => a.1,
-            (None, Some(b)) => b.1,
-            (None, None) => 0.0,
-        }
-    };
-    let mean = |from: f64| (0..10).map(|k| at_wavelength(from + 10.0 * (f64::from(k) + 0.5))).sum::<f64>() / 10.0;
-    Ok([600.0, 500.0, 400.0].map(mean))
+    Ok(spectra::bands(samples))
 }
 
 fn texture<'t>(reader: &mut Reader<'_, 't>, node: &'t Node) -> Result<[f64; 3], SceneError> {

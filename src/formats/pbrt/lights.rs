@@ -1,15 +1,17 @@
 //! Lights.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::materials::color;
 use super::state::{Lamp, Reader};
 use super::tokens::Parameters;
-use crate::formats::importing::at;
+use crate::formats::importing::environment::Layout;
 use crate::formats::importing::place::Placed;
+use crate::formats::importing::{Importer, at};
 use crate::scene::Place;
 use crate::scene::SceneError;
 use crate::scene::description::{Environment, Light, MAX_RADIANCE, Quantity, Shape};
+use crate::scene::environment::EnvironmentImage;
 
 /// The light of the shapes that follow.
 pub(super) fn area(reader: &mut Reader<'_>, parameters: &Parameters, place: &Place) -> Result<Light, SceneError> {
@@ -83,14 +85,61 @@ pub(super) fn light(
 fn infinite(reader: &mut Reader<'_>, parameters: &Parameters, place: &Place) -> Result<(), SceneError> {
     let mut radiance = strength(reader, parameters, "L", place)?;
     if let Some(name) = parameters.text("filename") {
-        let message = "environment maps are in equal-area squares, which are not read: their mean colour is taken";
-        reader.importer.note("environment_map", place, message);
-        let mean = reader.importer.mean_color(name, place).unwrap_or([0.5; 3]);
-        radiance = [0, 1, 2].map(|k| (radiance[k] * mean[k]).clamp(0.0, MAX_RADIANCE));
+        if parameters.get("portal").is_some() {
+            reader.importer.note(
+                "portal",
+                place,
+                "portals of environment maps are left out: they shine from all around",
+            );
+        }
+        let matrix = reader.state.matrix.matrix3;
+        if !(matrix.is_finite() && matrix.determinant() != 0.0) {
+            return Err(at(place, "the light's transform leaves no directions"));
+        }
+        match reader.importer.image(name, place) {
+            Ok(image) => {
+                // The scale is that of all colours.
+                let scale = parameters.number("scale").unwrap_or(1.0);
+                if !(0.0..=1e60).contains(&scale) {
+                    return Err(at(place, format!("`scale` is {scale}, must be 0 or more, and at most 1e60")));
+                }
+                reader.sky = Some(Sky { image, world_from_local: matrix, scale, place: place.clone() });
+                return Ok(());
+            }
+            Err(error) => {
+                let message = format!("an environment map cannot be read and is taken for grey: {}", error.message);
+                reader.importer.note("texture_unread", place, message);
+                radiance = radiance.map(|radiance| 0.5 * radiance);
+            }
+        }
     }
-    if reader.importer.environment != Environment::DEFAULT {
-        reader.importer.note("environment", place, "of several environments the last is taken");
-    }
-    reader.importer.environment = Environment::Color(radiance);
+    reader.sky = None;
+    reader.importer.set_environment(Environment::Color(radiance), place);
     Ok(())
+}
+
+/// An environment map, which is turned upright when it is known whether the scene is mirrored.
+pub(super) struct Sky {
+    image: EnvironmentImage,
+    world_from_local: DMat3,
+    scale: f64,
+    place: Place,
+}
+
+impl Sky {
+    pub fn add(self, importer: &mut Importer<'_>, is_mirrored: bool) {
+        let Self { image, world_from_local, scale, place } = self;
+        let layout = if image.width == image.height { Layout::EqualArea } else { Layout::Lying };
+        let world_from_scene = DMat3::from_diagonal(DVec3::new(if is_mirrored { -1.0 } else { 1.0 }, 1.0, 1.0));
+        let upright = image.upright(layout, world_from_local.inverse() * world_from_scene);
+        let [from, to] = [&image, &upright].map(|image| format!("{} × {}", image.width, image.height));
+        let what = match layout {
+            Layout::EqualArea => "an equal-area square",
+            _ => "no square, and taken for one of older versions of pbrt",
+        };
+        let message =
+            format!("the environment map is {what}: its {from} pixels are resampled to {to} by latitude and longitude");
+        importer.note("environment_map", &place, message);
+        importer.set_environment_image(upright, scale, &place);
+    }
 }

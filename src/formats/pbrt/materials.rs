@@ -4,11 +4,12 @@ use glam::{DAffine2, DMat2, DVec2};
 
 use super::state::Reader;
 use super::tokens::{Parameter, Parameters};
-use crate::formats::importing::{at, indices};
+use crate::formats::importing::{at, diffuse, indices, mirror, spectra};
+use crate::optics::Ior;
 use crate::optics::ior::IOR_RANGE;
 use crate::scene::Place;
 use crate::scene::SceneError;
-use crate::scene::description::{Paint, Solid};
+use crate::scene::description::{Paint, Refractor, Solid};
 
 /// What a surface is.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,26 +18,20 @@ pub(super) enum Material {
     Dielectric {
         eta: f64,
         is_glass: bool,
+        /// `eta` at all wavelengths, where it differs between them.
+        formula: Option<Ior>,
+        /// Its roughness, and whether it is a thin wall.
+        refractor: Refractor,
     },
     /// It bends nothing: media may change there.
     Null,
-    /// Light goes straight through, and no medium begins.
-    Thin,
     Solid(Solid),
 }
 
 impl Material {
     /// Of a shape before any material.
     pub fn unspecified() -> Self {
-        Self::diffuse([0.5; 3])
-    }
-
-    fn diffuse(color: [f64; 3]) -> Self {
-        Self::painted(Paint::Color(color), false)
-    }
-
-    fn painted(paint: Paint, mirror: bool) -> Self {
-        Self::Solid(Solid { mirror, ..Solid::of(paint.tinted([1.0; 3])) })
+        Self::Solid(diffuse(Paint::Color([0.5; 3])))
     }
 }
 
@@ -49,47 +44,30 @@ pub(super) struct Texture {
     paint: Option<Paint>,
 }
 
-/// Reflectances at normal incidence of metals by pbrt's names of their spectra.
-const METALS: [(&str, [f64; 3]); 6] = [
-    ("Au", [1.0, 0.78, 0.34]),
-    ("Ag", [0.97, 0.96, 0.91]),
-    ("Al", [0.91, 0.92, 0.92]),
-    ("Cu", [0.95, 0.64, 0.54]),
-    ("CuZn", [0.89, 0.79, 0.43]),
-    ("MgO", [0.07; 3]),
-];
-
 pub(super) fn material(
     reader: &mut Reader<'_>,
     kind: &str,
     parameters: &Parameters,
     place: &Place,
 ) -> Result<Material, SceneError> {
-    let is_rough = ["roughness", "uroughness", "vroughness"]
-        .iter()
-        .any(|name| parameters.get(name).is_some_and(|p| p.kind != "float" || p.numbers.iter().any(|x| *x != 0.0)));
     if parameters.get("displacement").is_some() || parameters.get("normalmap").is_some() {
         reader.importer.note("bump", place, "displacement and normal maps are left out");
     }
     match kind {
-        "dielectric" => {
-            if is_rough {
-                reader.importer.note("roughness", place, "rough dielectrics are taken for smooth ones");
-            }
+        "dielectric" | "thindielectric" => {
+            let thin = kind == "thindielectric";
+            let roughness = if thin { [0.0; 2] } else { roughness(reader, parameters, "", place)? };
             let is_glass = parameters.get("eta").is_some_and(|eta| !eta.texts.is_empty());
-            Ok(Material::Dielectric { eta: eta(reader, parameters)?, is_glass })
-        }
-        "thindielectric" => {
-            let message = "thin dielectrics are left out: light goes through them as if they were not there";
-            reader.importer.note("thin", place, message);
-            Ok(Material::Thin)
+            let (eta, formula) = eta(reader, parameters)?;
+            let refractor = Refractor { roughness, thin, ..Refractor::of("") };
+            Ok(Material::Dielectric { eta, is_glass, formula, refractor })
         }
         "interface" | "" | "none" => Ok(Material::Null),
         "diffuse" | "diffusetransmission" => {
             if kind == "diffusetransmission" {
                 reader.importer.note("bsdf", place, "materials that let light through diffusely are taken for diffuse");
             }
-            Ok(Material::painted(paint(reader, parameters, "reflectance")?.unwrap_or(Paint::Color([0.5; 3])), false))
+            Ok(Material::Solid(diffuse(paint(reader, parameters, "reflectance")?.unwrap_or(Paint::Color([0.5; 3])))))
         }
         "coateddiffuse" => {
             reader.importer.note(
@@ -97,16 +75,18 @@ pub(super) fn material(
                 place,
                 "coated diffuse materials are taken for diffuse, without their gloss",
             );
-            Ok(Material::painted(paint(reader, parameters, "reflectance")?.unwrap_or(Paint::Color([0.5; 3])), false))
+            Ok(Material::Solid(diffuse(paint(reader, parameters, "reflectance")?.unwrap_or(Paint::Color([0.5; 3])))))
         }
         "conductor" | "coatedconductor" => {
-            let message = "metals are smooth mirrors of their reflectance at normal incidence, at every angle";
+            let message = "metals are mirrors of their reflectance at normal incidence, at every angle";
             reader.importer.note("conductor", place, message);
             let reflectance = match paint(reader, parameters, "reflectance")? {
                 Some(reflectance) => reflectance,
                 None => Paint::Color(metal(parameters)),
             };
-            Ok(Material::painted(reflectance, true))
+            let prefix = if kind == "coatedconductor" { "conductor." } else { "" };
+            let roughness = roughness(reader, parameters, prefix, place)?;
+            Ok(Material::Solid(mirror(reflectance, roughness)))
         }
         "mix" => {
             reader.importer.note("blend", place, "of mixed materials the first is taken");
@@ -124,33 +104,63 @@ pub(super) fn material(
     }
 }
 
-/// The index of a dielectric, by number or by the name of a glass.
-fn eta(reader: &mut Reader<'_>, parameters: &Parameters) -> Result<f64, SceneError> {
-    let Some(parameter) = parameters.get("eta") else { return Ok(1.5) };
-    let eta = match (parameter.texts.first(), &parameter.numbers[..]) {
+/// α along u and v. `prefix` stands before the names of the parameters.
+fn roughness(
+    reader: &mut Reader<'_>,
+    parameters: &Parameters,
+    prefix: &str,
+    place: &Place,
+) -> Result<[f64; 2], SceneError> {
+    let mut number = |name: &str| -> Result<Option<f64>, SceneError> {
+        let found = color(reader, parameters, &format!("{prefix}{name}"))?;
+        Ok(found.map(|[a, b, c]| (a + b + c) / 3.0))
+    };
+    let both = number("roughness")?.unwrap_or(0.0);
+    let alpha = [number("uroughness")?.unwrap_or(both), number("vroughness")?.unwrap_or(both)];
+    // pbrt's `RoughnessToAlpha`.
+    let is_remapped = parameters.text("remaproughness") != Some("false");
+    let alpha = if is_remapped { alpha.map(|x| x.max(0.0).sqrt()) } else { alpha };
+    Ok(reader.importer.roughness(alpha, place))
+}
+
+/// The index of a dielectric, by number, by the name of a glass, or by wavelengths.
+fn eta(reader: &mut Reader<'_>, parameters: &Parameters) -> Result<(f64, Option<Ior>), SceneError> {
+    let Some(parameter) = parameters.get("eta") else { return Ok((1.5, None)) };
+    let mut is_one_for_all = false;
+    let (eta, formula) = match (parameter.texts.first(), &parameter.numbers[..]) {
         (Some(name), _) => {
-            let message = "glasses have the index of their spectrum at 587.56 nm at all wavelengths";
-            reader.importer.note("dispersion_of_file", &parameter.place, message);
-            indices::of_pbrt(name).ok_or_else(|| at(&parameter.place, format!("no glass is called `{name}`")))?
+            let eta = indices::of_pbrt(name);
+            let eta = eta.ok_or_else(|| at(&parameter.place, format!("no glass is called `{name}`")))?;
+            let formula = indices::formula_of_pbrt(name);
+            is_one_for_all = formula.is_none();
+            (eta, formula)
         }
-        (None, [eta]) => *eta,
+        (None, [eta]) => (*eta, None),
         (None, numbers) => {
-            // Wavelengths with values: that nearest to the d line.
-            let pairs = numbers.chunks_exact(2).map(|pair| (pair[0], pair[1]));
-            let nearest = pairs.min_by(|a, b| (a.0 - 587.56).abs().total_cmp(&(b.0 - 587.56).abs()));
-            nearest.map_or(1.5, |(_, eta)| eta)
+            let pairs: Vec<(f64, f64)> = numbers.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect();
+            let formula = spectra::cauchy(&pairs);
+            is_one_for_all = formula.is_none() && pairs.iter().any(|(_, eta)| *eta != pairs[0].1);
+            // That nearest to the d line.
+            let nearest = pairs
+                .into_iter()
+                .min_by(|a, b| (a.0 - spectra::D_LINE_NM).abs().total_cmp(&(b.0 - spectra::D_LINE_NM).abs()));
+            let nearest = nearest.map_or(1.5, |(_, eta)| eta);
+            (formula.as_ref().map_or(nearest, Ior::ior), formula)
         }
     };
+    if is_one_for_all {
+        let message = "glasses have the index of their spectrum at 587.56 nm at all wavelengths";
+        reader.importer.note("dispersion_of_file", &parameter.place, message);
+    }
     match IOR_RANGE.contains(&eta) {
-        true => Ok(eta),
+        true => Ok((eta, formula)),
         false => Err(at(&parameter.place, format!("`eta` is {eta}, must be from 1e-6 to 1e6"))),
     }
 }
 
 fn metal(parameters: &Parameters) -> [f64; 3] {
-    let name = parameters.text("eta").unwrap_or("metal-Cu-eta");
-    let element = name.trim_start_matches("metal-").trim_end_matches("-eta");
-    METALS.iter().find(|(known, _)| *known == element).map_or([0.9; 3], |(_, color)| *color)
+    let name = parameters.text("eta").or(parameters.text("conductor.eta")).unwrap_or("metal-Cu-eta");
+    spectra::metal(name.trim_start_matches("metal-").trim_end_matches("-eta"))
 }
 
 /// What a surface reflects by a parameter: an image, or the colour of anything else.
@@ -190,27 +200,10 @@ fn color_of(reader: &mut Reader<'_>, parameter: &Parameter) -> Result<[f64; 3], 
         ("rgb" | "color" | "xyz", None, [r, g, b]) => Ok([*r, *g, *b]),
         ("spectrum", None, pairs) if pairs.len() >= 2 && pairs.len().is_multiple_of(2) => {
             reader.importer.note("spectrum", place, "spectra are taken by their means over red, green and blue");
-            Ok(bands(pairs))
+            Ok(spectra::bands(pairs.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect()))
         }
         _ => Err(at(place, format!("`{}` is no colour", parameter.name))),
     }
-}
-
-/// Means over a third each of what is seen, of wavelengths with values.
-fn bands(pairs: &[f64]) -> [f64; 3] {
-    let mut samples: Vec<(f64, f64)> = pairs.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect();
-    samples.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let at_wavelength = |nm: f64| {
-        let next = samples.partition_point(|sample| sample.0 < nm);
-        match (next.checked_sub(1).map(|before| samples[before]), samples.get(next)) {
-            (Some(a), Some(b)) if b.0 > a.0 => a.1 + (b.1 - a.1) * (nm - a.0) / (b.0 - a.0),
-            (Some(a), _) => a.1,
-            (None, Some(b)) => b.1,
-            (None, None) => 0.0,
-        }
-    };
-    [600.0, 500.0, 400.0]
-        .map(|from: f64| (0..10).map(|k| at_wavelength(from + 10.0 * (f64::from(k) + 0.5))).sum::<f64>() / 10.0)
 }
 
 pub(super) fn texture(

@@ -63,13 +63,6 @@ fn transform(
     tokens: &mut Tokens<'_>,
     place: &Place,
 ) -> Result<bool, SceneError> {
-    let of_columns = |m: [f64; 16]| {
-        let column = |k: usize| DVec3::new(m[4 * k], m[4 * k + 1], m[4 * k + 2]);
-        if [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0] {
-            return Err(at(place, "the last row of a matrix must be 0 0 0 1"));
-        }
-        Ok(DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) })
-    };
     let before = reader.state.matrix;
     reader.state.matrix = match directive {
         "Identity" => DAffine3::IDENTITY,
@@ -82,8 +75,8 @@ fn transform(
             before * DAffine3::from_axis_angle(axis, angle.to_radians())
         }
         "LookAt" => before * look_at(tokens.numbers()?, place)?,
-        "Transform" => of_columns(tokens.matrix()?)?,
-        "ConcatTransform" => before * of_columns(tokens.matrix()?)?,
+        "Transform" => of_columns(reader, tokens.matrix()?, place),
+        "ConcatTransform" => before * of_columns(reader, tokens.matrix()?, place),
         "CoordSysTransform" => {
             let name = tokens.quoted("the name of a coordinate system")?;
             let known = reader.coordinate_systems.get(name).copied();
@@ -106,6 +99,17 @@ fn transform(
         _ => return Ok(false),
     };
     if reader.state.matrix.is_finite() { Ok(true) } else { Err(at(place, "the transform is not finite any more")) }
+}
+
+/// A matrix by its columns. Its last row would make a perspective of it, as a translation in the wrong place does.
+fn of_columns(reader: &mut Reader<'_>, m: [f64; 16], place: &Place) -> DAffine3 {
+    if [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0] {
+        let message =
+            "of a matrix whose last row is not 0 0 0 1 the others are taken: it stands for no perspective here";
+        reader.importer.note("projective", place, message);
+    }
+    let column = |k: usize| DVec3::new(m[4 * k], m[4 * k + 1], m[4 * k + 2]);
+    DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) }
 }
 
 /// The world as the camera sees it, looking along z, with x to the right.
@@ -199,9 +203,6 @@ fn other(
             let name = tokens.quoted("the name of a file")?;
             if includes >= MOST_INCLUDES {
                 return Err(at(place, format!("files include each other more than {MOST_INCLUDES} deep")));
-            }
-            if name.to_lowercase().ends_with(".gz") {
-                return Err(at(place, format!("{name} is compressed: uncompress it first")));
             }
             let (bytes, path) = reader.importer.part_of_scene(name, place)?;
             // What is imported leaves the attributes as they are.

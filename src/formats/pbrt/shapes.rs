@@ -12,7 +12,7 @@ use crate::formats::importing::{FileMesh, at, shapes};
 use crate::geometry::Mesh;
 use crate::scene::Place;
 use crate::scene::SceneError;
-use crate::scene::description::{Light, Paint, Solid};
+use crate::scene::description::{Light, MeshPart, Paint, Solid};
 
 /// A shape with the attributes that it has where it stands.
 #[derive(Debug, Clone)]
@@ -109,11 +109,8 @@ pub(super) fn shape(
                 reader.importer.note("bump", place, "displacement and normal maps are left out");
             }
             let file = parameters.text("filename").ok_or_else(|| at(place, "a `plymesh` needs a `filename`"))?;
-            if file.to_lowercase().ends_with(".gz") {
-                return Err(at(place, format!("{file} is compressed: uncompress it first")));
-            }
-            let mesh = reader.importer.mesh(file, place)?;
-            name = mesh.path.file_stem().map_or(name, |stem| stem.to_string_lossy().into_owned());
+            let mesh = reader.importer.mesh(file, &MeshPart::default(), place)?;
+            name.clone_from(&mesh.name);
             Surface::Mesh { has_opposed_normals: has_opposed_normals(&mesh.mesh), mesh }
         }
         "sphere" => Surface::Sphere { radius: number("radius", 1.0).abs() },
@@ -150,7 +147,8 @@ pub(super) fn shape(
 fn mesh_surface(mesh: Mesh) -> Surface {
     let has_opposed_normals = has_opposed_normals(&mesh);
     let facing = Facing::of(&mesh);
-    let mesh = FileMesh { mesh: Arc::new(mesh), notes: Vec::new(), path: Default::default(), facing };
+    let (path, part, name) = Default::default();
+    let mesh = FileMesh { mesh: Arc::new(mesh), notes: Vec::new(), path, part, name, facing };
     Surface::Mesh { mesh: Arc::new(mesh), has_opposed_normals }
 }
 

@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use glam::{DAffine3, DVec3};
 
+use super::lights::Sky;
 use super::materials::{Material, Texture};
 use super::shapes::Found;
 use super::tokens::Parameters;
@@ -13,7 +14,7 @@ use crate::formats::importing::media::Side;
 use crate::formats::importing::place::{Placed, reflected};
 use crate::formats::importing::{Importer, Matter};
 use crate::scene::Place;
-use crate::scene::description::{CameraDescription, Light};
+use crate::scene::description::{CameraDescription, Light, Refractor};
 use crate::scene::{Description, SceneError};
 
 /// Of a film and a camera that give none.
@@ -51,6 +52,7 @@ pub(super) struct Reader<'a> {
     /// Added when all indices are known.
     waiting: Vec<(Found, Place)>,
     lamps: Vec<Lamp>,
+    pub sky: Option<Sky>,
 }
 
 /// A light without a surface, with its name and the medium that it is declared to be in.
@@ -93,6 +95,7 @@ impl<'a> Reader<'a> {
             camera: None,
             waiting: Vec::new(),
             lamps: Vec::new(),
+            sky: None,
         }
     }
 
@@ -126,6 +129,9 @@ impl<'a> Reader<'a> {
 
     pub fn finish(mut self) -> Result<Description, SceneError> {
         let is_mirrored = self.take_camera()?;
+        if let Some(sky) = self.sky.take() {
+            sky.add(&mut self.importer, is_mirrored);
+        }
         let indices = indices(&self.waiting);
         let waiting = std::mem::take(&mut self.waiting);
         let mirror = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
@@ -142,8 +148,10 @@ impl<'a> Reader<'a> {
                 continue;
             }
             let matter = match found.material {
-                Material::Dielectric { eta, is_glass } => {
+                Material::Dielectric { eta, is_glass, formula, refractor } => {
                     let around = outside.ior.unwrap_or(1.0);
+                    // No medium begins at a thin wall.
+                    let inside = if refractor.thin { Side::clear() } else { inside };
                     if is_glass && around != 1.0 {
                         let message = format!(
                             "pbrt takes the index of a glass relative to what is outside, here `{}` of {around}: if the glass itself is meant, its \
@@ -153,13 +161,20 @@ impl<'a> Reader<'a> {
                         );
                         self.importer.note("relative_glass", &place, message);
                     }
-                    let inside = Side { ior: Some(eta * around), ..inside };
-                    Matter::Refractor { inside, outside: Side { ior: Some(around), ..outside } }
+                    if formula.is_some() && around != 1.0 && !is_glass {
+                        let message = "spectra of indices relative to another medium are taken at 587.56 nm";
+                        self.importer.note("dispersion_of_file", &place, message);
+                    }
+                    let formula = formula.filter(|_| around == 1.0);
+                    let inside = Side { ior: Some(eta * around), formula, ..inside };
+                    Matter::Refractor { refractor, inside, outside: Side { ior: Some(around), ..outside } }
                 }
-                Material::Null if found.media[0] != found.media[1] => {
-                    Matter::Refractor { inside: Side { ior: None, ..inside }, outside: Side { ior: None, ..outside } }
+                // Around what is taken for clear there is nothing to see.
+                Material::Null if !inside.absorbs_as(&outside) => {
+                    let (inside, outside) = (Side { ior: None, ..inside }, Side { ior: None, ..outside });
+                    Matter::Refractor { refractor: Refractor::of(""), inside, outside }
                 }
-                Material::Null | Material::Thin => continue,
+                Material::Null => continue,
                 Material::Solid(solid) => Matter::Solid(solid),
             };
             self.importer.add(&name, placed, matter, &place)?;
@@ -175,10 +190,10 @@ impl<'a> Reader<'a> {
     /// What is known of a medium by its name.
     fn side(&self, name: &str, indices: &HashMap<String, f64>) -> Side {
         if name.is_empty() {
-            return Side { ior: None, absorption: None, name: String::new() };
+            return Side::default();
         }
         let absorption = self.media.get(name).copied().unwrap_or_default();
-        Side { ior: indices.get(name).copied(), absorption: Some(absorption), name: name.to_owned() }
+        Side { ior: indices.get(name).copied(), absorption: Some(absorption), name: name.to_owned(), ..Side::default() }
     }
 
     /// Whether the scene must be mirrored in x, so that its picture is that of pbrt, whose coordinates are left-handed.
@@ -232,7 +247,10 @@ fn indices(waiting: &[(Found, Place)]) -> HashMap<String, f64> {
     loop {
         let before = known.len();
         for (found, _) in waiting {
-            let Material::Dielectric { eta, .. } = found.material else { continue };
+            let Material::Dielectric { eta, ref refractor, .. } = found.material else { continue };
+            if refractor.thin {
+                continue;
+            }
             let [inside, outside] = &found.media;
             let around = if outside.is_empty() { Some(1.0) } else { known.get(outside).copied() };
             if let (Some(around), false) = (around, inside.is_empty() || inside == outside) {

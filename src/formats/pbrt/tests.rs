@@ -75,6 +75,15 @@ fn transforms_attributes_objects_and_includes() {
     }
 }
 
+/// As in a public scene, whose translation stands in the wrong place.
+#[test]
+fn the_last_row_of_a_matrix_is_left_out() {
+    let read = scene("WorldBegin\nConcatTransform [ 1 0 0 0  0 1 0 0  0 0 1 8.5  1 2 3 1 ]\nShape \"sphere\"");
+    let Shape::Sphere { center, .. } = read.objects[0].shape else { panic!("a sphere") };
+    assert_eq!(center, DVec3::new(1.0, 2.0, 3.0));
+    assert_eq!(read.source.as_ref().unwrap().import.as_ref().unwrap().notes[0].kind, "projective");
+}
+
 /// Which side of a mesh is inside follows from its orientation.
 #[test]
 fn reversed_meshes_exchange_their_sides() {
@@ -93,12 +102,12 @@ fn reversed_meshes_exchange_their_sides() {
 #[test]
 fn what_has_no_counterpart_is_said_once_a_kind() {
     let read = scene(
-        "WorldBegin\nMaterial \"dielectric\" \"float roughness\" 0.1\nShape \"sphere\"\nMaterial \"dielectric\" \"float roughness\" 0.2\nShape \"sphere\"\n\
+        "WorldBegin\nMaterial \"subsurface\"\nShape \"sphere\"\nMaterial \"subsurface\"\nShape \"sphere\"\n\
          Shape \"curve\" \"point3 P\" []\nLightSource \"infinite\" \"rgb L\" [1 2 3] \"float scale\" 2\nTexture \"t\" \"spectrum\" \"marble\"\n",
     );
     let import = read.source.as_ref().unwrap().import.as_ref().unwrap();
     let kinds: Vec<&str> = import.notes.iter().map(|note| note.kind).collect();
-    assert_eq!(kinds, ["roughness", "shape", "texture_unread", "no_camera"]);
+    assert_eq!(kinds, ["bsdf", "shape", "texture_unread", "no_camera"]);
     assert_eq!((import.notes[0].count, import.notes[0].first_line), (2, Some(2)));
     assert_eq!(read.environment, Environment::Color([2.0, 4.0, 6.0]));
 }

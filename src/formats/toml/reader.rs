@@ -242,6 +242,8 @@ impl Reader<'_, '_, '_> {
             Slot::Number(value, limits) => *value = node.number_within(limits)?,
             Slot::Maybe(value, limits) => *value = Some(node.number_within(limits)?),
             Slot::Numbers(value, limits) => *value = node.numbers_within(limits)?,
+            Slot::Both(value, limits) if node.is_number() => *value = [node.number_within(limits)?; 2],
+            Slot::Both(value, limits) => *value = node.numbers_within(limits)?,
             Slot::Pair(value, limits) => *value = node.numbers_within(limits)?,
             Slot::Vector(value) => *value = node.numbers()?.into(),
             Slot::Scale(value) if node.is_number() => *value = glam::DVec3::splat(node.number()?),

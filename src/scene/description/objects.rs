@@ -37,6 +37,10 @@ pub struct Refractor {
     pub priority: i32,
     /// Whether normals are interpolated over faces.
     pub smooth: bool,
+    /// GGX's α along u and v, in [0, 1]; 0 is smooth. Kept for other renderers: it is rendered as smooth.
+    pub roughness: [f64; 2],
+    /// A wall without an inside, such as a pane of one sheet. Kept for other renderers: it is rendered as a body of its medium, or is hidden.
+    pub thin: bool,
     /// What the scene declares to lie outside: a medium's name, or `world`. `None` says nothing. Only mode `declared` and `check` ask.
     pub outside: Option<String>,
 }
@@ -47,6 +51,8 @@ pub struct Solid {
     pub paint: Paint,
     /// A perfect mirror, tinted by `paint`.
     pub mirror: bool,
+    /// Of a mirror, as [`Refractor::roughness`].
+    pub roughness: [f64; 2],
     /// Whether normals are interpolated over faces.
     pub smooth: bool,
 }
@@ -228,9 +234,9 @@ roles! {
 }
 
 impl Refractor {
-    /// Of priority 0, with flat faces, and with nothing said about its outside.
+    /// Of priority 0, smooth, with flat faces, and with nothing said about its outside.
     pub fn of(medium: impl Into<String>) -> Self {
-        Self { medium: medium.into(), priority: 0, smooth: false, outside: None }
+        Self { medium: medium.into(), priority: 0, smooth: false, roughness: [0.0; 2], thin: false, outside: None }
     }
 }
 
@@ -254,7 +260,7 @@ impl Light {
 impl Solid {
     /// Diffuse and with flat faces.
     pub fn of(paint: Paint) -> Self {
-        Self { paint, mirror: false, smooth: false }
+        Self { paint, mirror: false, roughness: [0.0; 2], smooth: false }
     }
 }
 
@@ -266,6 +272,15 @@ impl Object {
 
     pub fn kind(&self) -> Kind {
         self.role.kind()
+    }
+
+    /// GGX's α along u and v.
+    pub fn roughness(&self) -> [f64; 2] {
+        match &self.role {
+            Role::Refractor(refractor) => refractor.roughness,
+            Role::Solid(solid) if solid.mirror => solid.roughness,
+            Role::Solid(_) | Role::Light(_) => [0.0; 2],
+        }
     }
 
     /// What the scene declares to lie outside.

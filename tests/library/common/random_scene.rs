@@ -29,6 +29,10 @@ pub fn vector() -> impl Strategy<Value = DVec3> {
     [number(), number(), number()].prop_map(DVec3::from_array)
 }
 
+fn roughness() -> impl Strategy<Value = [f64; 2]> {
+    prop_oneof![Just([0.0; 2]), share().prop_map(|alpha| [alpha; 2]), [share(), share()]]
+}
+
 fn three(one: impl Strategy<Value = f64> + Clone) -> impl Strategy<Value = [f64; 3]> {
     [one.clone(), one.clone(), one]
 }
@@ -157,10 +161,11 @@ fn named<T>(kind: &'static str, things: Vec<(String, T)>) -> Vec<(String, T)> {
 pub fn description() -> impl Strategy<Value = Description> {
     let media = prop::collection::vec((word(), (ior(), three(positive()))), 1..4);
     let refractors = prop::collection::vec(
-        (word(), (any::<prop::sample::Index>(), shape(), any::<i32>(), any::<[bool; 3]>(), transform())),
+        (word(), (any::<prop::sample::Index>(), shape(), any::<i32>(), (any::<[bool; 4]>(), roughness()), transform())),
         0..4,
     );
-    let solids = prop::collection::vec((word(), (shape(), paint(), any::<[bool; 3]>(), transform())), 0..3);
+    let solids =
+        prop::collection::vec((word(), (shape(), paint(), (any::<[bool; 3]>(), roughness()), transform())), 0..3);
     let lights = prop::collection::vec((word(), (light(), any::<bool>(), transform())), 0..3);
     let world = (ior(), three(positive())).prop_map(|(ior, absorption)| WorldMedium { ior, absorption });
     (word(), camera(), world, environment(), media, refractors, solids, lights).prop_map(
@@ -175,15 +180,17 @@ pub fn description() -> impl Strategy<Value = Description> {
                 world,
                 environment,
                 objects: (named("r", refractors).into_iter())
-                    .map(|(name, (medium, shape, priority, [smooth, visible, is_declared], transform))| {
+                    .map(|(name, (medium, shape, priority, flags, transform))| {
                         let medium = medium.get(&media).name.clone();
+                        let ([smooth, visible, is_declared, thin], roughness) = flags;
                         let outside = is_declared.then(|| media[0].name.clone());
-                        let role = Refractor { medium, priority, smooth, outside }.into();
+                        let role = Refractor { medium, priority, smooth, roughness, thin, outside }.into();
                         Object { name, shape, transform, visible, role }
                     })
                     .chain((named("s", solids).into_iter()).map(
-                        |(name, (shape, paint, [mirror, smooth, visible], transform))| {
-                            let role = Solid { paint, mirror, smooth }.into();
+                        |(name, (shape, paint, ([mirror, smooth, visible], roughness), transform))| {
+                            let roughness = if mirror { roughness } else { [0.0; 2] };
+                            let role = Solid { paint, mirror, roughness, smooth }.into();
                             Object { name, shape, transform, visible, role }
                         },
                     ))

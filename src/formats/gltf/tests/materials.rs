@@ -50,10 +50,12 @@ fn what_transmits_with_a_volume_is_a_refractor() {
 }
 
 #[test]
-fn a_thin_wall_is_taken_for_a_body_and_told() {
+fn a_thin_wall_is_taken_for_a_body_and_kept_as_such() {
     let scene = of(glass(&json!({})));
+    let refractor = scene.objects[0].refractor().unwrap();
+    assert!(refractor.thin && scene.objects[0].visible && refractor.roughness == [0.0; 2]);
     assert_eq!((&scene.media[0].ior, scene.media[0].absorption), (&Ior::Constant(1.5), [0.0; 3]));
-    assert_eq!(notes(&scene), ["thin_wall", "no_camera", "no_light"]);
+    assert_eq!(notes(&scene), ["no_camera", "no_light"]);
 }
 
 #[test]
@@ -72,8 +74,10 @@ fn what_glass_has_no_place_for_is_told_once_a_kind() {
     let medium = &scene.media[0];
     assert!((medium.ior.ior() - 1.5).abs() < 1e-12 && (medium.ior.abbe_number().unwrap() - 20.0 / 0.3).abs() < 1e-6);
     assert!((medium.absorption[0] - 2.0 * 2_f64.ln()).abs() < 1e-12);
-    let kinds = ["normal_texture", "material_extension", "rough_glass", "specular", "surface_tint"];
-    assert_eq!(notes(&scene)[..5], kinds);
+    let refractor = scene.objects[0].refractor().unwrap();
+    assert!(!refractor.thin && refractor.roughness.iter().all(|alpha| (alpha - 0.16).abs() < 1e-12));
+    let kinds = ["normal_texture", "material_extension", "specular", "surface_tint"];
+    assert_eq!(notes(&scene)[..4], kinds);
 }
 
 #[test]

@@ -61,7 +61,8 @@ fn edit(document: &mut DocumentMut, old: &Tree, new: &Tree) {
 
 /// Writes the scene to a file, whole or not at all. Paths that are relative to another folder are rewritten, and so are absolute ones of what
 /// was added and lies in the file's folder; what a built-in scene names is written beside the file, and
-/// meshes and textures within a file of another format into folders beside it, called `NAME-meshes` and `NAME-textures`.
+/// meshes and textures within a file of another format into folders beside it, called `NAME-meshes` and `NAME-textures`, and an environment as
+/// `NAME-environment.exr`.
 ///
 /// # Errors
 /// When a file cannot be written, or its ending is that of another format.

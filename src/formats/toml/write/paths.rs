@@ -7,11 +7,13 @@ use std::sync::Arc;
 use crate::formats::builtin::BuiltIn;
 use crate::formats::disk::{self, FileError};
 use crate::formats::files::{Files, normal};
+use crate::formats::image::write::exr_of_pixels;
 use crate::formats::toml::read::parse_text_only;
 use crate::formats::{ply, texture};
 use crate::geometry::Mesh;
 use crate::scene::SceneError;
 use crate::scene::description::{Description, Environment, MeshPart, Object, Paint, Role, Shape, Solid, Source};
+use crate::scene::environment::EnvironmentImage;
 use crate::scene::texture::TextureImage;
 use crate::writing::write_atomically;
 
@@ -77,8 +79,11 @@ pub(super) fn relocate(description: &mut Description, target: &Path) -> Result<(
             }
         }
     }
-    if let Environment::Image { path, .. } = &mut description.environment {
-        moved(path)?;
+    if let Environment::Image { path, image, .. } = &mut description.environment {
+        match &source {
+            Some(source) if is_in_import(source, path) => *path = write_environment(image, target)?,
+            _ => moved(path)?,
+        }
     }
     Ok(())
 }
@@ -111,7 +116,7 @@ fn below(folder: &Path, file: &Path) -> Option<PathBuf> {
     as_named.or_else(|| within(&absolute(folder), &absolute(file.parent()?).join(file.file_name()?)))
 }
 
-/// Whether a mesh comes from the file of another format that the scene itself does: a scene file names meshes of its own.
+/// Whether a mesh or an image comes from the file of another format that the scene itself does: a scene file names meshes of its own.
 fn is_in_import(source: &Source, path: &Path) -> bool {
     source.import.is_some() && source.path.file_name().is_some_and(|name| path == Path::new(name))
 }
@@ -157,6 +162,15 @@ impl<T> Beside<T> {
         self.written.insert(Arc::as_ptr(part), path.clone());
         Ok(path)
     }
+}
+
+/// Writes an image that is in no file as it is beside the scene file, and answers its name.
+fn write_environment(image: &EnvironmentImage, target: &Path) -> Result<PathBuf, SceneError> {
+    let stem = target.file_stem().unwrap_or_default().to_string_lossy();
+    let pixel = |x: usize, y: usize| image.pixels[y * image.width + x];
+    let bytes = exr_of_pixels((image.width, image.height), pixel, &[])
+        .map_err(|error| SceneError::in_file(target, format!("the environment cannot be written: {error}")))?;
+    write_beside(&bytes, target.parent().unwrap_or(Path::new("")), &file_stem(&format!("{stem}-environment")), "exr")
 }
 
 /// A name as that of a file on every system.

@@ -82,12 +82,19 @@ fn every_kind_of_edit_is_read_back() {
     scene.media[1].absorption = [0.0, 0.5, 1.0];
     scene.media[0].ior = Ior::Sellmeier(vec![[1.0, 0.01], [0.1, 100.0]].into());
     let [ball, floor] = &mut scene.objects[..] else { panic!("two objects") };
-    *ball.refractor_mut().unwrap() =
-        Refractor { medium: "water".into(), priority: -3, smooth: true, outside: Some("world".into()) };
+    *ball.refractor_mut().unwrap() = Refractor {
+        priority: -3,
+        smooth: true,
+        roughness: [0.1; 2],
+        thin: true,
+        outside: Some("world".into()),
+        ..Refractor::of("water")
+    };
     scene.camera_medium = Some("water".into());
     ball.transform = Transform { scale: DVec3::splat(2.0), rotate: DVec3::X, translate: -DVec3::Y };
     floor.solid_mut().unwrap().paint = Paint::Checker { a: [0.0; 3], b: [1.0; 3], size: 0.25 };
     floor.solid_mut().unwrap().mirror = true;
+    floor.solid_mut().unwrap().roughness = [0.25, 0.5];
     floor.visible = false;
     floor.shape = Shape::Torus { center: DVec3::ZERO, major: 2.0, minor: 0.5, segments: 12, rings: 8 };
     let shape = Shape::Lathe { profile: vec![[0.0, 0.0], [1.0, 0.5], [0.0, 1.0]], segments: 128 };
