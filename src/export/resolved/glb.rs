@@ -263,7 +263,7 @@ impl<'a> Writer<'a> {
 
     /// Abbe's number of a medium that disperses, and what it does not say.
     fn abbe_number(&mut self, medium: MediumId) -> Option<f64> {
-        let index = self.resolved.index(medium);
+        let index = self.resolved.ior_of(medium);
         let abbe = index.abbe_number();
         let is_whole = matches!(index, Ior::Cauchy([_, _, 0.0])) && abbe.is_some();
         if index.is_dispersive() && !is_whole {

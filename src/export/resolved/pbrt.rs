@@ -174,7 +174,7 @@ impl Writer<'_> {
     /// The index inside over that outside, of one number or by wavelengths.
     fn eta(&self, inside: MediumId, outside: MediumId) -> String {
         let ratio = self.resolved.medium(inside).ior() / self.resolved.medium(outside).ior();
-        let sides = [inside, outside].map(|id| self.resolved.index(id));
+        let sides = [inside, outside].map(|id| self.resolved.ior_of(id));
         let at = |nm: u32| {
             let [inside, outside] = sides.map(|index| 1.0 + index.ior_minus_one(1e-3 * f64::from(nm)));
             inside / outside

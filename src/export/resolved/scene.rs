@@ -121,7 +121,7 @@ impl ResolvedScene {
     }
 
     /// The index of a medium as the scene has it, at all wavelengths.
-    pub fn index(&self, id: MediumId) -> &Ior {
+    pub fn ior_of(&self, id: MediumId) -> &Ior {
         const ONE: Ior = Ior::Constant(1.0);
         match id {
             MediumId::WORLD => &self.description().world.ior,
@@ -138,7 +138,7 @@ impl ResolvedScene {
     pub fn dispersive(&self) -> Vec<String> {
         let sides = self.interfaces.iter().flat_map(|interface| [interface.inside, interface.outside]);
         let sides = sides.chain(self.walls.iter().map(|wall| wall.inside));
-        let media = sides.filter(|id| self.index(*id).is_dispersive()).collect::<BTreeSet<_>>();
+        let media = sides.filter(|id| self.ior_of(*id).is_dispersive()).collect::<BTreeSet<_>>();
         media.into_iter().map(|id| self.medium(id).name.clone()).collect()
     }
 
