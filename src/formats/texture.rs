@@ -22,6 +22,15 @@ pub(super) fn parts_of(path: &Path) -> Option<(&Path, usize)> {
     Some((Path::new(file), index.parse().ok()?))
 }
 
+/// What a path is called in short: its file's name, and which image of it.
+pub fn short_name(path: &Path) -> String {
+    let name = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    match parts_of(path) {
+        Some((file, index)) => format!("image {index} of {}", name(file)),
+        None => name(path),
+    }
+}
+
 /// The file that a path names.
 pub fn file_of(path: &Path) -> &Path {
     parts_of(path).map_or(path, |(file, _)| file)
@@ -79,6 +88,7 @@ mod tests {
         assert_eq!(path, Path::new("a b/cube.glb#/images/3"));
         assert_eq!(parts_of(&path), Some((Path::new("a b/cube.glb"), 3)));
         assert_eq!(file_of(&path), Path::new("a b/cube.glb"));
+        assert_eq!([&path, Path::new("a/b.png")].map(short_name), ["image 3 of cube.glb", "b.png"]);
         for plain in ["oak.jpg", "c#4.png", "cube.glb#/images/x"] {
             assert_eq!(file_of(Path::new(plain)), Path::new(plain));
         }

@@ -7,7 +7,8 @@ use egui::{DragValue, Label, RichText, Ui};
 use super::light;
 use crate::app::command::Command;
 use crate::app::edit::ObjectEdit;
-use crate::app::widgets::{RGB, Triple, color_ui, number_ui, row_ui, segmented_row_ui};
+use crate::app::widgets::{RGB, Triple, color_ui, number_ui, number_within_ui, row_ui, segmented_row_ui};
+use crate::formats::texture;
 use crate::scene::description::{Object, Paint, Role, Solid};
 
 /// Rows for a solid or a light.
@@ -70,17 +71,33 @@ fn solid_ui(ui: &mut Ui, name: &str, solid: &Solid, commands: &mut Vec<Command>)
     let about = "Share of red, green and blue that is reflected, from 0 to 1, linear.";
     match solid.paint {
         Paint::Texture { ref path, ref image, tint, uv } => {
-            let about = "The image, and what multiplies it.";
+            let about = "The image on the surface.";
             let is_asked = row_ui(ui, "File", about, |ui| {
                 let is_asked = ui.button("Choose…").on_hover_text("Another image, from a file.").clicked();
-                let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+                let file = texture::short_name(path);
                 let text = format!("{} ({} × {})", path.display(), image.width(), image.height());
                 ui.add(Label::new(RichText::new(file)).truncate()).on_hover_text(text);
                 is_asked
             });
+            let about = "Multiplies the image: shares of red, green and blue from 0 to 1, linear.";
             if let Some(tint) = color_row_ui(ui, "Tint", &format!("Tint of {name}"), about, tint) {
                 set(Paint::Texture { path: path.clone(), image: Arc::clone(image), tint, uv });
             }
+            let about = "How often the image is there along u and v; below 0 it is mirrored.";
+            row_ui(ui, "Repeat", about, |ui| {
+                let mut edited = uv;
+                for (scale, axis) in edited.scale.iter_mut().zip(["u", "v"]) {
+                    let label = format!("Repeats of {name} along {axis}");
+                    let before = *scale;
+                    let drag = DragValue::new(scale).speed(0.02).max_decimals(3);
+                    if !number_within_ui(ui, 60.0, -1e6..=1e6, drag, label, about) {
+                        *scale = before;
+                    }
+                }
+                if edited != uv {
+                    set(Paint::Texture { path: path.clone(), image: Arc::clone(image), tint, uv: edited });
+                }
+            });
             if is_asked {
                 commands.push(Command::AskTexture);
             }
