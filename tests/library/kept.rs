@@ -32,7 +32,7 @@ fn kept(description: &Description) -> Vec<Kept> {
             roughness: object.roughness(),
             is_thin: refractor.is_some_and(|refractor| refractor.thin),
             ior: index.map_or(0.0, |index| index.ior() / outside.ior()),
-            dispersion: index.and_then(|index| index.abbe_number()).map_or(0.0, |abbe| 1.0 / abbe),
+            dispersion: index.and_then(iorect::optics::Ior::abbe_number).map_or(0.0, |abbe| 1.0 / abbe),
         }
     };
     let mut all: Vec<Kept> = description.objects.iter().map(one).collect();

@@ -143,7 +143,7 @@ fn a_ball_in_half_a_sky_has_its_irradiance() {
         let from_middle = |k: u32| (f64::from(k) + 0.5 - f64::from(SIDE) / 2.0).abs();
         match from_middle(x) + from_middle(y) - f64::from(SIDE) / 2.0 {
             beyond if beyond < 0.0 => 2.0,
-            beyond if beyond == 0.0 => 1.0,
+            0.0 => 1.0,
             _ => 0.0,
         }
     };
