@@ -70,7 +70,9 @@ impl Purpose {
     /// What the dialog offers, and the endings that such files have.
     fn filter(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::Open => ("scenes and meshes", &["toml", "glb", "gltf", "xml", "pbrt", "obj", "ply", "stl"]),
+            Self::Open => {
+                ("scenes and meshes", &["toml", "glb", "gltf", "xml", "pbrt", "obj", "ply", "stl", "serialized"])
+            }
             Self::SaveAs => ("iorect scenes", &["toml"]),
             Self::Environment => ("images", &["exr", "hdr", "png", "jpg", "jpeg"]),
             Self::Texture => ("images", &["png", "jpg", "jpeg", "exr", "hdr"]),

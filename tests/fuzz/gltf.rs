@@ -21,6 +21,8 @@ pub fn table() -> (Value, Vec<u8>) {
     add(floats.clone(), 5126, 8, "VEC3");
     add(faces.iter().flat_map(|x| x.to_le_bytes()).collect(), 5123, 36, "SCALAR");
     add(floats, 5126, 8, "VEC3");
+    add((0..32).map(|i| 8 * i).collect(), 5121, 8, "VEC4");
+    add((0..16).flat_map(|i| (0.1_f32 * i as f32).to_le_bytes()).collect(), 5126, 8, "VEC2");
     let primitive =
         |material: usize| json!({"attributes": {"POSITION": 0, "NORMAL": 2}, "indices": 1, "material": material});
     let root = json!({
@@ -43,7 +45,8 @@ pub fn table() -> (Value, Vec<u8>) {
         "meshes": [
             {"name": "Glass", "primitives": [primitive(0)]},
             {"name": "Wine", "primitives": [primitive(1)]},
-            {"name": "Table", "primitives": [primitive(2)]},
+            {"name": "Table", "primitives": [{"attributes": {"POSITION": 0, "NORMAL": 2, "COLOR_0": 3, "TEXCOORD_0": 4},
+                "indices": 1, "material": 2}]},
         ],
         "materials": [
             {"name": "Glass", "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0}, "extensions": {
@@ -82,7 +85,10 @@ pub fn embedded(png: &[u8]) -> Vec<u8> {
     root["buffers"][0]["uri"] = json!(uri("application/octet-stream", &bytes));
     root["images"] = json!([{"uri": uri("image/png", png)}]);
     root["textures"] = json!([{"source": 0}]);
-    root["materials"][2]["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0});
+    root["materials"][2]["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0, "extensions": {
+        "KHR_texture_transform": {"offset": [0.1, 0.2], "rotation": 0.5, "scale": [2, -1]}}});
+    root["samplers"] = json!([{"wrapS": 33071, "wrapT": 10497}]);
+    root["textures"][0]["sampler"] = json!(0);
     serde_json::to_vec_pretty(&root).unwrap()
 }
 

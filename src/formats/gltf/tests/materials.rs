@@ -184,7 +184,9 @@ fn images_stand_for_their_average() {
     assert!(color.iter().zip([0.6, 0.3, 0.0]).all(|(a, b)| (a - b).abs() < 1e-6), "{color:?}");
     // More of it is metal than not. The cube has no texture coordinates.
     assert!(solid.mirror);
-    assert_eq!(notes(&scene)[..3], ["texture", "rough_metal", "no_texture_coordinates"]);
+    // α is the square of the roughness, here of 0.2 times the mean of the image's green.
+    assert!(solid.roughness.iter().all(|alpha| (alpha - 0.0225).abs() < 1e-9), "{:?}", solid.roughness);
+    assert_eq!(notes(&scene)[..2], ["texture", "no_texture_coordinates"]);
     // One that cannot be read, or is not there, leaves the factor alone.
     for image in [
         json!({"uri": "data:image/ktx2;base64,AAAA"}),
