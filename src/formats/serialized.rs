@@ -94,9 +94,14 @@ fn shape(deflated: &[u8], version: u16, index: usize, polygons: &mut Polygons) -
     } else {
         polygons.normals.clear()
     }
-    let coordinates = if flags & flag::TEXTURE_COORDINATES != 0 { 2 } else { 0 };
+    let has_uvs = flags & flag::TEXTURE_COORDINATES != 0;
+    for vertex in before..before + vertices as usize {
+        let uv =
+            if has_uvs { Some([stream.number(is_double)? as f32, stream.number(is_double)? as f32]) } else { None };
+        polygons.uvs.push_of_position(uv, vertex);
+    }
     let colors = if flags & flag::COLORS != 0 { 3 } else { 0 };
-    for _ in 0..vertices * (coordinates + colors) {
+    for _ in 0..vertices * colors {
         stream.number(is_double)?;
     }
     polygons.parts.begin(polygons.faces.len(), std::iter::once(index.to_string().as_str()), None);
@@ -145,7 +150,7 @@ mod tests {
     use super::*;
     use crate::scene::description::MeshPart;
 
-    /// Shapes of one triangle each, at that height, with normals or without.
+    /// Shapes of one triangle each, at that height, with normals and texture coordinates or without.
     fn file(version: u16, is_double: bool, shapes: &[(f64, bool)]) -> Vec<u8> {
         let (mut bytes, mut starts) = (Vec::new(), Vec::new());
         for &(height, has_normals) in shapes {
@@ -153,7 +158,8 @@ mod tests {
             bytes.extend(MAGIC.to_le_bytes());
             bytes.extend(version.to_le_bytes());
             let mut data = Vec::new();
-            let flags = u32::from(has_normals) | if is_double { flag::DOUBLE } else { 0x1000 } | flag::COLORS;
+            let own = if has_normals { flag::NORMALS | flag::TEXTURE_COORDINATES } else { 0 };
+            let flags = own | if is_double { flag::DOUBLE } else { 0x1000 } | flag::COLORS;
             data.extend(flags.to_le_bytes());
             if version == 4 {
                 data.extend(b"a name\0");
@@ -167,6 +173,7 @@ mod tests {
             [0.0, 0.0, height, 1.0, 0.0, height, 0.0, 1.0, height].into_iter().for_each(&mut number);
             if has_normals {
                 (0..3).for_each(|_| [0.0, 0.0, 1.0].into_iter().for_each(&mut number));
+                [0.0, 0.0, 1.0, 0.0, 0.0, 1.0].into_iter().for_each(&mut number);
             }
             (0..9).for_each(|_| number(0.5));
             [0_u32, 1, 2].iter().for_each(|corner| data.extend(corner.to_le_bytes()));
@@ -191,6 +198,7 @@ mod tests {
             assert_eq!((read.positions.len(), read.normals.len(), read.faces.len()), (6, 6, 2));
             let (second, _) = read.part(&MeshPart::of_group("1")).unwrap().finish().unwrap();
             assert_eq!((second.positions.len(), second.positions[0].z, second.normals[0]), (3, 2.0, DVec3::Z));
+            assert_eq!(second.uvs, [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]]);
         }
         let mixed = read(&file(4, false, &[(1.0, true), (2.0, false)])).unwrap();
         assert!(mixed.normals.is_empty());

@@ -23,7 +23,7 @@ use super::importing::{Importer, at};
 use crate::scene::{Description, SceneError};
 
 /// Elements that say how to render, which is not the scene's affair here.
-const PASSED_OVER: [&str; 2] = ["film", "default"];
+const PASSED_OVER: [&str; 5] = ["integrator", "sampler", "film", "rfilter", "default"];
 
 /// Most references from one element to the next.
 const MOST_REFERENCES: usize = 64;

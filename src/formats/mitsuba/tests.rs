@@ -145,7 +145,8 @@ fn what_has_no_counterpart_is_said_once_a_kind() {
 #[test]
 fn how_to_render_is_passed_over() {
     let read = scene(
-        r#"<integrator type="$kind"/><sensor type="perspective"><sampler type="independent"><integer name="sample_count" value="$spp"/></sampler></sensor>
+        r#"<integrator type="$kind"/><sampler type="$kind" id="many"><integer name="sample_count" value="$spp"/></sampler>
+        <sensor type="perspective"><ref id="many"/><sampler type="independent"><integer name="sample_count" value="$spp"/></sampler></sensor>
         <emitter type="area" id="glow"><rgb name="radiance" value="2"/></emitter><shape type="sphere"><ref id="glow"/></shape>"#,
     );
     assert_eq!(kinds(&read), [""; 0]);

@@ -117,8 +117,17 @@ impl Source<'_, '_> {
         if depth > MOST_DEPTH {
             return Err(at(&place, format!("elements stand more than {MOST_DEPTH} deep in each other")));
         }
-        // How to render is not the scene's affair here, and may hang on variables that are set elsewhere.
+        // How to render is not the scene's affair here, and may hang on variables that are set elsewhere. It may be referred to.
         if ["integrator", "sampler", "rfilter"].contains(&element.tag_name().name()) {
+            nodes.push(Node {
+                tag: element.tag_name().name().to_owned(),
+                kind: String::new(),
+                name: String::new(),
+                id: element.attribute("id").unwrap_or_default().to_owned(),
+                attributes: Vec::new(),
+                children: Vec::new(),
+                place,
+            });
             return Ok(());
         }
         let mut attributes = Vec::new();
