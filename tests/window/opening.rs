@@ -83,6 +83,55 @@ fn a_mesh_is_added_and_an_image_surrounds_the_scene() {
     });
 }
 
+/// Scenes are opened, meshes added, and images put around the scene, by a drop or by the dialog, which ask for the same.
+#[test]
+fn every_kind_of_file_can_be_dropped() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    let corners = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+    write(
+        &path("mitsuba.xml"),
+        r#"<scene version="3.0.0"><emitter type="constant"/><shape type="sphere"><bsdf type="dielectric"/></shape></scene>"#,
+    );
+    write(
+        &path("book.pbrt"),
+        "WorldBegin\nLightSource \"infinite\"\nMaterial \"dielectric\" \"float eta\" 1.4\nShape \"sphere\"\n",
+    );
+    iorect::formats::save(&iorect::formats::open("camera-in-water").expect("a built-in scene"), &path("own.toml"))
+        .expect("the folder is writable");
+    write_gltf(&path("other.gltf"), 1.5);
+    let header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+                  element face 4\nproperty list uchar int vertex_indices\nend_header\n";
+    write(&path("pebble.ply"), format!("{header}{corners}3 0 2 1\n3 0 3 2\n3 0 1 3\n3 1 2 3\n"));
+    let facet = |corners: [&str; 3]| {
+        let corners = corners.map(|corner| format!("vertex {corner}\n")).concat();
+        format!("facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet\n")
+    };
+    let [o, x, y, z] = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"];
+    let facets = [facet([o, y, x]), facet([o, z, y]), facet([o, x, z]), facet([x, y, z])].concat();
+    write(&path("shard.stl"), format!("solid shard\n{facets}endsolid shard\n"));
+    let picture = iorect::export::Picture { width: 4, height: 2, rgb: vec![[0.5; 3]; 8] };
+    iorect::export::exr(&path("sky.exr"), &picture, &[]).expect("the folder is writable");
+
+    let mut harness = window("nested-spheres");
+    for (file, name) in
+        [("mitsuba.xml", "mitsuba"), ("book.pbrt", "book"), ("other.gltf", "other"), ("own.toml", "Camera in water")]
+    {
+        drop_files(&mut harness, &[&path(file)]);
+        until(&mut harness, file, move |app| app.state().document.description().name == name);
+        assert!(!scene(&harness).objects.refractors().is_empty(), "{file}");
+    }
+    for (file, name) in [("pebble.ply", "pebble"), ("shard.stl", "shard")] {
+        drop_files(&mut harness, &[&path(file)]);
+        until(&mut harness, file, move |app| app.state().document.description().objects.find(name).is_some());
+        assert_eq!(scene(&harness).name, "Camera in water", "{file} is added");
+    }
+    drop_files(&mut harness, &[&path("sky.exr")]);
+    until(&mut harness, "the sky is there", |app| {
+        matches!(app.state().document.description().environment, Environment::Image { .. })
+    });
+}
+
 /// A box for each material of a library: two of glass, one opaque, one that shines.
 #[test]
 fn a_mesh_of_several_materials_is_added_as_several_objects_that_stay_together() {

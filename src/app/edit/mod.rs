@@ -76,7 +76,10 @@ impl Edit {
             Self::Name(_) => EditKey::single("name of the scene"),
             Self::Object(name, edit) => edit.key(name),
             Self::Add(object, _) => EditKey::single(format!("adding {}", object.name)),
-            Self::AddAll(objects) => EditKey::single(format!("adding {} objects", objects.len())),
+            Self::AddAll(objects) => EditKey::single(match &objects[..] {
+                [(object, _)] => format!("adding {}", object.name),
+                objects => format!("adding {} objects", objects.len()),
+            }),
             Self::Remove(name) => EditKey::single(format!("deleting {name}")),
             Self::Priorities(_) => EditKey::continuous("order of priorities"),
             Self::Medium(medium, edit) => edit.key(medium),
