@@ -84,7 +84,9 @@ impl State {
     /// Films of that size are wanted from now on, in pixels; `None`: such as fit the panes.
     pub(super) fn fix_film_size(&mut self, fixed: Option<[u32; 2]>) {
         let size = &mut self.size;
-        size.fixed = fixed;
+        if std::mem::replace(&mut size.fixed, fixed) == fixed {
+            return;
+        }
         if size.film != fixed.unwrap_or(size.pane) && !size.film.contains(&0) {
             size.fit();
             self.invalidate();
@@ -149,6 +151,11 @@ mod tests {
         assert_eq!(state.film_size(), [64, 64]);
         state.fix_film_size(None);
         assert_eq!(state.film_size(), [500, 300]);
+        // What changes nothing loses no samples, also of films that are not quite as large as the panes.
+        state.set_pane_size([490, 300], 30.0);
+        let epoch = state.epoch();
+        state.fix_film_size(None);
+        assert_eq!((state.film_size(), state.epoch()), ([500, 300], epoch));
     }
 
     #[test]
